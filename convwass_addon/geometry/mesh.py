@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A triangle mesh as two arrays, and what can be read off it directly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """Vertices and triangles.
+
+    Attributes
+    ----------
+    vertices : (n, 3) float64
+        Positions, in whatever space the maker says.
+    faces : (m, 3) int64
+        Vertex indices; counter-clockwise seen from outside.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+
+    @classmethod
+    def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike) -> TriangleMesh:
+        """Check and convert arrays to a mesh.
+
+        Raises
+        ------
+        InputError
+            Coordinates that are not finite, indices out of range, or arrays that are not (n, 3) and (m, 3).
+        """
+        points = np.ascontiguousarray(vertices, dtype=np.float64)
+        corners = np.ascontiguousarray(faces, dtype=np.int64)
+        if points.ndim != 2 or points.shape[1] != 3 or corners.ndim != 2 or corners.shape[1] != 3:
+            raise InputError("A mesh needs vertices of shape (n, 3) and triangles of shape (m, 3).")
+        if not np.isfinite(points).all():
+            bad = int((~np.isfinite(points)).any(axis=1).sum())
+            raise InputError(
+                f"{bad} of {len(points)} vertices have coordinates that are not numbers (NaN or infinite)."
+            )
+        if corners.size and (corners.min() < 0 or corners.max() >= len(points)):
+            raise InputError("The triangles refer to vertices that do not exist.")
+        return cls(points, corners)
+
+    @cached_property
+    def corners(self) -> NDArray[np.float64]:
+        """Corner positions of every triangle, (m, 3, 3)."""
+        return self.vertices[self.faces]
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """Smallest and largest coordinates over the vertices that faces use, (2, 3)."""
+        used = self.vertices[np.unique(self.faces)]
+        return np.stack([used.min(axis=0), used.max(axis=0)])
+
+    @cached_property
+    def area(self) -> float:
+        """Surface area."""
+        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
+        return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+    @cached_property
+    def face_volumes(self) -> NDArray[np.float64]:
+        """Signed volumes of the tetrahedra that the triangles span with the middle of the bounds, (m,)."""
+        a, b, c = np.moveaxis(self.corners - self.bounds.mean(axis=0), 1, 0)
+        return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+
+    @cached_property
+    def volume(self) -> float:
+        """Signed enclosed volume; positive where the faces look outward."""
+        return float(self.face_volumes.sum())
+
+    def moved(self, offset: ArrayLike) -> TriangleMesh:
+        """Return the mesh translated by `offset`, (3,)."""
+        return TriangleMesh(self.vertices + np.asarray(offset, dtype=np.float64), self.faces)
+
+    def flipped(self) -> TriangleMesh:
+        """Return the mesh with every face turned over."""
+        return TriangleMesh(self.vertices, np.ascontiguousarray(self.faces[:, ::-1]))

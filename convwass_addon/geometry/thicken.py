@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A solid for surfaces that enclose nothing: everything within a distance of the triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+# Distance between the points that stand for the surface, in cells.
+_SPACING = 0.35
+
+
+def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], thickness: float) -> NDArray[np.float32]:
+    """Fraction of every voxel within half of `thickness` of the triangles.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3) float64
+        Triangles in cells, as for :func:`.occupancy.occupancy`.
+    shape : (int, int, int)
+        Cells per axis.
+    thickness : float
+        In cells, one or more.
+
+    Returns
+    -------
+    ndarray of float32, shape `shape`
+        Values in [0, 1], with a ramp one cell wide.
+    """
+    points = _sample(corners)
+    reach = int(np.ceil(thickness / 2 + 1))
+    near = np.zeros(shape, bool)
+    cells = np.unique(np.clip(np.floor(points).astype(np.int64), 0, np.array(shape) - 1), axis=0)
+    span = np.arange(-reach, reach + 1)
+    for step in np.stack(np.meshgrid(span, span, span, indexing="ij"), axis=-1).reshape(-1, 3):
+        moved = cells + step
+        moved = moved[((moved >= 0) & (moved < shape)).all(axis=1)]
+        near[tuple(moved.T)] = True
+    index = np.argwhere(near)
+    distance = cKDTree(points).query(index + 0.5)[0]
+    filled = np.zeros(shape, np.float32)
+    filled[near] = np.clip(0.5 + thickness / 2 - distance, 0.0, 1.0)
+    return filled
+
+
+def _sample(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points on the triangles, no farther apart than the spacing, (p, 3)."""
+    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    steps = np.maximum(np.ceil(lengths / _SPACING).astype(int), 1)
+    found = []
+    for count in np.unique(steps):
+        i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+        keep = i + j <= count
+        u, v = i[keep] / count, j[keep] / count
+        weights = np.stack([1.0 - u - v, u, v], axis=1)
+        found.append((weights @ corners[steps == count]).reshape(-1, 3))
+    return np.concatenate(found)
