@@ -1,0 +1,241 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wasserstein barycenters by iterated Bregman projection, in logarithms.
+
+Algorithm 2 of Solomon et al. 2015 with, on a dial, the debiasing of Janati, Cuturi and Gramfort 2020 ("Debiased
+Sinkhorn barycenters"), and with the entropy bound of Algorithm 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .checks import check_distributions, check_weights
+from .bregman import BregmanIteration, Potentials
+from .domain import Domain
+from .sharpening import entropy
+
+# Called once per iteration with the cells of the level, the iteration and the marginal error; raise to stop.
+Monitor = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True)
+class Barycenter:
+    """A solved barycenter.
+
+    Attributes
+    ----------
+    density : (*shape) float64
+        The barycenter; mass 1 under the area weights.
+    levels : tuple of Potentials
+        The scalings of the inputs whose weight is not zero, coarse to fine; to start a neighboring solve from.
+    weights : (k,) float64
+        The weights of the inputs, as used.
+    sharpness : float
+        As asked for.
+    iterations : tuple of int
+        Iterations at every level, coarse to fine.
+    marginal_error : float
+        The largest sum of a |v_i H(a w_i) - mu| over the inputs.
+    mass_error : float
+        |a^T mu - 1| before the density was normalized.
+    invariant_error : float
+        Largest |sum_i alpha_i ln v_i - s ln d - (1 - 1 / beta) ln mu| where the density is not negligible; zero in
+        exact arithmetic.
+    converged : bool
+        Whether the marginal error fell below the tolerance.
+    numerics : str
+        "scaling" or "log domain by line": how the kernel was applied at the finest level.
+    entropy : float
+        Entropy of the density in nats.
+    sharpening_exponent : float
+        beta of Algorithm 3; 1 where the bound does not act.
+    """
+
+    density: NDArray[np.float64]
+    levels: tuple[Potentials, ...]
+    weights: NDArray[np.float64]
+    sharpness: float
+    iterations: tuple[int, ...]
+    marginal_error: float
+    mass_error: float
+    invariant_error: float
+    converged: bool
+    numerics: Literal["scaling", "log domain by line"]
+    entropy: float
+    sharpening_exponent: float
+
+    @property
+    def active(self) -> NDArray[np.int64]:
+        """Indices of the inputs whose weight is not zero."""
+        return np.flatnonzero(self.weights)
+
+    def record(self) -> dict[str, object]:
+        """Return the figures, without the arrays, ready for JSON."""
+        names = (
+            "sharpness",
+            "iterations",
+            "marginal_error",
+            "mass_error",
+            "invariant_error",
+            "converged",
+            "numerics",
+            "entropy",
+        )
+        return {name: getattr(self, name) for name in (*names, "sharpening_exponent")}
+
+
+def barycenter(
+    mus: ArrayLike,
+    weights: Sequence[float] | NDArray[np.float64],
+    domain: Domain,
+    *,
+    sharpness: float = 0.0,
+    entropy_limit: Literal["max"] | float | None = None,
+    tightening: int = 0,
+    initial: Barycenter | None = None,
+    tolerance: float = 1e-2,
+    max_iterations: int = 500,
+    monitor: Monitor | None = None,
+) -> Barycenter:
+    """Barycenter of distributions under the entropic Wasserstein distance.
+
+    Parameters
+    ----------
+    mus : (k, *domain.shape)
+        Densities, not negative; each is normalized to mass 1.
+    weights : (k,)
+        Not negative, not all zero; normalized to sum 1. Inputs of weight zero take no part.
+    domain : Domain
+        Owns the area weights and the heat kernel.
+    sharpness : float
+        0 is the paper's barycenter, 1 the debiased one of Janati et al. 2020, between them their geometric blend:
+        mu = d^s prod_i (H(a w_i))^alpha_i.
+    entropy_limit : None, "max" or float
+        Upper bound of the entropy in nats (eq. 14); "max" takes the largest entropy of the inputs.
+    tightening : int
+        How many looser bounds lead to the limit, from the entropy of the unbounded barycenter (end of section 6.1);
+        0 applies the limit from the start.
+    initial : Barycenter, optional
+        The barycenter of the same inputs with similar weights on the same domain, to start from. It is used where the
+        same inputs have weight.
+    tolerance : float
+        The solve ends when the marginal error is below this.
+    max_iterations : int
+        At every level.
+    monitor : callable, optional
+        ``monitor(cells, iteration, marginal_error)``, called once per iteration; what it raises ends the solve.
+
+    Returns
+    -------
+    Barycenter
+        The density and how well it solves the problem.
+
+    Raises
+    ------
+    ValueError
+        Distributions, weights or parameters that make no sense; the message names the argument.
+    """
+    densities = check_distributions(mus, domain)
+    alphas = check_weights(weights, len(densities))
+    if not 0.0 <= sharpness <= 1.0:
+        raise ValueError(f"sharpness must lie between 0 and 1, got {sharpness}")
+    if not tolerance > 0:
+        raise ValueError(f"tolerance must be positive, got {tolerance}")
+    if max_iterations < 1:
+        raise ValueError(f"max_iterations must be at least 1, got {max_iterations}")
+    active = np.flatnonzero(alphas)
+    problem = _Problem(densities[active], alphas[active], sharpness, tolerance, max_iterations, monitor)
+    limit = max(entropy(mu, domain.weights) for mu in densities[active]) if entropy_limit == "max" else entropy_limit
+    usable = initial is not None and np.array_equal(initial.active, active)
+    solved = problem.coarse_to_fine(domain, None if tightening else limit, initial.levels if usable else ())
+    if limit is not None and tightening:
+        free = entropy(solved.state.density, domain.weights)
+        for bound in np.linspace(free, float(limit), tightening + 1)[1:]:
+            solved = problem.continued(solved, float(bound))
+    return _finished(solved, alphas, sharpness, tolerance)
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """The finest level's iteration, the states of all levels and their iterations."""
+
+    state: BregmanIteration
+    levels: tuple[Potentials, ...]
+    iterations: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Everything that stays the same from level to level and from bound to bound."""
+
+    mus: NDArray[np.float64]
+    alphas: NDArray[np.float64]
+    sharpness: float
+    tolerance: float
+    max_iterations: int
+    monitor: Monitor | None
+
+    def coarse_to_fine(self, domain: Domain, limit: float | None, before: tuple[Potentials, ...]) -> _Solved:
+        """Solve on ever finer domains, each started from the one before and, if given, from a neighbor's levels."""
+        ladder = [(domain, self.mus)]
+        while (coarser := ladder[0][0].coarser()) is not None:
+            ladder.insert(0, (coarser, ladder[0][0].restrict(ladder[0][1])))
+        levels: list[Potentials] = []
+        iterations = []
+        for depth, (level, mus) in enumerate(ladder):
+            if before:
+                start = before[depth]
+                if depth:
+                    start = start.corrected(level, levels[-1], before[depth - 1])
+                start = start.for_weights(self.alphas, self.sharpness)
+            elif depth:
+                start = levels[-1].prolonged(level)
+            else:
+                start = Potentials.flat(len(self.alphas), level.shape)
+            state, count = self._solve(level, mus, limit, start)
+            levels.append(state.potentials())
+            iterations.append(count)
+        return _Solved(state, tuple(levels), tuple(iterations))
+
+    def continued(self, solved: _Solved, limit: float) -> _Solved:
+        """Solve the finest level again with another bound."""
+        state, count = self._solve(solved.state.domain, self.mus, limit, solved.levels[-1])
+        return _Solved(state, (*solved.levels[:-1], state.potentials()), (*solved.iterations, count))
+
+    def _solve(
+        self, domain: Domain, mus: NDArray[np.float64], limit: float | None, start: Potentials
+    ) -> tuple[BregmanIteration, int]:
+        """Iterate on one domain until the marginals agree."""
+        cells = int(np.prod(domain.shape))
+        state = BregmanIteration(domain, mus, self.alphas, self.sharpness, limit, start)
+        for iteration in range(1, self.max_iterations + 1):
+            state.step()
+            if self.monitor is not None:
+                self.monitor(cells, iteration, state.marginal_error)
+            if state.marginal_error < self.tolerance:
+                break
+        return state, iteration
+
+
+def _finished(solved: _Solved, alphas: NDArray[np.float64], sharpness: float, tolerance: float) -> Barycenter:
+    state = solved.state
+    return Barycenter(
+        density=state.density,
+        levels=solved.levels,
+        weights=alphas,
+        sharpness=sharpness,
+        iterations=solved.iterations,
+        marginal_error=state.marginal_error,
+        mass_error=state.mass_error(),
+        invariant_error=state.invariant_error(),
+        converged=state.marginal_error < tolerance,
+        numerics="log domain by line" if state.by_line else "scaling",
+        entropy=entropy(state.density, state.domain.weights),
+        sharpening_exponent=state.exponent,
+    )
