@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refuse a job that would not fit in memory, before it starts."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+
+from ..errors import ResourceError
+
+
+def check_memory(needed: int, resolution: int) -> None:
+    """Raise where a job needs more bytes than the machine has free.
+
+    Parameters
+    ----------
+    needed : int
+        Bytes at the peak of the job.
+    resolution : int
+        Cells along the longest side, to say which resolution would fit.
+
+    Raises
+    ------
+    ResourceError
+        With what is needed, what there is, and the resolution that fits.
+    """
+    free = available_memory()
+    if free is None or needed <= free:
+        return
+    fitting = int(resolution * (0.9 * free / needed) ** (1.0 / 3.0))
+    raise ResourceError(
+        f"Resolution {resolution} needs about {needed / 1e9:.1f} GB of memory and {free / 1e9:.1f} GB are free. "
+        f"Resolution {fitting} would fit."
+    )
+
+
+def available_memory() -> int | None:
+    """Bytes of memory that can be used without swapping; None where the system does not say."""
+    if sys.platform == "win32":
+        return _available_windows()
+    try:
+        with open("/proc/meminfo", encoding="ascii") as lines:
+            for line in lines:
+                if line.startswith("MemAvailable:"):
+                    return int(line.split()[1]) * 1024
+    except OSError:
+        pass
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (ValueError, OSError):
+        return None
+
+
+def _available_windows() -> int | None:
+    class MemoryStatus(ctypes.Structure):
+        _fields_ = (
+            ("length", ctypes.c_ulong),
+            ("load", ctypes.c_ulong),
+            *((name, ctypes.c_ulonglong) for name in ("total", "available", "a", "b", "c", "d", "e")),
+        )
+
+    status = MemoryStatus(length=ctypes.sizeof(MemoryStatus))
+    if not ctypes.windll.kernel32.GlobalMemoryStatusEx(ctypes.byref(status)):
+        return None
+    return int(status.available)
