@@ -40,7 +40,7 @@ class MorphSettings:
     resolution : int
         Cells along the longest side of the grid.
     blur : float or None
-        Standard deviation of the kernel in cells; None is one cell, or a hundredth of the resolution where that is more.
+        Standard deviation of the kernel in cells; None is one cell, or a hundredth of the resolution if that is more.
     sharpness : float or None
         0 is the paper's barycenter, 1 the debiased one; None is 0.75, rising to 1 towards the ends.
     entropy_limit : None, "max" or float

@@ -119,7 +119,7 @@ def voxelize(
             filled = shell_occupancy(corners, lattice.shape, cells)
         if filled.sum() < _LEAST_CELLS:
             raise InputError(
-                f"'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness (the "
-                "Thickness setting, --thickness, or a Solidify modifier), or raise the resolution if it is a small solid."
+                f"'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness "
+                "(the Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution."
             )
         yield filled

@@ -82,7 +82,7 @@ def topology(mesh: TriangleMesh) -> Topology:
     used = np.unique(mesh.faces)
     agree = np.add.reduceat(np.where(use.forward, 1, -1), use.start) == 0 if len(use.start) else np.empty(0, bool)
     return Topology(
-        components=int(len(np.unique(face_components(mesh.faces)))),
+        components=len(np.unique(face_components(mesh.faces))),
         euler=int(len(used) - len(use.start) + len(mesh.faces)),
         open_edges=int((use.count == 1).sum()),
         uneven_edges=int(((use.count > 2) | ((use.count == 2) & ~agree)).sum()),

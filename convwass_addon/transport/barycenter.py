@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import check_distributions, check_weights
 from .bregman import BregmanIteration, Potentials
+from .checks import check_distributions, check_weights
 from .domain import Domain
 from .sharpening import entropy
 

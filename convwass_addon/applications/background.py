@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run a job's steps on a worker thread, to be collected by a timer."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterator
+from typing import Generic, TypeVar
+
+from ..errors import Cancelled
+
+Step = TypeVar("Step")
+
+
+class BackgroundJob(Generic[Step]):
+    """A generator of steps on a thread of its own.
+
+    The thread touches arrays only; whoever polls does the rest.
+
+    Parameters
+    ----------
+    steps : callable
+        ``steps(check)`` returns the generator; it calls ``check()`` often, which raises
+        :class:`.errors.Cancelled` once the job is cancelled.
+    """
+
+    def __init__(self, steps: Callable[[Callable[[], None]], Iterator[Step]]) -> None:
+        self._cancelled = threading.Event()
+        self._done = threading.Event()
+        self._queue: queue.SimpleQueue[Step] = queue.SimpleQueue()
+        self._error: BaseException | None = None
+        self._steps = steps
+        self._thread = threading.Thread(target=self._run, name="convwass", daemon=True)
+        self._thread.start()
+
+    def poll(self) -> list[Step]:
+        """Return the steps that have been done since the last call."""
+        steps = []
+        while True:
+            try:
+                steps.append(self._queue.get_nowait())
+            except queue.Empty:
+                return steps
+
+    @property
+    def done(self) -> bool:
+        """Whether the thread has ended; steps may still be waiting to be polled."""
+        return self._done.is_set()
+
+    @property
+    def error(self) -> BaseException | None:
+        """What ended the job early, if anything; :class:`.errors.Cancelled` after `cancel`."""
+        return self._error
+
+    def cancel(self) -> None:
+        """Ask the job to end at its next check, and wait for it."""
+        self._cancelled.set()
+        self._thread.join()
+
+    def _check(self) -> None:
+        if self._cancelled.is_set():
+            raise Cancelled("Cancelled.")
+
+    def _run(self) -> None:
+        try:
+            for step in self._steps(self._check):
+                self._queue.put(step)
+                self._check()
+        except BaseException as error:  # handed to whoever polls
+            self._error = error
+        finally:
+            self._done.set()
