@@ -1,0 +1,238 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads the files that Blender reads, as one mesh object per shape."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..errors import InputError
+from .objects import frozen_copy
+from .workshop import reason, workshop
+
+BLEND = ".blend"
+
+READERS: dict[str, Callable[[str], set[str]]] = {
+    ".obj": lambda file: bpy.ops.wm.obj_import(filepath=file),
+    ".ply": lambda file: bpy.ops.wm.ply_import(filepath=file),
+    ".stl": lambda file: bpy.ops.wm.stl_import(filepath=file),
+    # Otherwise the importer adds a sphere to draw the bones with.
+    ".gltf": lambda file: bpy.ops.import_scene.gltf(filepath=file, disable_bone_shape=True),
+    ".glb": lambda file: bpy.ops.import_scene.gltf(filepath=file, disable_bone_shape=True),
+    ".fbx": lambda file: bpy.ops.wm.fbx_import(filepath=file),
+    # Instances would come as empties, without a mesh of their own.
+    ".usd": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
+    ".usda": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
+    ".usdc": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
+    ".usdz": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
+    ".abc": lambda file: bpy.ops.wm.alembic_import(filepath=file),
+}
+"""Blender's importer for each ending, besides .blend."""
+
+NAMES_SHOWN = 20
+
+
+@dataclass(frozen=True)
+class Source:
+    """A shape as it is named on a command line.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    object_name : str or None
+        The object meant, in a .blend.
+    """
+
+    path: Path
+    object_name: str | None
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What becomes one shape."""
+
+    name: str
+    objects: list[bpy.types.Object]
+
+
+def parse_source(text: str) -> Source:
+    """Take ``file.blend:Object`` apart; any other text is a path as it is, drive letters and colons included.
+
+    Raises
+    ------
+    InputError
+        Nothing follows the colon.
+    """
+    if Path(text).is_file():
+        return Source(Path(text), None)
+    # File and object may both have ".blend:" in their names; the shortest path that exists is meant.
+    splits = [(text[: found.end()], text[found.end() + 1 :]) for found in re.finditer(r"(?i)\.blend(?=:)", text)]
+    if not splits:
+        return Source(Path(text), None)
+    path, name = next((split for split in splits if Path(split[0]).is_file()), splits[0])
+    if not name:
+        raise InputError(f"{text}: name an object after the colon, or leave the colon out.")
+    return Source(Path(path), name)
+
+
+def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object]:
+    """Read shapes from a file into the current scene.
+
+    Parameters
+    ----------
+    path : Path
+        OBJ, PLY, STL, glTF, FBX, USD, Alembic or .blend.
+    names : list of str or None
+        Objects of a .blend, each of which becomes one shape. None joins all meshes of the file to a single shape named
+        like the file; of a .blend it takes the only mesh that there is.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        New mesh objects at the top level of the scene, with the modifiers, parents and transforms of the file applied.
+        Their materials stay; nothing else of the file does.
+
+    Raises
+    ------
+    InputError
+        The file is missing, a folder, unreadable, damaged, of an unknown format, without a mesh, or without an object
+        of that name; the scene is as before then.
+    """
+    file = _checked_file(path, names)
+    with _only_kept_data() as kept, workshop() as scene:
+        parts = _blend_parts(file, names) if file.suffix.lower() == BLEND else _file_parts(file, scene)
+        kept.extend(_joined(part.objects, scene) for part in parts)
+    for part, obj in zip(parts, kept, strict=True):
+        # Only now has the name been given back by what else the file brought.
+        obj.name = obj.data.name = part.name
+        bpy.context.scene.collection.objects.link(obj)
+    return kept
+
+
+def _checked_file(path: Path, names: list[str] | None) -> Path:
+    """Return the absolute path of a file that can be tried."""
+    file = Path(path).expanduser().absolute()
+    suffix = file.suffix.lower()
+    if file.is_dir():
+        raise InputError(f"{file} is a folder; name a file in it.")
+    if not file.exists():
+        raise InputError(f"{file} does not exist; check the spelling and the folder.")
+    if suffix not in (*READERS, BLEND):
+        raise InputError(f"{file.name} is of an unknown format; these can be read: {' '.join((*READERS, BLEND))}.")
+    if names and suffix != BLEND:
+        raise InputError(f"{file.name}: objects can be named in {BLEND} files only; leave the name out.")
+    try:
+        with file.open("rb") as stream:
+            empty = not stream.read(1)
+    except OSError as error:
+        raise InputError(f"{file} cannot be opened: {error.strerror}.") from error
+    if empty:
+        raise InputError(f"{file.name} is an empty file; export the shape again.")
+    return file
+
+
+def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
+    """Import a file and return its meshes as the parts of one shape."""
+    try:
+        finished = "FINISHED" in READERS[file.suffix.lower()](str(file))
+    except RuntimeError as error:
+        raise InputError(f"{file.name} could not be read; is it damaged? Blender says: {reason(error)}") from error
+    if not finished:
+        raise InputError(f"{file.name} could not be read; it is damaged, or not what its name says.")
+    # An STL of nonsense is read as a mesh of nothing.
+    objects = [obj for obj in scene.collection.all_objects if obj.type != "MESH" or obj.data.vertices or obj.modifiers]
+    meshes = [obj for obj in objects if obj.type == "MESH"]
+    if not meshes:
+        raise InputError(f"{file.name} holds no mesh, {_contents(objects)}; export the shape as a mesh.")
+    return [_Part(file.stem, meshes)]
+
+
+def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
+    """Load objects of a .blend and return each as a shape."""
+    try:
+        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
+            missing = [name for name in names or () if name not in available.objects]
+            if not missing:
+                # Each one once: Blender crashes on a name that comes twice.
+                chosen = list(dict.fromkeys(names or available.objects))
+                wanted.objects = list(chosen)
+            listed = _listed(available.objects)
+    except OSError as error:
+        raise InputError(f"{file.name} could not be read; it is damaged, or not a file of Blender.") from error
+    if missing:
+        raise InputError(f"{file.name} has no object {missing[0]!r}; it holds {listed}.")
+    parts = {name: _Part(name, [obj]) for name, obj in zip(chosen, wanted.objects, strict=True)}
+    if names:
+        return [parts[name] for name in names]
+    meshes = [part for part in parts.values() if part.objects[0].type == "MESH"]
+    if not meshes:
+        raise InputError(f"{file.name} holds no mesh, {_contents(wanted.objects)}; convert: Object > Convert > Mesh.")
+    if len(meshes) > 1:
+        available = _listed([part.name for part in meshes])
+        raise InputError(f"{file.name} holds {len(meshes)} meshes; say which, as {file.name}:NAME, of {available}.")
+    return meshes
+
+
+def _joined(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> bpy.types.Object:
+    """Make one object of several, in world space."""
+    for obj in objects:
+        if obj not in set(scene.objects):
+            scene.collection.objects.link(obj)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    solid = [obj for obj in objects if obj.type != "MESH" or obj.data.polygons or obj.modifiers] or objects[:1]
+    copies = [bpy.data.objects.new(obj.name, frozen_copy(obj, depsgraph)) for obj in solid]
+    if len(copies) > 1:
+        for copy in copies:
+            scene.collection.objects.link(copy)
+        with bpy.context.temp_override(active_object=copies[0], selected_editable_objects=copies):
+            bpy.ops.object.join()
+    return copies[0]
+
+
+@contextmanager
+def _only_kept_data() -> Iterator[list[bpy.types.Object]]:
+    """Remove all data-blocks made meanwhile, except the objects put on the list and what they use."""
+    before = {block.session_uid for block in bpy.data.user_map()}
+    kept: list[bpy.types.Object] = []
+    try:
+        yield kept
+    except BaseException:
+        kept.clear()
+        raise
+    finally:
+        needed = _with_dependencies(kept)
+        new = {block for block in bpy.data.user_map() if block.session_uid not in before}
+        bpy.data.batch_remove(new - needed)
+
+
+def _with_dependencies(objects: list[bpy.types.Object]) -> set[bpy.types.ID]:
+    """Return objects and all that they use, directly or not."""
+    users = bpy.data.user_map()
+    needed = set(objects)
+    while added := {block for block in users.keys() - needed if users[block] & needed}:
+        needed |= added
+    return needed
+
+
+def _contents(objects: list[bpy.types.Object]) -> str:
+    """Say what objects there are."""
+    counts = Counter(obj.type.lower().replace("_", " ") for obj in objects)
+    if not counts:
+        return "and nothing else that Blender could read"
+    return "only " + ", ".join(f"{kind} ({count})" for kind, count in sorted(counts.items()))
+
+
+def _listed(names: list[str]) -> str:
+    """Say which names there are, not without end."""
+    if not names:
+        return "no objects"
+    more = len(names) - NAMES_SHOWN
+    return ", ".join(sorted(names)[:NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")

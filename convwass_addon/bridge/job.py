@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A morph from objects of the scene to objects of the scene: reads, hands arrays over, writes what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import bpy
+
+from ..applications.layouts import Blend
+from ..applications.morph import MorphSettings, MorphStep, morph
+from ..errors import InputError
+from .bake import MorphBake
+from .objects import triangle_mesh
+
+
+class MorphJob:
+    """One bake. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        Where the morph goes.
+    depsgraph : bpy.types.Depsgraph
+        For the inputs as modifiers leave them.
+    inputs : sequence of bpy.types.Object
+        The shapes, in order.
+    blends : sequence of Blend
+        What to make of them.
+    settings : MorphSettings
+        How.
+    options : dict
+        What else to store with the morph, so that it can be repeated: the layout and its numbers.
+    first_frame : int
+        Scene frame of the first shape in a path.
+
+    Raises
+    ------
+    InputError
+        Inputs that have no faces, no size, or are no meshes.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        depsgraph: bpy.types.Depsgraph,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: MorphSettings,
+        options: dict[str, object],
+        first_frame: int,
+    ) -> None:
+        if len(inputs) < 2:
+            raise InputError("A morph needs at least two shapes; select or name one more.")
+        self.records: list[dict[str, object]] = []
+        self._names = [obj.name for obj in inputs]
+        self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+        self._blends = blends
+        self._settings = settings
+        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame)
+
+    def steps(self, check: Callable[[], None] | None = None) -> Iterator[MorphStep]:
+        """Return the generator that computes; it touches nothing of Blender."""
+        return morph(self._shapes, self._names, self._blends, self._settings, check)
+
+    def write(self, step: MorphStep) -> None:
+        """Put a finished frame into the scene."""
+        if step.frame is not None:
+            self._bake.add(step.frame)
+            self.records.append(step.frame.record)
+
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
+        return self._bake.finish(hide_inputs)
+
+    def discard(self) -> None:
+        """Remove everything that has been written."""
+        self._bake.discard()

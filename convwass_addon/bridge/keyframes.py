@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keyframes that show an object in some frames and hide it in all others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy_extras.anim_utils import action_get_channelbag_for_slot
+
+VISIBILITY_PATHS = ("hide_viewport", "hide_render")
+
+
+@dataclass(frozen=True)
+class FrameRange:
+    """Scene frames from `first` to `last`, both included; None stands for "ever before" and "ever after"."""
+
+    first: int | None
+    last: int | None
+
+
+def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Sequence[FrameRange]) -> None:
+    """Show an object in viewport and render exactly in the given frames.
+
+    Keys are set only where something changes, and hold until the next one. Visibility keys that the object has already
+    are replaced.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        What to show.
+    action : bpy.types.Action
+        Takes the keys, in a slot of the object's own, so that one action can serve a whole morph.
+    shown : sequence of FrameRange
+        In ascending order, with at least one frame between them.
+    """
+    bag = _channels(obj, action)
+    keys = _keys(shown)
+    for path in VISIBILITY_PATHS:
+        old = bag.fcurves.find(path)
+        if old:
+            bag.fcurves.remove(old)
+        _write(bag.fcurves.new(path), keys)
+
+
+def is_shown(obj: bpy.types.Object, frame: int) -> bool:
+    """Tell whether an object is rendered at a scene frame, by its own keys or else as it is set now."""
+    data = obj.animation_data
+    if data and data.action and data.action_slot:
+        bag = action_get_channelbag_for_slot(data.action, data.action_slot)
+        curve = bag.fcurves.find("hide_render") if bag else None
+        if curve:
+            return curve.evaluate(frame) < 0.5
+    return not obj.hide_render
+
+
+def _channels(obj: bpy.types.Object, action: bpy.types.Action) -> bpy.types.ActionChannelbag:
+    """Return the channels of the object in the action, assigned and made as needed."""
+    data = obj.animation_data or obj.animation_data_create()
+    if data.action != action or data.action_slot is None:
+        data.action = action
+        data.action_slot = action.slots.new("OBJECT", obj.name)
+    layer = action.layers[0] if action.layers else action.layers.new("Visibility")
+    strip = layer.strips[0] if layer.strips else layer.strips.new(type="KEYFRAME")
+    return strip.channelbag(data.action_slot, ensure=True)
+
+
+def _keys(shown: Sequence[FrameRange]) -> list[tuple[float, float]]:
+    """Return frames and values (1 is hidden); before the first key its value holds, after each one that key's."""
+    keys = []
+    for span in shown:
+        if span.first is not None:
+            # Only a key of its own hides what is before: the first key's value holds back to the beginning of time.
+            if not keys:
+                keys.append((span.first - 1, 1.0))
+            keys.append((span.first, 0.0))
+        if span.last is not None:
+            if not keys:
+                keys.append((span.last, 0.0))
+            keys.append((span.last + 1, 1.0))
+    return keys or [(0, 0.0 if shown else 1.0)]
+
+
+def _write(curve: bpy.types.FCurve, keys: list[tuple[float, float]]) -> None:
+    """Set the keys of an empty curve, each held until the next."""
+    points = curve.keyframe_points
+    points.add(len(keys))
+    points.foreach_set("co", np.array(keys, dtype=np.float32).ravel())
+    for point in points:
+        point.interpolation = "CONSTANT"
+    curve.extrapolation = "CONSTANT"
+    curve.update()

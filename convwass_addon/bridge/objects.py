@@ -1,0 +1,181 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh objects of the scene as arrays, and arrays as meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+from ..errors import InputError
+from ..geometry.mesh import TriangleMesh
+
+FLATTENED = 1e-6
+"""Ratio of the smallest to the largest scale at which an object counts as squashed; single precision leaves 1e-7."""
+
+
+def triangle_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
+    """Read an object as it stands in the scene: modifiers applied, in world space.
+
+    The object may be in edit mode, hidden, or in a collection that is hidden or excluded from the view layer.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object, as it is in the file (not an evaluated one).
+    depsgraph : bpy.types.Depsgraph
+        ``context.evaluated_depsgraph_get()``; brought up to date here.
+
+    Returns
+    -------
+    TriangleMesh
+        World space. Faces look the way they look in the scene, under mirroring transforms too.
+
+    Raises
+    ------
+    InputError
+        Not a mesh, no faces, a scale of zero, or coordinates that are not numbers; the message names the object.
+    """
+    with _evaluated(obj, depsgraph) as evaluated:
+        matrix = _checked_matrix(evaluated)
+        mesh = evaluated.to_mesh()
+        try:
+            vertices, faces = _arrays(mesh)
+            _check_faces(obj.name, mesh)
+        finally:
+            evaluated.to_mesh_clear()
+    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    try:
+        result = TriangleMesh.from_arrays(world, faces)
+    except InputError as error:
+        raise InputError(f"{obj.name}: {error} Delete those vertices, or the modifier that makes them.") from error
+    return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
+
+
+def frozen_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+    """Make a new mesh of an object as it stands in the scene: modifiers applied, in world space.
+
+    Polygons, materials, UV maps and attributes stay.
+
+    Parameters
+    ----------
+    obj, depsgraph
+        As for `triangle_mesh`.
+
+    Returns
+    -------
+    bpy.types.Mesh
+        A data-block without users, named like the object.
+
+    Raises
+    ------
+    InputError
+        As `triangle_mesh`, except that coordinates are not checked.
+    """
+    with _evaluated(obj, depsgraph) as evaluated:
+        matrix = _checked_matrix(evaluated)
+        world = evaluated.matrix_world.copy()
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    try:
+        _check_faces(obj.name, mesh)
+    except InputError:
+        bpy.data.meshes.remove(mesh)
+        raise
+    mesh.name = obj.name
+    for place, slot in enumerate(obj.material_slots[: len(mesh.materials)]):
+        if slot.link == "OBJECT":
+            mesh.materials[place] = slot.material
+    mesh.transform(world)
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        mesh.flip_normals()
+    mesh.update()
+    return mesh
+
+
+def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
+    """Replace the geometry of a mesh, smooth shaded.
+
+    Parameters
+    ----------
+    mesh_data : bpy.types.Mesh
+        Its materials stay.
+    mesh : TriangleMesh
+        In the local space of the objects that use `mesh_data`.
+    """
+    mesh_data.clear_geometry()
+    triangles = len(mesh.faces)
+    mesh_data.vertices.add(len(mesh.vertices))
+    mesh_data.loops.add(3 * triangles)
+    mesh_data.polygons.add(triangles)
+    # Only contiguous arrays of exactly these types are copied at once; others go element by element.
+    mesh_data.vertices.foreach_set("co", np.ascontiguousarray(mesh.vertices, dtype=np.float32).ravel())
+    mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel())
+    mesh_data.polygons.foreach_set("loop_start", np.arange(0, 3 * triangles, 3, dtype=np.int32))
+    mesh_data.shade_smooth()
+    mesh_data.update(calc_edges=True)
+
+
+@contextmanager
+def _evaluated(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    """Give the evaluated object, though it be hidden, and leave the scene as it was."""
+    if obj.type != "MESH":
+        kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
+        raise InputError(f"{obj.name} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.")
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    depsgraph.update()
+    if obj.evaluated_get(depsgraph).is_evaluated:
+        yield obj.evaluated_get(depsgraph)
+        return
+    # Blender does not evaluate what is hidden from all viewports; nothing hides the scene's own collection.
+    hidden, home = obj.hide_viewport, depsgraph.scene.collection
+    visitor = obj not in set(home.objects)
+    obj.hide_viewport = False
+    if visitor:
+        home.objects.link(obj)
+    try:
+        depsgraph.update()
+        yield obj.evaluated_get(depsgraph)
+    finally:
+        if visitor:
+            home.objects.unlink(obj)
+        obj.hide_viewport = hidden
+
+
+def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
+    """Return the (4, 4) world matrix, unless it squashes the object."""
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise InputError(f"{evaluated.name}: its location, rotation or scale is not a number (NaN or infinite).")
+    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    if scales[-1] <= FLATTENED * scales[0]:
+        raise InputError(
+            f"{evaluated.name} has a scale of zero, so it has no volume; give it another scale in Item > Transform."
+        )
+    return matrix
+
+
+def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices (n, 3) float64 and triangles (m, 3) int32, in local space."""
+    mesh.calc_loop_triangles()
+    vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    faces = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", faces)
+    return vertices.reshape(-1, 3).astype(np.float64), faces.reshape(-1, 3)
+
+
+def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
+    """Refuse a mesh that has no faces."""
+    if len(mesh.polygons):
+        return
+    if len(mesh.edges):
+        raise InputError(
+            f"{name} has edges but no faces, so it has no volume; give it thickness, for example with a Skin modifier."
+        )
+    if len(mesh.vertices):
+        raise InputError(f"{name} has points but no faces, so it has no volume; choose an object with a surface.")
+    raise InputError(f"{name} is an empty mesh; choose an object with a surface.")

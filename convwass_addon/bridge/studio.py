@@ -1,0 +1,300 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A photographer's set in a scene of its own: floor, lights, camera, renderer; gone when the pictures are taken."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ..errors import ConvwassError, InputError
+from .framing import Pose, View
+
+FLOOR_COLOR = (0.85, 0.85, 0.86, 1.0)
+FLOOR_REACH = 60.0
+"""Edge of the floor in radii of what stands on it, far enough that no camera here sees its end."""
+
+SKY_BRIGHTNESS = 0.46
+"""The same everywhere: unshadowed floor is then free of noise, however few light paths are followed."""
+
+LENS = 0.24
+"""Tangent of half the angle that the camera sees across: a portrait lens."""
+
+MARGIN = 0.10
+"""Part of half the picture's width or height that stays free at each edge."""
+
+
+class Studio:
+    """A temporary scene to render in, used as a context manager; the user's own scenes are not touched.
+
+    All light comes from infinitely far away, so that every shape is lit alike, wherever it stands.
+
+    Raises
+    ------
+    ConvwassError
+        On entering: the Cycles render engine is switched off.
+    """
+
+    def __enter__(self) -> Studio:
+        self._made: list[bpy.types.ID] = []
+        self._had_result = "Render Result" in bpy.data.images
+        self.scene = self._keep(bpy.data.scenes.new("Convwass Studio"))
+        try:
+            _set_renderer(self.scene)
+            self._camera = self._add("Studio Camera", self._keep(bpy.data.cameras.new("Studio Camera")))
+            self.scene.camera = self._camera
+            self.scene.world = self._keep(_sky())
+        except BaseException:
+            self._clear()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._clear()
+
+    def show(self, obj: bpy.types.Object, shift: Sequence[float] = (0.0, 0.0, 0.0)) -> bpy.types.Object:
+        """Bring in a copy of an object, without its animation and moved by `shift` (3,) in world space.
+
+        Returns
+        -------
+        bpy.types.Object
+            The copy, visible in renders; it shares the object's data and vanishes with the studio.
+        """
+        copy = self._keep(obj.copy())
+        copy.animation_data_clear()
+        copy.parent = None
+        copy.matrix_world = Matrix.Translation(shift) @ world_matrix(obj)
+        copy.hide_render = copy.hide_viewport = False
+        self.scene.collection.objects.link(copy)
+        return copy
+
+    def build(self, points: Sequence[np.ndarray], view: View) -> float:
+        """Lay the floor below all that is shown, and hang the lights for a camera that looks from `view`.
+
+        Parameters
+        ----------
+        points : sequence of (n, 3) arrays
+            Points of the shapes, world space.
+        view : View
+            The lights stand to the camera's left and behind the shapes.
+
+        Returns
+        -------
+        float
+            How far everything reaches, the floor included.
+        """
+        low, high = (pick([pick(shape, axis=0) for shape in points], axis=0) for pick in (np.min, np.max))
+        middle = np.array([*(low + high)[:2] / 2.0, low[2]])
+        radius = float(np.linalg.norm(high - low))
+        mesh = self._keep(_floor(radius * FLOOR_REACH))
+        mesh.materials.append(self._keep(_floor_material()))
+        self._add("Studio Floor", mesh).location = middle
+        for name, strength, width, color, turn, elevation in (
+            ("Studio Key", 2.45, 24.0, (1.0, 0.97, 0.94), -50.0, 50.0),
+            ("Studio Rim", 0.40, 16.0, (0.88, 0.94, 1.0), 148.0, 34.0),
+        ):
+            lamp = self._keep(bpy.data.lights.new(name, "SUN"))
+            lamp.energy, lamp.angle, lamp.color = strength, math.radians(width), color
+            direction = View(view.azimuth + math.radians(turn), math.radians(elevation))
+            self._add(name, lamp).matrix_world = _matrix(Pose(middle, direction))
+        return 3.0 * radius * FLOOR_REACH
+
+    def look_flat(self, pose: Pose, width: float, depth: float) -> None:
+        """Look without perspective, at a picture that is `width` wide, and as far as `depth`."""
+        camera = self._camera.data
+        camera.type = "ORTHO"
+        camera.sensor_fit = "HORIZONTAL"
+        camera.ortho_scale = width
+        camera.clip_start, camera.clip_end = depth * 1e-3, depth
+        self._camera.matrix_world = _matrix(pose)
+
+    def look(self, pose: Pose, depth: float) -> None:
+        """Look with perspective, as far as `depth`."""
+        camera = self._camera.data
+        camera.sensor_fit = "HORIZONTAL"
+        camera.angle = 2.0 * math.atan(LENS)
+        camera.clip_start, camera.clip_end = depth * 1e-4, depth
+        self._camera.matrix_world = _matrix(pose)
+
+    def set_quality(self, resolution: tuple[int, int], samples: int) -> None:
+        """Set the picture's size in pixels and the number of light paths per pixel."""
+        self.scene.render.resolution_x, self.scene.render.resolution_y = resolution
+        self.scene.cycles.samples = samples
+
+    def render(self, path: Path) -> None:
+        """Render one picture into a PNG; the folder exists.
+
+        Raises
+        ------
+        ConvwassError
+            Blender did not make the picture.
+        """
+        # Blender would take "#" and "{}" in the user's path for placeholders, so it writes elsewhere.
+        with tempfile.TemporaryDirectory(prefix="convwass-") as folder:
+            picture = Path(folder) / "picture.png"
+            self.scene.render.filepath = str(picture)
+            run_render(self.scene, write_still=True)
+            move_result(picture, path)
+
+    def _keep(self, block: bpy.types.ID) -> bpy.types.ID:
+        """Note a data-block for removal."""
+        self._made.append(block)
+        return block
+
+    def _add(self, name: str, data: bpy.types.ID) -> bpy.types.Object:
+        obj = self._keep(bpy.data.objects.new(name, data))
+        self.scene.collection.objects.link(obj)
+        return obj
+
+    def _clear(self) -> None:
+        bpy.data.batch_remove(self._made)
+        if not self._had_result and "Render Result" in bpy.data.images:
+            bpy.data.images.remove(bpy.data.images["Render Result"])
+
+
+def checked_output(path: str | Path, suffix: str) -> Path:
+    """Return the absolute path of a file to be written.
+
+    Raises
+    ------
+    InputError
+        The name does not end with `suffix`, or the folder does not exist.
+    """
+    path = Path(path).absolute()
+    if path.suffix.lower() != suffix:
+        raise InputError(f"{path.name} cannot be written: choose a file name that ends with {suffix}.")
+    if not path.parent.is_dir():
+        raise InputError(f"The folder {path.parent} does not exist; create it, or choose another one for {path.name}.")
+    return path
+
+
+def run_render(scene: bpy.types.Scene, **options: bool) -> None:
+    """Render a scene; whatever Blender objects to becomes a `ConvwassError`."""
+    try:
+        bpy.ops.render.render(scene=scene.name, **options)
+    except RuntimeError as error:
+        raise ConvwassError(f"Blender could not render the picture: {error}") from error
+
+
+def move_result(source: Path, target: Path) -> None:
+    """Put a finished file where the user wants it.
+
+    Raises
+    ------
+    ConvwassError
+        Blender has written nothing, or the target cannot be written.
+    """
+    if not source.is_file():
+        raise ConvwassError(f"Blender's renderer did not write {target.name}; its messages in the console say why.")
+    try:
+        shutil.move(source, target)
+    except OSError as error:
+        raise ConvwassError(
+            f"{target} cannot be written ({error.strerror}); close programs that show it, or choose another folder."
+        ) from error
+
+
+def world_points(obj: bpy.types.Object) -> np.ndarray:
+    """Return the vertices of a mesh object, world space, (n, 3); those of a hidden one too."""
+    points = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", points)
+    matrix = np.array(world_matrix(obj))
+    return points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def world_matrix(obj: bpy.types.Object) -> Matrix:
+    """Return where an object stands; `matrix_world` is out of date for hidden ones."""
+    if obj.parent is None:
+        return obj.matrix_basis.copy()
+    return world_matrix(obj.parent) @ obj.matrix_parent_inverse @ obj.matrix_basis
+
+
+def silent(fraction: float, message: str) -> None:
+    """Take a report of progress and do nothing with it."""
+
+
+def opening(resolution: tuple[int, int]) -> tuple[float, float]:
+    """Return the tangents of half the angle that shapes may fill, across and upright, for a picture of that size."""
+    width, height = resolution
+    return LENS * (1.0 - MARGIN), LENS * (1.0 - MARGIN) * height / width
+
+
+def _matrix(pose: Pose) -> Matrix:
+    """Return the world matrix of a camera or lamp."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = pose.view.axes.T
+    matrix[:3, 3] = pose.position
+    return Matrix(matrix)
+
+
+def _set_renderer(scene: bpy.types.Scene) -> None:
+    """Choose Cycles on the processor, few light bounces, and colors that stay as they are."""
+    try:
+        scene.render.engine = "CYCLES"
+    except TypeError as error:
+        raise ConvwassError(
+            "Pictures need the Cycles render engine; switch it on under Edit > Preferences > Add-ons."
+        ) from error
+    cycles, render = scene.cycles, scene.render
+    cycles.device = "CPU"
+    cycles.use_adaptive_sampling = False
+    cycles.max_bounces = cycles.diffuse_bounces = 3
+    cycles.glossy_bounces = 2
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.use_denoising = True
+    cycles.denoiser = "OPENIMAGEDENOISE"
+    cycles.denoising_prefilter = "FAST"
+    cycles.denoising_quality = "BALANCED"
+    render.use_persistent_data = True
+    render.resolution_percentage = 100
+    render.image_settings.file_format = "PNG"
+    render.image_settings.color_mode = "RGB"
+    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.exposure = 0.0
+
+
+def _sky() -> bpy.types.World:
+    """Make surroundings that shine evenly."""
+    world = bpy.data.worlds.new("Studio Sky")
+    tree = _emptied_tree(world)
+    background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Color"].default_value = (*3 * (SKY_BRIGHTNESS,), 1.0)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(background.outputs["Background"], output.inputs["Surface"])
+    return world
+
+
+def _floor(reach: float) -> bpy.types.Mesh:
+    mesh = bpy.data.meshes.new("Studio Floor")
+    corners = [(-reach, -reach, 0.0), (reach, -reach, 0.0), (reach, reach, 0.0), (-reach, reach, 0.0)]
+    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    return mesh
+
+
+def _floor_material() -> bpy.types.Material:
+    """Make a matte, nearly white floor."""
+    material = bpy.data.materials.new("Studio Floor")
+    tree = _emptied_tree(material)
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = FLOOR_COLOR
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
+    return material
+
+
+def _emptied_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
+    """Return the node tree of a new data-block, without nodes."""
+    if block.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+        block.use_nodes = True
+    block.node_tree.nodes.clear()
+    return block.node_tree

@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files for other programs, read back by Blender."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.layouts import path_blends, triangle_blends
+from convwass_addon.applications.morph import MorphFrame
+from convwass_addon.bridge.bake import MorphBake
+from convwass_addon.bridge.exports import FORMATS, export_frames
+from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.errors import ConvwassError, InputError
+
+# Blender's own add-on for glTF uses what newer versions of numpy and Python advise against.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+STILLS = [name for name, chosen in FORMATS.items() if not chosen.animated]
+ANIMATIONS = [name for name, chosen in FORMATS.items() if chosen.animated]
+
+
+@pytest.fixture
+def collection(bare_scene, make_object, octahedron):
+    """Bake frames 3 to 6 of octahedra that rise and grow by one triangle fan each."""
+    a, b = make_object("A"), make_object("B")
+    b.location, a.color, b.color = (0, 0, 3), (1, 0, 0, 1), (0, 0, 1, 1)
+    b.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    blends = path_blends(2, 3)
+    bake = MorphBake.begin(bare_scene, [a, b], blends, {}, 3)
+    for blend in blends:
+        mesh = None if blend.source is not None else octahedron.moved((0, 0, blend.frame))
+        bake.add(MorphFrame(blend, mesh, {}))
+    return bake.finish(hide_inputs=True)
+
+
+def heights(obj):
+    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds[:, 2]
+
+
+@pytest.mark.parametrize("name", STILLS)
+def test_one_file_per_frame(collection, tmp_path, name, inventory):
+    before = inventory()
+    files = export_frames(collection, tmp_path / "rise", name)
+    assert inventory() == before
+    suffix = FORMATS[name].suffixes[0]
+    assert files == [tmp_path / f"rise_{number:04d}{suffix}" for number in range(1, 5)]
+    for number, file in enumerate(files[:3]):
+        (obj,) = import_objects(file, None)
+        np.testing.assert_allclose(heights(obj), [number - 1, number + 1], atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["obj", "gltf"])
+def test_stills_have_the_mixed_color(collection, tmp_path, name):
+    second = export_frames(collection, tmp_path / "rise", name)[1]
+    (obj,) = import_objects(second, None)
+    shader = next(node for node in obj.data.materials[0].node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    np.testing.assert_allclose(shader.inputs["Base Color"].default_value[:3], [2 / 3, 0, 1 / 3], atol=1e-3)
+
+
+@pytest.mark.parametrize("name", ANIMATIONS)
+def test_one_file_for_the_animation(collection, tmp_path, name, inventory):
+    before = inventory()
+    (file,) = export_frames(collection, tmp_path / "rise", name)
+    assert inventory() == before
+    assert file == tmp_path / f"rise{FORMATS[name].suffixes[0]}"
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    if name == "usd":
+        bpy.ops.wm.usd_import(filepath=str(file))
+    else:
+        bpy.ops.wm.alembic_import(filepath=str(file))
+    (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
+    assert (scene.frame_start, scene.frame_end) == (3, 6)
+    found, counts = [], []
+    for frame in range(3, 7):
+        scene.frame_set(frame)
+        mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+        found.append(mesh.bounds[:, 2].mean())
+        counts.append(len(mesh.faces))
+    np.testing.assert_allclose(found, [0, 1, 2, 3], atol=1e-5)
+    assert counts[:3] == [8, 8, 8]
+    assert counts[3] > 8
+
+
+def test_usd_has_the_colors(collection, tmp_path):
+    (file,) = export_frames(collection, tmp_path / "rise.usda", "usd")
+    bpy.utils.expose_bundled_modules()
+    from pxr import Usd, UsdGeom
+
+    stage = Usd.Stage.Open(str(file))
+    (mesh,) = (prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    colors = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("displayColor")
+    mixed = [tuple(colors.Get(time)[0]) for time in (3, 4, 5, 6)]
+    np.testing.assert_allclose(mixed, [(1 - t / 3, 0, t / 3) for t in range(4)], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_sheet(bare_scene, make_object, octahedron, tmp_path, name):
+    blends = triangle_blends(3, 3)
+    bake = MorphBake.begin(bare_scene, [make_object(shape) for shape in "ABC"], blends, {}, 1)
+    for blend in blends:
+        bake.add(MorphFrame(blend, None if blend.source is not None else octahedron, {}))
+    files = export_frames(bake.finish(hide_inputs=True), tmp_path, name)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    shapes = [import_objects(file, None)[0] for file in files]
+    meshes = [triangle_mesh(shape, bpy.context.evaluated_depsgraph_get()) for shape in shapes]
+    assert sum(len(mesh.faces) for mesh in meshes) == 6 * 8
+    # Two steps from side to side, and as many down.
+    low = np.min([mesh.bounds[0] for mesh in meshes], axis=0)
+    high = np.max([mesh.bounds[1] for mesh in meshes], axis=0)
+    np.testing.assert_allclose(high - low, [2 + 2 * 2.6, 2, 2 + 2 * 2.6], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("given", "written"),
+    [
+        ("walk", "walk.usdc"),
+        ("walk.v2", "walk.v2.usdc"),
+        ("walk.usda", "walk.usda"),
+        ("walk.usdz", "walk.usdz"),
+        ("walk.blend", "walk.usdc"),
+        ("", "Morph_A_to_B.usdc"),
+    ],
+)
+def test_names(collection, tmp_path, given, written):
+    assert export_frames(collection, tmp_path / given, "usd") == [tmp_path / written]
+    assert (tmp_path / written).is_file()
+
+
+def test_scene_stays_as_it_is(collection, bare_scene, tmp_path):
+    bare_scene.frame_set(5)
+    for name in FORMATS:
+        export_frames(collection, tmp_path, name)
+    assert bpy.context.scene == bare_scene
+    assert (bare_scene.frame_start, bare_scene.frame_end, bare_scene.frame_current) == (3, 6, 5)
+    assert [obj.name for obj in collection.objects if not obj.hide_render] == ["Morph 0003"]
+    assert {slot.link for obj in collection.objects for slot in obj.material_slots} == {"DATA"}
+
+
+def test_unknown_format(collection, tmp_path):
+    with pytest.raises(InputError, match="no export format 'dxf'; choose one of obj, ply"):
+        export_frames(collection, tmp_path, "dxf")
+
+
+def test_folder_that_does_not_exist(collection, tmp_path):
+    with pytest.raises(InputError, match="does not exist"):
+        export_frames(collection, tmp_path / "nowhere" / "walk.obj", "obj")
+
+
+def test_collection_without_frames(tmp_path):
+    with pytest.raises(InputError, match="Props holds no frames"):
+        export_frames(bpy.data.collections.new("Props"), tmp_path, "obj")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_file_that_cannot_be_written(collection, tmp_path, name, inventory):
+    suffix = FORMATS[name].suffixes[0]
+    blocked = tmp_path / (f"walk_0001{suffix}" if name in STILLS else f"walk{suffix}")
+    before = inventory()
+    blocked.mkdir()
+    with pytest.raises(ConvwassError):
+        export_frames(collection, tmp_path / "walk", name)
+    assert inventory() == before

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keyed visibility, as Blender evaluates it."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.keyframes import FrameRange, key_visibility
+
+
+def visible_frames(obj, frames):
+    shown = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        assert obj.hide_render == obj.hide_viewport
+        if not obj.hide_render:
+            shown.append(frame)
+    return shown
+
+
+@pytest.mark.parametrize(
+    ("ranges", "expected"),
+    [
+        ([], []),
+        ([FrameRange(None, None)], range(10)),
+        ([FrameRange(4, 4)], [4]),
+        ([FrameRange(4, 6)], [4, 5, 6]),
+        ([FrameRange(None, 3)], [0, 1, 2, 3]),
+        ([FrameRange(8, None)], [8, 9]),
+        ([FrameRange(None, 1), FrameRange(3, 3), FrameRange(5, 6), FrameRange(9, None)], [0, 1, 3, 5, 6, 9]),
+    ],
+)
+def test_shown_exactly_there(make_object, ranges, expected):
+    obj = make_object("A")
+    key_visibility(obj, bpy.data.actions.new("Visibility"), ranges)
+    assert visible_frames(obj, range(10)) == list(expected)
+
+
+def test_holds_between_frames(make_object, bare_scene):
+    obj = make_object("A")
+    key_visibility(obj, bpy.data.actions.new("Visibility"), [FrameRange(4, 4)])
+    hidden = {}
+    for subframe in (0.0, 0.25, 0.99):
+        for frame in (3, 4, 5):
+            bare_scene.frame_set(frame, subframe=subframe)
+            hidden[frame, subframe] = obj.hide_render
+    assert {key for key, value in hidden.items() if not value} == {(4, 0.0), (4, 0.25), (4, 0.99)}
+
+
+def test_keying_again_replaces(make_object):
+    obj, action = make_object("A"), bpy.data.actions.new("Visibility")
+    key_visibility(obj, action, [FrameRange(2, 2)])
+    key_visibility(obj, action, [FrameRange(7, None)])
+    assert visible_frames(obj, range(10)) == [7, 8, 9]
+    assert len(action.slots) == 1
+
+
+def test_one_action_serves_many_objects(make_object):
+    objects, action = [make_object(name) for name in "ABC"], bpy.data.actions.new("Visibility")
+    for number, obj in enumerate(objects):
+        key_visibility(obj, action, [FrameRange(number, number)])
+    assert [visible_frames(obj, range(4)) for obj in objects] == [[0], [1], [2]]
+    assert len(action.slots) == 3
+
+
+def test_few_keys(make_object):
+    obj, action = make_object("A"), bpy.data.actions.new("Visibility")
+    key_visibility(obj, action, [FrameRange(10, 500)])
+    curves = action.layers[0].strips[0].channelbag(obj.animation_data.action_slot).fcurves
+    assert [len(curve.keyframe_points) for curve in curves] == [3, 3]

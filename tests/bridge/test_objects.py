@@ -1,0 +1,208 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects of the scene as arrays, in every state in which a user may leave them."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.objects import frozen_copy, triangle_mesh, write_mesh
+from convwass_addon.errors import InputError
+
+VOLUME = 4.0 / 3.0
+
+
+def test_octahedron_is_outward(octahedron):
+    assert octahedron.volume == pytest.approx(VOLUME)
+
+
+def test_world_space(make_object, depsgraph):
+    obj = make_object("A")
+    obj.location, obj.scale, obj.rotation_euler = (5, 0, 0), (2, 1, 1), (0, 0, math.pi / 2)
+    mesh = triangle_mesh(obj, depsgraph)
+    np.testing.assert_allclose(mesh.bounds, [[4, -2, -1], [6, 2, 1]], atol=1e-6)
+    assert mesh.volume == pytest.approx(2 * VOLUME, rel=1e-6)
+
+
+def test_modifiers_and_parents_count(make_object, depsgraph):
+    obj, parent = make_object("A"), make_object("Parent")
+    obj.parent, parent.location = parent, (0, 0, 3)
+    array = obj.modifiers.new("Array", "ARRAY")
+    array.count, array.use_relative_offset, array.use_constant_offset = 2, False, True
+    array.constant_offset_displace = (4, 0, 0)
+    np.testing.assert_allclose(triangle_mesh(obj, depsgraph).bounds, [[-1, -1, 2], [5, 1, 4]], atol=1e-6)
+
+
+def test_polygons_become_triangles(make_object, depsgraph):
+    obj = make_object("Quad", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], faces=[(0, 1, 2, 3)])
+    assert triangle_mesh(obj, depsgraph).faces.shape == (2, 3)
+
+
+def test_mirrored_object_stays_outward(make_object, depsgraph):
+    obj = make_object("A")
+    obj.scale = (-2, 1, 1)
+    assert triangle_mesh(obj, depsgraph).volume == pytest.approx(2 * VOLUME, rel=1e-6)
+    obj.data = frozen_copy(obj, depsgraph)
+    obj.scale = (1, 1, 1)
+    assert triangle_mesh(obj, depsgraph).volume == pytest.approx(2 * VOLUME, rel=1e-6)
+
+
+def hide_viewport(obj):
+    obj.hide_viewport = True
+
+
+def hide_with_eye(obj):
+    obj.hide_set(True)
+
+
+def hide_collection(obj):
+    _move(obj).hide_viewport = True
+
+
+def exclude_collection(obj):
+    collection = _move(obj)
+    bpy.context.view_layer.layer_collection.children[collection.name].exclude = True
+
+
+def unlink(obj):
+    bpy.context.scene.collection.objects.unlink(obj)
+
+
+def _move(obj):
+    collection = bpy.data.collections.new("Hidden")
+    bpy.context.scene.collection.children.link(collection)
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    return collection
+
+
+@pytest.mark.parametrize("hide", [hide_viewport, hide_with_eye, hide_collection, exclude_collection, unlink])
+def test_hidden_objects_are_read_as_they_are_now(make_object, depsgraph, hide):
+    obj = make_object("A")
+    hide(obj)
+    obj.location = (7, 0, 0)
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    homes = set(obj.users_collection)
+    state = obj.hide_viewport, obj.hide_render, obj.visible_get()
+    mesh = triangle_mesh(obj, depsgraph)
+    assert mesh.bounds.mean(axis=0)[0] == pytest.approx(7)
+    assert len(mesh.faces) > 8
+    assert len(frozen_copy(obj, depsgraph).polygons) > 8
+    assert set(obj.users_collection) == homes
+    assert (obj.hide_viewport, obj.hide_render, obj.visible_get()) == state
+
+
+def test_edit_mode_sees_unapplied_edits(make_object, depsgraph):
+    import bmesh
+
+    obj = make_object("A")
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(obj.data)
+    for vertex in edited.verts:
+        vertex.co.x *= 3
+    assert triangle_mesh(obj, depsgraph).volume == pytest.approx(3 * VOLUME, rel=1e-6)
+    assert obj.mode == "EDIT"
+
+
+@pytest.mark.parametrize("read", [triangle_mesh, frozen_copy])
+@pytest.mark.parametrize(
+    ("vertices", "edges", "words"),
+    [
+        ([], [], "empty mesh"),
+        ([(0, 0, 0), (1, 0, 0)], [(0, 1)], "thickness"),
+        ([(0, 0, 0)], [], "points but no faces"),
+    ],
+)
+def test_without_faces(make_object, depsgraph, inventory, read, vertices, edges, words):
+    obj = make_object("Wire", vertices, edges)
+    before = inventory()
+    with pytest.raises(InputError, match=f"Wire .*{words}"):
+        read(obj, depsgraph)
+    assert inventory() == before
+
+
+@pytest.mark.parametrize("read", [triangle_mesh, frozen_copy])
+@pytest.mark.parametrize("scale", [(1, 0, 1), (0, 0, 0), (1, 1, 1e-9)])
+def test_zero_scale(make_object, depsgraph, read, scale):
+    obj = make_object("Flat")
+    obj.scale = scale
+    obj.rotation_euler = (0.3, 0.4, 0.5)
+    with pytest.raises(InputError, match="Flat has a scale of zero"):
+        read(obj, depsgraph)
+
+
+def test_small_scale_is_fine(make_object, depsgraph):
+    obj = make_object("Small")
+    obj.scale = (1e-4, 1e-4, 1e-7)
+    assert triangle_mesh(obj, depsgraph).volume == pytest.approx(1e-15 * VOLUME, rel=1e-5)
+
+
+def test_coordinates_that_are_no_numbers(make_object, depsgraph):
+    obj = make_object("Broken")
+    obj.data.vertices[2].co.x = math.nan
+    with pytest.raises(InputError, match="Broken: 1 of 6 vertices"):
+        triangle_mesh(obj, depsgraph)
+
+
+def test_location_that_is_no_number(make_object, depsgraph):
+    obj = make_object("Lost")
+    obj.location.x = math.nan
+    with pytest.raises(InputError, match="Lost: its location"):
+        triangle_mesh(obj, depsgraph)
+
+
+@pytest.mark.parametrize("kind", ["CURVE", "FONT", "SURFACE", "META"])
+def test_other_kinds_are_to_be_converted(bare_scene, depsgraph, kind):
+    make = {
+        "FONT": lambda: bpy.data.curves.new("Thing", "FONT"),
+        "CURVE": lambda: bpy.data.curves.new("Thing", "CURVE"),
+        "SURFACE": lambda: bpy.data.curves.new("Thing", "SURFACE"),
+        "META": lambda: bpy.data.metaballs.new("Thing"),
+    }[kind]
+    obj = bpy.data.objects.new("Thing", make())
+    bare_scene.collection.objects.link(obj)
+    with pytest.raises(InputError, match=r"Thing is not a mesh .* Object > Convert > Mesh"):
+        triangle_mesh(obj, depsgraph)
+
+
+def test_written_mesh_reads_back(make_object, depsgraph, octahedron):
+    obj = make_object("A", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], faces=[(0, 1, 2, 3)])
+    write_mesh(obj.data, octahedron)
+    back = triangle_mesh(obj, depsgraph)
+    np.testing.assert_array_equal(back.vertices, octahedron.vertices)
+    np.testing.assert_array_equal(back.faces, octahedron.faces)
+    assert len(obj.data.edges) == 12
+    assert all(polygon.use_smooth for polygon in obj.data.polygons)
+    assert not obj.data.validate()
+
+
+def test_frozen_copy_keeps_materials_and_polygons(make_object, depsgraph):
+    obj = make_object("A", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], faces=[(0, 1, 2, 3)])
+    materials = [bpy.data.materials.new(name) for name in ("Red", "Green")]
+    for material in materials:
+        obj.data.materials.append(material)
+    obj.data.polygons[0].material_index = 1
+    obj.data.uv_layers.new(name="UV")
+    obj.location = (0, 0, 2)
+    copy = frozen_copy(obj, depsgraph)
+    assert list(copy.materials) == materials
+    assert copy.polygons[0].material_index == 1
+    assert len(copy.polygons[0].vertices) == 4
+    assert copy.uv_layers.keys() == ["UV"]
+    assert {vertex.co.z for vertex in copy.vertices} == {2.0}
+    assert copy.users == 0
+    assert copy is not obj.data
+
+
+def test_frozen_copy_has_the_material_of_the_object(make_object, depsgraph):
+    obj = make_object("A")
+    obj.data.materials.append(bpy.data.materials.new("Of the mesh"))
+    material = bpy.data.materials.new("Of the object")
+    obj.material_slots[0].link = "OBJECT"
+    obj.material_slots[0].material = material
+    assert list(frozen_copy(obj, depsgraph).materials) == [material]
