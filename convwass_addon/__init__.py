@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shape morphing and other geometry by convolutional Wasserstein distances, for Blender.
+
+Importing this package imports nothing of Blender: ``transport``, ``geometry`` and ``applications`` work without it.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+_IN_PLATFORM_ZIPS = ("scipy", "skimage", "lazy_loader")
+
+
+def extension_id() -> str:
+    """Return the name by which Blender knows the add-on.
+
+    Returns
+    -------
+    str
+        ``bl_ext.<repository>.convwass`` where it was installed as an extension, ``convwass_addon`` where the package
+        was imported by itself. `bpy.utils.extension_path_user` takes it, and an ``AddonPreferences`` class names it as
+        its ``bl_idname``.
+    """
+    return __package__.removesuffix(".convwass_addon")
+
+
+def register() -> None:
+    """Add the properties, operators, panels and command-line verbs to Blender; all of them or, on an error, none.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If Blender lacks a package that only the zip files for one platform bring along.
+    """
+    done = []
+    try:
+        for room in _rooms():
+            room.register()
+            done.append(room)
+    except Exception:
+        for room in reversed(done):
+            room.unregister()
+        raise
+
+
+def unregister() -> None:
+    """Take away what `register` added, in the opposite order."""
+    for room in reversed(_rooms()):
+        room.unregister()
+
+
+def _rooms() -> tuple[ModuleType, ...]:
+    """Return the modules that add something to Blender, in the order in which they need each other."""
+    # Imported here, since they import bpy and the rest of the package must do without.
+    try:
+        from . import cli, operators, panels, properties
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in _IN_PLATFORM_ZIPS:
+            raise
+        message = (
+            f"Convwass needs {package}, which this Blender does not have. Install the zip file that is named after "
+            f"your platform (linux_x64, windows_x64 or macos_arm64): it brings everything along."
+        )
+        raise ModuleNotFoundError(message, name=package) from error
+    return properties, operators, panels, cli

@@ -1,0 +1,9 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``python -m convwass_addon VERB …``, where the bpy module comes from pip."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main(sys.argv[1:], "python -m convwass_addon"))

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the command line shows: a progress bar, and a standard output that holds the answer and nothing else."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import TracebackType
+from typing import TextIO
+
+_WIDTH = 30
+# Between lines where the output is a file or a pipe.
+_SECONDS_PER_LINE = 10.0
+
+
+class ProgressBar:
+    """A bar on standard error: redrawn in place on a terminal, a line now and then elsewhere."""
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._start = self._last = time.monotonic()
+        self._terminal = sys.stderr.isatty()
+
+    def __enter__(self) -> ProgressBar:
+        if not self._terminal:
+            print(f"{self._title} …", file=sys.stderr, flush=True)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._terminal:
+            print(file=sys.stderr)
+        if error is None:
+            print(f"{self._title}: done in {time.monotonic() - self._start:.0f} s", file=sys.stderr, flush=True)
+
+    def show(self, fraction: float, message: str) -> None:
+        """Show how far the job is, 0 to 1, and what it is doing."""
+        now = time.monotonic()
+        if self._terminal:
+            filled = round(_WIDTH * fraction)
+            bar = "#" * filled + "." * (_WIDTH - filled)
+            line = f"{self._title} [{bar}] {fraction:4.0%}  {message}{self._left(fraction, now)}"
+            width = shutil.get_terminal_size().columns - 1
+            print("\r" + line[:width].ljust(width), end="", file=sys.stderr, flush=True)
+        elif now - self._last > _SECONDS_PER_LINE:
+            self._last = now
+            print(f"{self._title} {fraction:4.0%}  {message}{self._left(fraction, now)}", file=sys.stderr, flush=True)
+
+    def _left(self, fraction: float, now: float) -> str:
+        """Time left at the mean pace so far; nothing before there is a pace."""
+        passed = now - self._start
+        if fraction < 0.05 or passed < 2.0:
+            return ""
+        return f", {passed * (1.0 - fraction) / fraction:.0f} s left"
+
+
+@contextmanager
+def own_stdout() -> Iterator[TextIO]:
+    """Give the caller standard output for itself; what Blender prints there meanwhile is chatter and is dropped.
+
+    Blender's warnings and errors go to standard error, which stays as it is.
+    """
+    sys.stdout.flush()
+    saved = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    try:
+        with os.fdopen(os.dup(saved), "w", encoding="utf-8") as answer:
+            yield answer
+    finally:
+        sys.stdout.flush()
+        os.dup2(saved, 1)
+        os.close(saved)
