@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything one does with this project, by one command each.
+
+    python3 run.py demo               morph the sample shapes; writes a .blend, a picture and an animation to out/
+    python3 run.py test [ARGS]        run the tests; ARGS go to pytest, such as  -k grid  or  tests/transport
+    python3 run.py bench [ARGS]       measure the speed
+    python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
+    python3 run.py lint               check the style of the code
+    python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
+
+The first start makes the folder .venv beside this file and installs Blender's module bpy and the other dependencies
+into it; that takes a few minutes and about 1.5 GB. Nothing outside the folder is changed, and your own Blender settings
+are neither read nor written. To choose the Python (and with it the Blender), put it first:
+
+    python3 run.py --python 3.11 test     Blender 4.5 LTS, in .venv-3.11
+    python3 run.py --python 3.13 test     Blender 5.2 LTS, in .venv-3.13
+"""
+
+import sys
+
+if sys.version_info < (3, 9):
+    sys.exit("run.py needs Python 3.11 or 3.13, and this is %d.%d. Try: python3.11 run.py" % sys.version_info[:2])
+
+import signal
+import subprocess
+from pathlib import Path
+
+from tools import pythons
+
+PROJECT = Path(__file__).resolve().parent
+
+COMMANDS = {
+    "demo": [["-m", "convwass_addon", "demo"]],
+    "test": [["-m", "pytest"]],
+    "bench": [["-m", "benchmarks"]],
+    "package": [["-m", "tools.package"]],
+    "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
+    "python": [[]],
+}
+"""What each command starts, one after the other, with the environment's Python."""
+
+INTERRUPTED = 130
+
+
+def main(arguments):
+    """Do what the command line says and return the exit code."""
+    if sys.version_info < (3, 11):
+        # Reading pyproject.toml takes 3.11; an older Python can still find a newer one.
+        return run_child([pythons.find().path, str(PROJECT / "run.py"), *arguments])
+    version, arguments = take_version(arguments)
+    if not arguments or arguments[0] in ("-h", "--help", "help"):
+        print(__doc__.strip())
+        return 0 if arguments else 2
+    command, *rest = arguments
+    if command not in COMMANDS:
+        print(f"run.py: there is no command {command!r}; these are: {', '.join(COMMANDS)}", file=sys.stderr)
+        return 2
+    environment = prepared_environment(version)
+    # Commands are about the project, `python` is about wherever the user is.
+    folder = None if command == "python" else PROJECT
+    for start in COMMANDS[command]:
+        code = run_child([str(environment.program), *start, *rest], folder, environment.variables())
+        if code:
+            return code
+    return 0
+
+
+def take_version(arguments):
+    """Split ``--python VERSION`` off the front of the arguments; the version is None where it is not given."""
+    if not arguments or arguments[0] != "--python":
+        return None, arguments
+    if len(arguments) < 2 or arguments[1] not in pythons.WANTED:
+        raise pythons.NoPythonError(f"After --python say one of: {', '.join(pythons.WANTED)}")
+    return arguments[1], arguments[2:]
+
+
+def prepared_environment(version):
+    """Return the environment for a Python version (None: the best there is), made now if it is not there."""
+    from tools.environment import Environment, SetupError
+
+    name, wanted = (".venv", pythons.WANTED) if version is None else (f".venv-{version}", (version,))
+    environment = Environment(PROJECT, PROJECT / name)
+    try:
+        environment.prepare(wanted)
+    except (SetupError, OSError) as error:
+        sys.exit(f"\n{error}")
+    return environment
+
+
+def run_child(command, folder=None, variables=None):
+    """Run a program to its end and return its exit code; 130 where the user pressed Ctrl-C.
+
+    The terminal sends Ctrl-C to the program as well, so it is left to end by itself; a second Ctrl-C kills it.
+    """
+    presses = []
+    child = subprocess.Popen(command, cwd=folder, env=variables)
+
+    def interrupt(*_):
+        presses.append(True)
+        if len(presses) > 1:
+            child.kill()
+
+    before = signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, lambda *_: child.terminate())
+    code = child.wait()
+    signal.signal(signal.SIGINT, before)
+    if presses:
+        return INTERRUPTED
+    return code if code >= 0 else 128 - code
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except pythons.NoPythonError as error:
+        sys.exit(str(error))
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)

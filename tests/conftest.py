@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all rooms of the tests share: a Blender that is nobody's, and an empty scene in it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+# Blender reads these once, while bpy is being imported; no test module may have done that before.
+for variable in [name for name in os.environ if name.startswith(("BLENDER_USER_", "BLENDER_SYSTEM_"))]:
+    del os.environ[variable]
+_USER_RESOURCES = tempfile.mkdtemp(prefix="convwass-tests-")
+os.environ["BLENDER_USER_RESOURCES"] = _USER_RESOURCES
+
+# Tests run on loaded machines too: no test fails for being slow.
+hypothesis.settings.register_profile("convwass", deadline=None)
+hypothesis.settings.load_profile("convwass")
+
+
+def pytest_unconfigure() -> None:
+    shutil.rmtree(_USER_RESOURCES, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
+def project() -> Path:
+    """The project's folder."""
+    return Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def registered_addon():
+    """Register the add-on in this process's Blender, once for all tests."""
+    import convwass_addon
+
+    convwass_addon.register()
+    yield convwass_addon
+    convwass_addon.unregister()
+
+
+@pytest.fixture
+def empty_scene(registered_addon):
+    """Blender with factory settings, the add-on registered and nothing in the scene; returns that scene."""
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return bpy.context.scene

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rules of the house that a reader would otherwise have to check: licence lines, style, which room may import which."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).resolve().parents[2]
+PACKAGE = PROJECT / "convwass_addon"
+
+SOURCE_FOLDERS = ("assets", "benchmarks", "convwass_addon", "docs", "tests", "tools")
+SOURCES = sorted(
+    [*PROJECT.glob("*.py"), *(path for folder in SOURCE_FOLDERS for path in (PROJECT / folder).rglob("*.py"))]
+)
+
+BLENDER = {
+    "addon_utils",
+    "aud",
+    "bl_ui",
+    "blf",
+    "bmesh",
+    "bpy",
+    "bpy_extras",
+    "freestyle",
+    "gpu",
+    "idprop",
+    "mathutils",
+}
+
+MAY_IMPORT = {
+    "errors": set(),
+    "transport": {"errors"},
+    "geometry": {"errors"},
+    "applications": {"errors", "transport", "geometry"},
+    "bridge": {"errors", "transport", "geometry", "applications"},
+    "properties": {"errors", "applications", "bridge"},
+    "operators": {"errors", "applications", "bridge", "properties"},
+    "panels": {"errors", "applications", "bridge", "properties", "operators"},
+    "console": {"errors"},
+    "cli": {"errors", "applications", "bridge", "console"},
+    "__main__": {"cli", "errors"},
+    "__init__": {"cli", "operators", "panels", "properties"},
+}
+"""Which rooms of the package each room may import from, besides itself."""
+
+WITHOUT_BLENDER = ("errors", "transport", "geometry", "applications", "console")
+
+
+def modules() -> list[str]:
+    return sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
+
+
+def room_of(module: str) -> str:
+    return Path(module).parts[0].removesuffix(".py")
+
+
+def imports_of(module: str) -> Iterator[tuple[int, str]]:
+    """Yield the line and the full name of all that a module of the package imports, inside functions too.
+
+    Relative imports are spelled out from ``.``, the package itself.
+    """
+    folder = Path(module).parts[:-1]
+    for node in ast.walk(ast.parse((PACKAGE / module).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            start = [".", *folder[: len(folder) - node.level + 1]] if node.level else []
+            parts = [*start, *(node.module or "").split(".")]
+            yield from ((node.lineno, "/".join([*filter(None, parts), alias.name])) for alias in node.names)
+
+
+def complaint(room: str, name: str) -> str | None:
+    """Say what is wrong with importing `name` in a room; None where nothing is."""
+    first, *rest = name.split("/")
+    if first == ".":
+        is_forbidden = rest[0] in MAY_IMPORT.keys() - MAY_IMPORT[room] - {room}
+        return f"{room} may not import {rest[0]}" if is_forbidden else None
+    package = first.partition(".")[0]
+    if package == "convwass_addon":
+        return "inside the package only relative imports resolve once it is an extension"
+    return f"{room} does without Blender" if package in BLENDER and room in WITHOUT_BLENDER else None
+
+
+def test_rooms_are_known():
+    assert {room_of(module) for module in modules()} <= MAY_IMPORT.keys()
+
+
+@pytest.mark.parametrize("module", modules())
+def test_imports_point_one_way(module):
+    found = [(line, complaint(room_of(module), name)) for line, name in imports_of(module)]
+    assert [f"{module}:{line}: {wrong}" for line, wrong in found if wrong] == []
+
+
+@pytest.mark.parametrize(
+    ("room", "name"),
+    [
+        ("transport", "bpy"),
+        ("transport", "bpy.types"),
+        ("transport", "./geometry/mesh"),
+        ("geometry", "./transport"),
+        ("geometry", "mathutils/Vector"),
+        ("applications", "./bridge/objects"),
+        ("bridge", "./operators"),
+        ("operators", "convwass_addon/errors"),
+    ],
+)
+def test_the_rule_notices(room, name):
+    assert complaint(room, name)
+
+
+def test_arrays_need_no_blender():
+    rooms = ", ".join(f"convwass_addon.{room}" for room in WITHOUT_BLENDER)
+    script = f"import sys, convwass_addon, {rooms}; sys.exit('bpy' in sys.modules)"
+    subprocess.run([sys.executable, "-c", script], cwd=PROJECT, check=True)
+
+
+@pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.relative_to(PROJECT).as_posix())
+def test_sources_state_their_license(source):
+    lines = [line for line in source.read_text(encoding="utf-8").splitlines() if not line.startswith("#!")]
+    assert lines[:2] == [
+        "# SPDX-FileCopyrightText: 2026 Convwass authors",
+        "# SPDX-License-Identifier: GPL-3.0-or-later",
+    ]
+
+
+@pytest.mark.parametrize("command", [["check"], ["format", "--check", "--diff"]], ids=["check", "format"])
+def test_style(command):
+    answer = subprocess.run(
+        [sys.executable, "-m", "ruff", *command, "--no-cache"], cwd=PROJECT, capture_output=True, text=True
+    )
+    assert answer.returncode == 0, answer.stdout + answer.stderr

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender and pip are told about the project is true, and the same."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+
+import pytest
+from packaging.requirements import Requirement
+
+from tools import builder, pythons
+
+
+@pytest.fixture
+def manifest(project):
+    return tomllib.loads((project / "blender_manifest.toml").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def declared(project):
+    return tomllib.loads((project / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def test_versions_agree(manifest, declared):
+    assert manifest["version"] == declared["version"]
+    assert manifest["id"] == declared["name"]
+
+
+def test_license_agrees_and_is_there(manifest, declared, project):
+    assert manifest["license"] == ["SPDX:" + declared["license"]]
+    assert "GNU GENERAL PUBLIC LICENSE" in (project / "LICENSE").read_text(encoding="utf-8")
+
+
+def test_manifest_is_what_blender_wants(project):
+    builder.validate(project)
+
+
+def test_a_bad_manifest_is_refused_with_the_reason(project, tmp_path):
+    text = (project / "blender_manifest.toml").read_text(encoding="utf-8")
+    (tmp_path / "blender_manifest.toml").write_text(text.replace('type = "add-on"', 'type = "addon"'), encoding="utf-8")
+    (tmp_path / "__init__.py").touch()
+    with pytest.raises(builder.BuilderError, match="type"):
+        builder.validate(tmp_path)
+
+
+def test_every_python_gets_the_blender_that_runs_on_it(declared):
+    blenders = [Requirement(text) for text in declared["dependencies"] if text.startswith("bpy")]
+    for version in pythons.WANTED:
+        assert sum(blender.marker.evaluate({"python_version": version}) for blender in blenders) == 1
+
+
+def test_wheels_in_the_zip_satisfy_what_is_declared(declared, project):
+    listed = (project / "tools" / "wheels.txt").read_text(encoding="utf-8")
+    bundled = dict(re.findall(r"^([\w-]+)==([\w.]+)", listed, flags=re.MULTILINE))
+    requirements = {requirement.name: requirement for requirement in map(Requirement, declared["dependencies"])}
+    for name in bundled.keys() - {"lazy-loader"}:  # which scikit-image needs
+        assert requirements[name].specifier.contains(bundled[name])
+    assert requirements.keys() - bundled.keys() == {"bpy", "numpy"}  # which Blender has

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The extension's zip files hold what is needed, nothing else, and the same bytes each time."""
+
+from __future__ import annotations
+
+import tomllib
+import zipfile
+from pathlib import Path
+
+from tools import builder, package
+
+WHEELS = (
+    "lazy_loader-0.6-py3-none-any.whl",
+    "scipy-1.17.1-cp311-cp311-macosx_12_0_arm64.whl",
+    "scipy-1.17.1-cp311-cp311-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
+    "scipy-1.17.1-cp311-cp311-win_amd64.whl",
+    "scipy-1.17.1-cp313-cp313-macosx_12_0_arm64.whl",
+    "scipy-1.17.1-cp313-cp313-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
+    "scipy-1.17.1-cp313-cp313-win_amd64.whl",
+)
+
+
+def names_in(path: Path) -> list[str]:
+    with zipfile.ZipFile(path) as archive:
+        return archive.namelist()
+
+
+def manifest_in(path: Path) -> dict:
+    with zipfile.ZipFile(path) as archive:
+        return tomllib.loads(archive.read("blender_manifest.toml").decode())
+
+
+def shipped_files(project: Path) -> list[str]:
+    """All that the extension needs: its two files for Blender, the licence and the package's own modules."""
+    package_files = (path.relative_to(project).as_posix() for path in (project / "convwass_addon").rglob("*.py"))
+    return sorted(["LICENSE", "__init__.py", "blender_manifest.toml", *package_files])
+
+
+def test_small_zip_holds_what_is_needed_and_nothing_else(project, tmp_path):
+    path = package.build_small(tmp_path / "work", tmp_path / "dist")
+    assert names_in(path) == shipped_files(project)
+    assert "wheels" not in manifest_in(path)
+
+
+def test_blenders_own_command_builds_the_same_files(project, tmp_path):
+    """``blender --command extension build`` in the project; a name too many belongs into paths_exclude_pattern."""
+    builder.build(project, output=tmp_path)
+    (path,) = tmp_path.glob("*.zip")
+    assert sorted(names_in(path)) == shipped_files(project)
+
+
+def test_same_source_gives_the_same_bytes(tmp_path):
+    first = package.build_small(tmp_path / "work", tmp_path / "first").read_bytes()
+    assert package.build_small(tmp_path / "elsewhere", tmp_path / "second").read_bytes() == first
+
+
+def test_each_platform_gets_its_own_wheels_for_both_pythons(project, tmp_path):
+    wheels = tmp_path / "wheels"
+    wheels.mkdir()
+    for name in WHEELS:
+        (wheels / name).write_bytes(b"stands in for a wheel")
+    zips = package.build_platforms(tmp_path / "work", wheels, tmp_path / "dist")
+    assert len(zips) == len(package.PLATFORMS)
+    for path, platform, tag in zip(zips, sorted(package.PLATFORMS), ("manylinux", "macosx", "win"), strict=True):
+        bundled = [Path(name).name for name in names_in(path) if name.startswith("wheels/")]
+        assert bundled == [name for name in WHEELS if tag in name or name.endswith("none-any.whl")]
+        assert [name for name in names_in(path) if not name.startswith("wheels/")] == shipped_files(project)
+        generated = manifest_in(path)["build"]["generated"]
+        assert generated["platforms"] == [platform]
+        assert sorted(Path(name).name for name in generated["wheels"]) == bundled
+
+
+def test_the_tracked_manifest_is_only_read(project):
+    text = (project / "blender_manifest.toml").read_text(encoding="utf-8")
+    stated = tomllib.loads(package.manifest_with_wheels(text, list(WHEELS)))
+    assert stated.pop("platforms") == list(package.PLATFORMS)
+    assert stated.pop("wheels") == [f"./wheels/{name}" for name in WHEELS]
+    assert stated == tomllib.loads(text)
+
+
+def test_command_line_reports_what_it_built(tmp_path, capsys):
+    assert package.main(["--no-wheels", "--output", str(tmp_path)]) == 0
+    (path,) = tmp_path.glob("*.zip")
+    assert str(path) in capsys.readouterr().out
+
+
+def test_failure_is_a_message_and_an_exit_code(tmp_path, capsys, monkeypatch):
+    def refuse(*_, **__):
+        raise builder.BuilderError("tagline too long")
+
+    monkeypatch.setattr(builder, "build", refuse)
+    assert package.main(["--no-wheels", "--output", str(tmp_path)]) == 1
+    assert "tagline too long" in capsys.readouterr().err

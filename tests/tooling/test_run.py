@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line of run.py: what it starts, how it ends, what it says."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import run
+from tools import pythons, system
+from tools.environment import Environment
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple]:
+    """What run.py starts, recorded instead of started; every program ends with code 0."""
+    starts = []
+    monkeypatch.setattr(Environment, "prepare", lambda self, wanted: starts.append((self.folder.name, *wanted)))
+    monkeypatch.setattr(
+        run, "run_child", lambda command, folder=None, variables=None: starts.append((command[1:], folder)) or 0
+    )
+    return starts
+
+
+def test_help_names_every_command(capsys):
+    assert run.main(["--help"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"run.py {command}" in said for command in run.COMMANDS)
+
+
+def test_no_command_shows_the_help_and_fails(capsys):
+    assert run.main([]) == 2
+    assert "run.py demo" in capsys.readouterr().out
+
+
+def test_unknown_command_is_refused_before_anything_is_set_up(capsys, started):
+    assert run.main(["tset"]) == 2
+    assert "no command 'tset'" in capsys.readouterr().err
+    assert started == []
+
+
+def test_arguments_go_through_unchanged(started, project):
+    assert run.main(["test", "-k", "grid and not slow", "--help"]) == 0
+    assert started == [
+        (".venv", "3.13", "3.11"),
+        (["-m", "pytest", "-k", "grid and not slow", "--help"], project),
+    ]
+
+
+def test_python_starts_where_the_user_is(started):
+    run.main(["python", "-c", "1"])
+    assert started[-1] == (["-c", "1"], None)
+
+
+def test_stated_version_has_an_environment_of_its_own(started):
+    run.main(["--python", "3.11", "lint"])
+    assert started[0] == (".venv-3.11", "3.11")
+
+
+@pytest.mark.parametrize("arguments", [["--python"], ["--python", "3.12", "test"]])
+def test_version_without_blender_is_refused(arguments, started):
+    with pytest.raises(pythons.NoPythonError, match=r"one of: 3\.13, 3\.11"):
+        run.main(arguments)
+
+
+def test_first_failure_ends_the_command(monkeypatch, started):
+    monkeypatch.setattr(run, "run_child", lambda *start: started.append(start) or 3)
+    assert run.main(["lint"]) == 3
+    assert len(started) == 2
+
+
+@pytest.mark.parametrize("code", [0, 1, 5, 77])
+def test_exit_codes_pass_through(code):
+    assert run.run_child([sys.executable, "-c", f"raise SystemExit({code})"]) == code
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are POSIX")
+def test_killed_program_has_the_shells_code_for_it():
+    program = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
+    assert run.run_child([sys.executable, "-c", program]) == 128 + signal.SIGKILL
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are POSIX")
+def test_interrupt_ends_with_130_and_lets_the_program_tidy_up(project, tmp_path):
+    tidy = tmp_path / "tidied"
+    program = f"""
+import sys, time
+print("started", flush=True)
+try:
+    time.sleep(60)
+except KeyboardInterrupt:
+    time.sleep(0.5)
+    open({str(tidy)!r}, "w").close()
+    sys.exit(2)
+"""
+    caller = f"import sys, run; sys.exit(run.run_child([sys.executable, '-c', {program!r}]))"
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    process = subprocess.Popen([sys.executable, "-c", caller], cwd=project, start_new_session=True, **pipes)
+    with process:
+        assert process.stdout.readline() == b"started\n"
+        time.sleep(0.2)  # until the caller waits for the program
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does on Ctrl-C
+        _, errors = process.communicate(timeout=30)
+    assert process.returncode == run.INTERRUPTED
+    assert errors == b""
+    assert tidy.exists()
+
+
+def test_the_ci_installs_what_run_py_would_ask_for(project):
+    script = (project / ".ci" / "run").read_text(encoding="utf-8")
+    installed = script.partition("packages=(")[2].partition(")")[0].split()
+    assert installed == ["python3-venv", *system.BLENDER_APT.split(), *system.CHOLMOD_APT.split()]
+    assert script.rstrip().splitlines()[-1].startswith("python3 run.py test")
+
+
+def test_run_py_can_be_started_from_anywhere(tmp_path, project):
+    command = [sys.executable, str(project / "run.py"), "help"]
+    answer = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert answer.returncode == 0
+    assert "run.py demo" in answer.stdout
