@@ -20,7 +20,10 @@ from .checks import check_distributions, check_weights
 from .domain import Domain
 from .sharpening import entropy
 
-# Called once per iteration with the cells of the level, the iteration and the marginal error; raise to stop.
+# Coarser levels are solved to this share of the tolerance: they cost little, and what they leave is what the finest
+# level is slowest to mend.
+_COARSE_TOLERANCE = 0.3
+# Called once per iteration with the cells of the level, the iteration and the larger error; raise to stop.
 Monitor = Callable[[int, int, float], None]
 
 
@@ -42,13 +45,15 @@ class Barycenter:
         Iterations at every level, coarse to fine.
     marginal_error : float
         The largest sum of a |v_i H(a w_i) - mu| over the inputs.
+    debias_error : float
+        Sum of a |d H(a d) - mu| one round before the end; 0 without sharpness.
     mass_error : float
         |a^T mu - 1| before the density was normalized.
     invariant_error : float
         Largest |sum_i alpha_i ln v_i - s ln d - (1 - 1 / beta) ln mu| where the density is not negligible; zero in
         exact arithmetic.
     converged : bool
-        Whether the marginal error fell below the tolerance.
+        Whether both errors fell below the tolerance.
     numerics : str
         "scaling" or "log domain by line": how the kernel was applied at the finest level.
     entropy : float
@@ -63,6 +68,7 @@ class Barycenter:
     sharpness: float
     iterations: tuple[int, ...]
     marginal_error: float
+    debias_error: float
     mass_error: float
     invariant_error: float
     converged: bool
@@ -77,17 +83,9 @@ class Barycenter:
 
     def record(self) -> dict[str, object]:
         """Return the figures, without the arrays, ready for JSON."""
-        names = (
-            "sharpness",
-            "iterations",
-            "marginal_error",
-            "mass_error",
-            "invariant_error",
-            "converged",
-            "numerics",
-            "entropy",
-        )
-        return {name: getattr(self, name) for name in (*names, "sharpening_exponent")}
+        names = ("sharpness", "iterations", "marginal_error", "debias_error", "mass_error", "invariant_error")
+        others = ("converged", "numerics", "entropy", "sharpening_exponent")
+        return {name: getattr(self, name) for name in (*names, *others)}
 
 
 def barycenter(
@@ -125,11 +123,11 @@ def barycenter(
         The barycenter of the same inputs with similar weights on the same domain, to start from. It is used where the
         same inputs have weight.
     tolerance : float
-        The solve ends when the marginal error is below this.
+        The solve ends when the marginal error and that of the debiasing density are below this.
     max_iterations : int
         At every level.
     monitor : callable, optional
-        ``monitor(cells, iteration, marginal_error)``, called once per iteration; what it raises ends the solve.
+        ``monitor(cells, iteration, error)``, called once per iteration; what it raises ends the solve.
 
     Returns
     -------
@@ -198,18 +196,24 @@ class _Problem:
                 start = levels[-1].prolonged(level)
             else:
                 start = Potentials.flat(len(self.alphas), level.shape)
-            state, count = self._solve(level, mus, limit, start)
+            tolerance = self.tolerance * (1.0 if level is domain else _COARSE_TOLERANCE)
+            state, count = self._solve(level, mus, limit, start, tolerance)
             levels.append(state.potentials())
             iterations.append(count)
         return _Solved(state, tuple(levels), tuple(iterations))
 
     def continued(self, solved: _Solved, limit: float) -> _Solved:
         """Solve the finest level again with another bound."""
-        state, count = self._solve(solved.state.domain, self.mus, limit, solved.levels[-1])
+        state, count = self._solve(solved.state.domain, self.mus, limit, solved.levels[-1], self.tolerance)
         return _Solved(state, (*solved.levels[:-1], state.potentials()), (*solved.iterations, count))
 
     def _solve(
-        self, domain: Domain, mus: NDArray[np.float64], limit: float | None, start: Potentials
+        self,
+        domain: Domain,
+        mus: NDArray[np.float64],
+        limit: float | None,
+        start: Potentials,
+        tolerance: float,
     ) -> tuple[BregmanIteration, int]:
         """Iterate on one domain until the marginals agree."""
         cells = int(np.prod(domain.shape))
@@ -217,8 +221,8 @@ class _Problem:
         for iteration in range(1, self.max_iterations + 1):
             state.step()
             if self.monitor is not None:
-                self.monitor(cells, iteration, state.marginal_error)
-            if state.marginal_error < self.tolerance:
+                self.monitor(cells, iteration, state.error)
+            if state.error < tolerance:
                 break
         return state, iteration
 
@@ -232,9 +236,10 @@ def _finished(solved: _Solved, alphas: NDArray[np.float64], sharpness: float, to
         sharpness=sharpness,
         iterations=solved.iterations,
         marginal_error=state.marginal_error,
+        debias_error=state.debias_error,
         mass_error=state.mass_error(),
         invariant_error=state.invariant_error(),
-        converged=state.marginal_error < tolerance,
+        converged=state.error < tolerance,
         numerics="log domain by line" if state.by_line else "scaling",
         entropy=entropy(state.density, state.domain.weights),
         sharpening_exponent=state.exponent,

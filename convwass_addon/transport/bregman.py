@@ -119,6 +119,7 @@ class BregmanIteration:
         self.log_debias = start.log_debias.copy()
         self.density = np.empty(domain.shape)
         self.marginal_error = np.inf
+        self.debias_error = np.inf if sharpness else 0.0
         self.exponent = 1.0
         self.by_line = False
         self._inside = mus > 0
@@ -188,8 +189,9 @@ class BregmanIteration:
         return self._mass(self._spare)
 
     def _update_debias(self) -> None:
-        """Set d = sqrt(d mu / H(a d)), whose fixed point is d H(a d) = mu."""
+        """Set d = sqrt(d mu / H(a d)), whose fixed point is d H(a d) = mu; measure how far it was from that."""
         self._apply(self.log_debias, self._spare)
+        self.debias_error = self._mass(np.abs(np.exp(np.minimum(self.log_debias + self._spare, 50.0)) - self.density))
         np.subtract(self._log_mu, self._spare, out=self._spare)
         self._spare -= self._log_mass
         self.log_debias += self._spare
@@ -224,6 +226,11 @@ class BregmanIteration:
             log_v -= mean - float(self.alphas @ means)
         np.maximum(self.log_v, LOG_NOTHING, out=self.log_v)
         return Potentials(self.log_v, self.log_debias)
+
+    @property
+    def error(self) -> float:
+        """The larger of the marginal error and the error of d: a stale d holds mu back while the marginals agree."""
+        return max(self.marginal_error, self.debias_error)
 
     def mass_error(self) -> float:
         """Return |a^T mu - 1| before normalizing; with an entropy bound, how far the mass moved in the last round."""

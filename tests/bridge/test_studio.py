@@ -221,6 +221,15 @@ def test_studio_vanishes_after_an_error(path_morph):
     assert snapshot() == before
 
 
+def test_without_a_denoiser_more_light_is_followed(path_morph, tmp_path, monkeypatch):
+    monkeypatch.setattr("_cycles.with_openimagedenoise", False)
+    picture = pixels(render_still(path_morph, tmp_path / "still.png", resolution=(32, 32), samples=1))
+    assert 0.9 < picture[:2].mean() < 0.985
+    with Studio() as studio:
+        studio.set_quality((8, 8), 3)
+        assert studio.scene.cycles.samples > 3
+
+
 @pytest.mark.parametrize("turn", [0.0, 1.0])
 def test_orbit_sees_all_points_and_wastes_no_room(turn):
     points = np.random.default_rng(3).uniform([-3.0, -1.0, 5.0], [4.0, 2.0, 9.0], (500, 3))
