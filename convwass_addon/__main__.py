@@ -4,6 +4,10 @@
 
 import sys
 
-from .cli import main
+try:
+    from .cli import main
 
-sys.exit(main(sys.argv[1:], "python -m convwass_addon"))
+    sys.exit(main(sys.argv[1:], "python -m convwass_addon"))
+except KeyboardInterrupt:
+    # Before the command line is there to say more.
+    sys.exit(130)

@@ -43,7 +43,7 @@ examples:
 """
 
 # Colors of shapes that bring no material.
-_PALETTE = ((0.80, 0.26, 0.13, 1.0), (0.95, 0.62, 0.12, 1.0), (0.05, 0.32, 0.52, 1.0), (0.22, 0.44, 0.16, 1.0))
+_PALETTE = ((0.55, 0.09, 0.035, 1.0), (0.72, 0.30, 0.02, 1.0), (0.02, 0.13, 0.40, 1.0), (0.08, 0.24, 0.06, 1.0))
 _DEMO_SHAPES = ("horse", "double_torus", "bird")
 
 
@@ -132,7 +132,7 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         type=float,
         help="0: the barycenter of the paper, smooth; 1: debiased, crisp, may tear (0.75, rising to 1 at the shapes)",
     )
-    group.add_argument("--blur", type=float, help="blur in cells (1, or a hundredth of the resolution)")
+    group.add_argument("--blur", type=float, help="blur in cells (1, or an eightieth of the resolution)")
     group.add_argument(
         "--entropy-limit",
         type=_entropy_limit,

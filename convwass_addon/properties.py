@@ -58,7 +58,7 @@ class MorphProperties:
         max=512,
     )
     use_custom_blur: BoolProperty(
-        name="Set Blur", description="Set the blur by hand instead of one cell (or a hundredth of the resolution)"
+        name="Set Blur", description="Set the blur by hand instead of one cell (or an eightieth of the resolution)"
     )
     blur: FloatProperty(
         name="Blur",

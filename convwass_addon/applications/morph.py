@@ -26,7 +26,7 @@ from .volumes import Lattice, voxelize
 _SHARPNESS = 0.75
 _CRISP_FROM = 0.85
 # Automatic blur: one cell, and no narrower than float64 carries across a grid.
-_CELLS_PER_BLUR = 100.0
+_CELLS_PER_BLUR = 80.0
 # Share of the progress that voxelizing takes.
 _VOXEL_SHARE = 0.08
 
@@ -40,7 +40,7 @@ class MorphSettings:
     resolution : int
         Cells along the longest side of the grid.
     blur : float or None
-        Standard deviation of the kernel in cells; None is one cell, or a hundredth of the resolution if that is more.
+        Standard deviation of the kernel in cells; None is one cell, or an eightieth of the resolution if that is more.
     sharpness : float or None
         0 is the paper's barycenter, 1 the debiased one; None is 0.75, rising to 1 towards the ends.
     entropy_limit : None, "max" or float
