@@ -21,7 +21,7 @@ from .bridge.files import checked_target, save_blend
 from .bridge.imports import import_objects, parse_source
 from .bridge.job import MorphJob
 from .console import ProgressBar, own_stdout
-from .errors import ConvwassError, InputError, ResourceError
+from .errors import Cancelled, ConvwassError, InputError, ResourceError
 
 EXIT_CODES = """exit codes:
   0  done                            3  the shapes or settings cannot be used (the message says what to do)
@@ -73,6 +73,9 @@ def main(arguments: Sequence[str], program: str = "blender --command convwass") 
                 print(json.dumps(result, indent=2), file=answer)
             else:
                 print("\n".join(result["written"]), file=answer)
+    except Cancelled as stop:
+        print(f"convwass: {stop}", file=sys.stderr)
+        return 130
     except ConvwassError as error:
         print(f"convwass: {error}", file=sys.stderr)
         return 4 if isinstance(error, ResourceError) else 3 if isinstance(error, InputError) else 1

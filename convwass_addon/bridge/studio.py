@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import math
 import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -15,7 +17,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..errors import ConvwassError, InputError
+from ..errors import Cancelled, ConvwassError, InputError
 from .framing import Pose, View
 
 FLOOR_COLOR = (0.85, 0.85, 0.86, 1.0)
@@ -182,11 +184,32 @@ def checked_output(path: str | Path, suffix: str) -> Path:
 
 
 def run_render(scene: bpy.types.Scene, **options: bool) -> None:
-    """Render a scene; whatever Blender objects to becomes a `ConvwassError`."""
+    """Render a scene; whatever Blender objects to becomes a `ConvwassError`.
+
+    Raises
+    ------
+    Cancelled
+        The user pressed Ctrl+C or stopped the rendering in its window.
+    """
+    stopped: list[bool] = []
+
+    def note(*_: object) -> None:
+        stopped.append(True)
+
+    # An interrupt that strikes inside the renderer's own Python would be printed there and forgotten.
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, note) if in_main_thread else None
+    bpy.app.handlers.render_cancel.append(note)
     try:
         bpy.ops.render.render(scene=scene.name, **options)
     except RuntimeError as error:
         raise ConvwassError(f"Blender could not render the picture: {error}") from error
+    finally:
+        bpy.app.handlers.render_cancel.remove(note)
+        if in_main_thread:
+            signal.signal(signal.SIGINT, before)
+    if stopped:
+        raise Cancelled("The rendering was stopped.")
 
 
 def move_result(source: Path, target: Path) -> None:

@@ -10,6 +10,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..applications.background import BackgroundJob
 from ..applications.morph import MorphStep
 from ..bridge.job import MorphJob
+from ..bridge.stored import frame_objects
 from ..errors import Cancelled, ConvwassError
 from ..properties import MorphProperties
 
@@ -52,7 +53,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             for step in job.steps():
                 job.write(step)
                 manager.progress_update(int(100 * step.fraction))
-            return self._finish(job)
+            return self._finish(context, job)
         except BaseException as error:
             job.discard()
             if not isinstance(error, ConvwassError):
@@ -113,9 +114,10 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         error = self._background.error
         try:
             if error is None:
-                return self._finish(self._job)
+                return self._finish(context, self._job)
             if isinstance(error, Cancelled) and self._job.records:
-                self._job.finish(self.hide_inputs)
+                collection = self._job.finish(self.hide_inputs)
+                self._select(context, frame_objects(collection)[0])
                 self.report({"WARNING"}, rpt_("Stopped; {:d} finished frames are kept").format(len(self._job.records)))
                 return {"FINISHED"}
         except ConvwassError as failure:
@@ -129,8 +131,9 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             raise error
         return {"CANCELLED"}
 
-    def _finish(self, job: MorphJob) -> set[str]:
+    def _finish(self, context: bpy.types.Context, job: MorphJob) -> set[str]:
         collection = job.finish(self.hide_inputs)
+        self._select(context, frame_objects(collection)[0])
         slack = [record for record in job.records if not record.get("converged", True)]
         if slack:
             worst = max(record["marginal_error"] for record in slack)
@@ -139,6 +142,13 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         else:
             self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(collection.name, len(job.records)))
         return {"FINISHED"}
+
+    def _select(self, context: bpy.types.Context, shown: bpy.types.Object) -> None:
+        """Make the morph the thing that is selected: the inputs may be hidden now."""
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        context.view_layer.objects.active = shown
+        shown.select_set(True)
 
     def _show(self, context: bpy.types.Context, fraction: float, message: str) -> None:
         progress = context.window_manager.convwass_progress
