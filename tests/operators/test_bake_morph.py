@@ -1,0 +1,248 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The operator as the panel and scripts call it, in a Blender without a window."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications import memory
+from convwass_addon.bridge.stored import frame_objects, stored_settings
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+QUICK = {"frames": 3, "resolution": 32}
+
+
+def add(kind, *, select=True, **options):
+    getattr(bpy.ops.mesh, f"primitive_{kind}_add")(**options)
+    obj = bpy.context.object
+    obj.select_set(select)
+    return obj
+
+
+def two_shapes():
+    cube = add("cube", size=2, location=(-3, 0, 0))
+    ball = add("uv_sphere", segments=24, ring_count=12, location=(3, 0, 1))
+    cube.select_set(True)
+    return cube, ball
+
+
+def morph_collection():
+    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+
+
+def census():
+    """Names of everything a failed bake could leave behind."""
+    kinds = ("objects", "meshes", "collections", "materials", "actions", "scenes", "node_groups")
+    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
+
+
+def vertices(obj):
+    found = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3) @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
+
+
+def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends():
+    two_shapes()
+    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    frames = frame_objects(morph_collection())
+    assert [obj.name for obj in frames] == ["Morph 0001", "Morph 0002", "Morph 0003", "Morph 0004"]
+    scene = bpy.context.scene
+    assert (scene.frame_start, scene.frame_end) == (1, 4)
+    for number in range(-2, 9):
+        scene.frame_set(number)
+        shown = [obj for obj in frames if not obj.hide_render]
+        assert shown == [frames[min(max(number, 1), 4) - 1]]
+    assert len(frames[0].data.vertices) == 8
+    assert len(frames[-1].data.polygons) == 24 * 12
+
+
+def test_blends_lie_where_the_inputs_are():
+    two_shapes()
+    bpy.ops.convwass.bake_morph(**QUICK)
+    for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph_collection())[1:-1], strict=True):
+        center = vertices(obj).mean(axis=0)
+        np.testing.assert_allclose(center, np.array([-3, 0, 0]) + share * np.array([6, 0, 1]), atol=0.1)
+        assert all(polygon.use_smooth for polygon in obj.data.polygons)
+
+
+def test_transforms_and_modifiers_are_respected():
+    cube, _ = two_shapes()
+    cube.scale = (0.5, 1.0, 1.0)
+    cube.modifiers.new("Array", "ARRAY").count = 2
+    bpy.context.view_layer.update()
+    bpy.ops.convwass.bake_morph(frames=4, resolution=40)
+    near_cube = vertices(frame_objects(morph_collection())[1])
+    ends = vertices(frame_objects(morph_collection())[0])
+    assert np.ptp(ends[:, 0]) == pytest.approx(2.0, abs=1e-4)
+    assert np.ptp(near_cube[:, 0]) == pytest.approx(2.0, abs=0.35)
+
+
+def test_inputs_are_hidden_on_request_only():
+    cube, ball = two_shapes()
+    bpy.ops.convwass.bake_morph(**QUICK, hide_inputs=False)
+    assert not cube.hide_render
+    assert not ball.hide_get()
+
+
+def test_undo_takes_the_morph_away():
+    two_shapes()
+    bpy.ops.ed.undo_push(message="shapes")
+    before = census()
+    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.ed.undo_push(message="morph")
+    bpy.ops.ed.undo()
+    assert census() == before
+
+
+def test_suzanne_works_untouched():
+    add("monkey")
+    add("torus", location=(3, 0, 0))
+    bpy.data.objects["Suzanne"].select_set(True)
+    assert bpy.ops.convwass.bake_morph(frames=2, resolution=48) == {"FINISHED"}
+
+
+def test_sheets_stand_side_by_side():
+    add("cube", size=1.5)
+    add("uv_sphere", location=(3, 0, 0))
+    add("torus", location=(6, 0, 0))
+    for obj in bpy.data.objects:
+        obj.select_set(True)
+    assert bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, resolution=32) == {"FINISHED"}
+    frames = frame_objects(morph_collection())
+    assert len(frames) == 6
+    places = {tuple(np.round(vertices(obj).mean(axis=0), 1)) for obj in frames}
+    assert len(places) == 6
+    assert not any(obj.hide_render for obj in frames)
+
+
+def test_settings_are_stored_and_taken_back():
+    cube, ball = two_shapes()
+    bpy.ops.convwass.bake_morph(frames=5, resolution=24, use_custom_sharpness=True, sharpness=0.4, entropy_limit="MAX")
+    stored = stored_settings(morph_collection())
+    assert stored["sharpness"] == pytest.approx(0.4)
+    assert (stored["frames"], stored["resolution"], stored["entropy_limit"]) == (5, 24, "max")
+    settings = bpy.context.scene.convwass_morph
+    assert settings.frames == 24
+    assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+    assert (settings.frames, settings.resolution, settings.entropy_limit) == (5, 24, "MAX")
+    assert settings.use_custom_sharpness
+    assert {obj.name for obj in bpy.context.selected_objects} == {cube.name, ball.name}
+    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+
+
+def test_delete_leaves_nothing_and_shows_the_inputs():
+    cube, _ = two_shapes()
+    before = census()
+    bpy.ops.convwass.bake_morph(**QUICK)
+    assert cube.hide_render
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    after = census()
+    after["materials"] = before["materials"] = []  # the shared material may stay
+    assert after == before
+    assert not cube.hide_render
+    assert not cube.hide_get()
+
+
+def plane():
+    return add("plane", location=(3, 0, 0))
+
+
+def only_edges():
+    obj = add("plane", location=(3, 0, 0))
+    obj.data.clear_geometry()
+    obj.data.from_pydata([(0, 0, 0), (1, 0, 0)], [(0, 1)], [])
+    return obj
+
+
+def no_geometry():
+    obj = add("cube", location=(3, 0, 0))
+    obj.data.clear_geometry()
+    return obj
+
+
+def no_size():
+    obj = add("cube", location=(3, 0, 0))
+    obj.scale.z = 0.0
+    bpy.context.view_layer.update()
+    return obj
+
+
+def not_a_number():
+    obj = add("cube", location=(3, 0, 0))
+    obj.data.vertices[0].co.x = float("nan")
+    return obj
+
+
+@pytest.mark.parametrize("bad", [plane, only_edges, no_geometry, no_size, not_a_number])
+def test_bad_shapes_are_named_and_nothing_is_left(bad):
+    cube = add("cube")
+    obj = bad()
+    cube.select_set(True)
+    before = census()
+    with pytest.raises(RuntimeError, match=obj.name):
+        bpy.ops.convwass.bake_morph(**QUICK)
+    assert census() == before
+
+
+def test_a_plane_with_thickness_works():
+    add("cube")
+    plane()
+    bpy.data.objects["Cube"].select_set(True)
+    assert bpy.ops.convwass.bake_morph(**QUICK, thickness=0.2) == {"FINISHED"}
+
+
+def test_a_grid_needs_four_shapes():
+    two_shapes()
+    before = census()
+    with pytest.raises(RuntimeError, match="four shapes"):
+        bpy.ops.convwass.bake_morph(layout="GRID", resolution=32)
+    assert census() == before
+
+
+def test_too_fine_a_resolution_says_which_fits(monkeypatch):
+    two_shapes()
+    monkeypatch.setattr(memory, "available_memory", lambda: 200_000_000)
+    before = census()
+    with pytest.raises(RuntimeError, match=r"needs about .* GB .* Resolution \d+ would fit"):
+        bpy.ops.convwass.bake_morph(frames=2, resolution=256)
+    assert census() == before
+
+
+def test_poll_says_what_is_missing():
+    add("cube")
+    with pytest.raises(RuntimeError, match="Select at least two mesh objects"):
+        bpy.ops.convwass.bake_morph()
+    two_shapes()
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Object Mode"):
+        bpy.ops.convwass.bake_morph()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name in ("select_morph_inputs", "delete_morph"):
+        with pytest.raises(RuntimeError, match="Select an object of a baked morph"):
+            getattr(bpy.ops.convwass, name)()
+
+
+def test_every_property_explains_itself():
+    properties = bpy.ops.convwass.bake_morph.get_rna_type().properties
+    for prop in properties:
+        if prop.identifier != "rna_type":
+            assert prop.description
+            assert not prop.description.endswith(".")
+
+
+def test_order_and_reverse():
+    left = add("cube", location=(-3, 0, 0))
+    left.name = "Z"
+    right = add("uv_sphere", location=(3, 0, 0))
+    right.name = "A"
+    settings = bpy.context.scene.convwass_morph
+    assert [obj.name for obj in settings.sorted_shapes([left, right])] == ["A", "Z"]
+    settings.order = "LEFT_TO_RIGHT"
+    assert [obj.name for obj in settings.sorted_shapes([left, right])] == ["Z", "A"]
+    settings.reverse = True
+    assert [obj.name for obj in settings.sorted_shapes([left, right])] == ["A", "Z"]
