@@ -4,9 +4,12 @@
 
 import sys
 
-try:
-    from .cli import main
+from .console import own_stdout
 
+try:
+    with own_stdout():
+        # Blender greets on standard output when it is imported.
+        from .cli import main
     sys.exit(main(sys.argv[1:], "python -m convwass_addon"))
 except KeyboardInterrupt:
     # Before the command line is there to say more.

@@ -211,6 +211,8 @@ def _demo(options: Namespace) -> dict[str, object]:
     options.out.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = [obj for name in _DEMO_SHAPES for obj in import_objects(folder / f"{name}.ply", None)]
+    for obj in inputs:
+        obj.data.shade_smooth()
     collection, records = _baked(inputs, blends, settings, {"layout": "PATH", "frames": options.frames})
     target = save_blend(options.out / "morph.blend")
     sheet, movie = _rendered(collection, target, animated=True)

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import shutil
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from types import TracebackType
 from typing import TextIO
 
@@ -68,13 +69,14 @@ def own_stdout() -> Iterator[TextIO]:
     """
     sys.stdout.flush()
     saved = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.close(nowhere)
-    try:
-        with os.fdopen(os.dup(saved), "w", encoding="utf-8") as answer:
-            yield answer
-    finally:
-        sys.stdout.flush()
-        os.dup2(saved, 1)
-        os.close(saved)
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, os.fdopen(os.dup(saved), "w", encoding="utf-8") as answer:
+        os.dup2(nowhere.fileno(), 1)
+        try:
+            # Operators print through Python, the rest of Blender through the C library.
+            with redirect_stdout(nowhere):
+                yield answer
+        finally:
+            # What waits in the C library's buffer is chatter too.
+            ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None).fflush(None)
+            os.dup2(saved, 1)
+            os.close(saved)

@@ -11,7 +11,7 @@ from .rays import Crossings, crossings
 from .winding import lattice_winding
 
 # Rays per voxel and axis, along either side of the voxel's face.
-_RAYS = 2
+_RAYS = 4
 _NUDGE = (1.23e-5, 2.77e-5)
 
 

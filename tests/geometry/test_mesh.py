@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.errors import InputError
+from convwass_addon.geometry.centroid import centroid
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.orientation import orient_outward, winding_number
+from tests.shapes import ball, box, joined, square, torus, with_faces
+
+
+def test_measures_of_a_box():
+    mesh = box((1, 2, 3), center=(5, -4, 2), angles=(0.3, 0.5, 0.7))
+    assert mesh.volume == pytest.approx(6)
+    assert mesh.area == pytest.approx(22)
+    np.testing.assert_allclose(centroid(mesh), (5, -4, 2), atol=1e-12)
+    np.testing.assert_allclose(mesh.moved((1, 1, 1)).bounds, mesh.bounds + 1)
+    assert mesh.flipped().volume == pytest.approx(-6)
+
+
+def test_the_centroid_is_that_of_the_solid_not_of_the_vertices():
+    mesh = joined(box((1, 1, 1)), box((2, 2, 2), center=(10, 0, 0)))
+    np.testing.assert_allclose(centroid(mesh), (10 * 8 / 9, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(centroid(square(center=(1, 2, 3))), (1, 2, 3))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "components", "euler", "closed"),
+    [
+        (box(), 1, 2, True),
+        (torus(), 1, 0, True),
+        (joined(ball(), torus(center=(5, 0, 0))), 2, 2, True),
+        (square(), 1, 1, False),
+        (with_faces(box(), slice(0, 11)), 1, 1, False),
+    ],
+)
+def test_topology(mesh, components, euler, closed):
+    found = topology(mesh)
+    assert (found.components, found.euler, found.closed) == (components, euler, closed)
+
+
+def test_three_faces_on_an_edge_are_counted():
+    fin = TriangleMesh.from_arrays(np.eye(5, 3), [(0, 1, 2), (1, 0, 3), (0, 1, 4)])
+    assert topology(fin).uneven_edges == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_faces_turned_at_random_are_turned_back(seed):
+    mesh = torus()
+    turned = np.random.default_rng(seed).random(len(mesh.faces)) < 0.3
+    faces = mesh.faces.copy()
+    faces[turned] = faces[turned, ::-1]
+    mended = orient_outward(TriangleMesh(mesh.vertices, faces))
+    assert topology(mended).closed
+    assert mended.volume == pytest.approx(mesh.volume)
+
+
+def test_inside_out_solids_are_turned_over():
+    assert orient_outward(ball().flipped()).volume == pytest.approx(ball().volume)
+
+
+def test_one_part_inside_out_among_others():
+    mesh = joined(ball(), box(center=(4, 0, 0)).flipped())
+    assert orient_outward(mesh).volume == pytest.approx(ball().volume + 1)
+
+
+def test_a_cavity_stays_a_cavity():
+    hollow = joined(ball(1.0), ball(0.6).flipped())
+    assert orient_outward(hollow).volume == pytest.approx(ball(1.0).volume - ball(0.6).volume)
+
+
+def test_a_moebius_strip_is_left_alone():
+    n = 40
+    angle = np.arange(n) * 2 * np.pi / n
+    across = np.array([-0.3, 0.3])[:, None]
+    radius = 1 + across * np.cos(angle / 2)
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), across * np.sin(angle / 2)], -1).reshape(-1, 3)
+    low, high = np.arange(n), np.arange(n) + n
+    after_low, after_high = np.r_[low[1:], high[0]], np.r_[high[1:], low[0]]
+    faces = np.concatenate([np.stack([low, after_low, high], 1), np.stack([high, after_low, after_high], 1)])
+    mended = orient_outward(TriangleMesh.from_arrays(points, faces))
+    assert len(mended.faces) == 2 * n
+
+
+def test_winding_number_counts_solids():
+    overlapping = joined(ball(), ball(center=(0.5, 0, 0)))
+    at = lambda x: winding_number(overlapping.corners, np.array([x, 0.01, 0.02]))  # noqa: E731
+    assert [round(at(x), 6) for x in (-2.0, -0.8, 0.25, 1.3)] == [0.0, 1.0, 2.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        ([(0, 0, np.nan)] * 3, [(0, 1, 2)], "not numbers"),
+        ([(0, 0, 0)] * 3, [(0, 1, 3)], "do not exist"),
+        ([(0, 0)] * 3, [(0, 1, 2)], "shape"),
+    ],
+)
+def test_broken_arrays_are_refused(vertices, faces, message):
+    with pytest.raises(InputError, match=message):
+        TriangleMesh.from_arrays(vertices, faces)

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes with known answers, made of nothing but NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.geometry.mesh import TriangleMesh
+
+_CUBE = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2)]
+_CUBE += [(1, 3, 7), (1, 7, 5)]
+
+
+def box(size=(1.0, 1.0, 1.0), center=(0.0, 0.0, 0.0), angles=(0.0, 0.0, 0.0)):
+    """A cuboid of 12 triangles, turned about its center."""
+    corners = np.array([(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]) * size
+    return TriangleMesh.from_arrays(Rotation.from_euler("xyz", angles).apply(corners) + center, _CUBE)
+
+
+def ball(radius=1.0, center=(0.0, 0.0, 0.0), points=1500):
+    """The convex hull of evenly spread points on a sphere; its volume is a little less than the sphere's."""
+    k = np.arange(points) + 0.5
+    z, angle = 1 - 2 * k / points, np.pi * (1 + 5**0.5) * k
+    flat = np.sqrt(1 - z**2)
+    vertices = np.stack([flat * np.cos(angle), flat * np.sin(angle), z], axis=1)
+    faces = ConvexHull(vertices).simplices
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    inward = np.einsum("ij,ij->i", a, np.cross(b, c)) < 0
+    faces[inward] = faces[inward, ::-1]
+    return TriangleMesh.from_arrays(vertices * radius + center, faces)
+
+
+def torus(major=1.0, minor=0.35, center=(0.0, 0.0, 0.0), segments=(48, 24)):
+    """A torus about the z axis."""
+    n, m = segments
+    u, v = np.meshgrid(np.arange(n) * 2 * np.pi / n, np.arange(m) * 2 * np.pi / m, indexing="ij")
+    ring = major + minor * np.cos(v)
+    vertices = np.stack([ring * np.cos(u), ring * np.sin(u), minor * np.sin(v)], axis=-1).reshape(-1, 3) + center
+    i, j = (x.ravel() for x in np.meshgrid(np.arange(n), np.arange(m), indexing="ij"))
+    a, b = i * m + j, (i + 1) % n * m + j
+    c, d = (i + 1) % n * m + (j + 1) % m, i * m + (j + 1) % m
+    return TriangleMesh.from_arrays(vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]))
+
+
+def square(size=1.0, center=(0.0, 0.0, 0.0)):
+    """A flat square, which encloses nothing."""
+    corners = np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]) * size + center
+    return TriangleMesh.from_arrays(corners, [(0, 1, 2), (0, 2, 3)])
+
+
+def joined(*meshes):
+    """Several meshes as one."""
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
+    return TriangleMesh.from_arrays(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+
+
+def with_faces(mesh, keep):
+    """The mesh with some of its faces only."""
+    return TriangleMesh.from_arrays(mesh.vertices, mesh.faces[keep])

@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: what it writes, what it prints, how it ends."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import bpy
+import pytest
+
+from convwass_addon import cli
+from convwass_addon.applications import memory
+
+pytestmark = [
+    pytest.mark.usefixtures("empty_scene"),
+    # Blender's own exporters under NumPy 2.5.
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
+]
+
+QUICK = ["--resolution", "24", "--frames", "2"]
+
+
+@pytest.fixture
+def shapes(tmp_path, empty_scene):
+    """A cube as OBJ, a ball as PLY, a cone as STL and all three in a .blend."""
+    folder = tmp_path / "in"
+    folder.mkdir()
+    writers = {
+        "cube.obj": (bpy.ops.mesh.primitive_cube_add, bpy.ops.wm.obj_export, "export_selected_objects"),
+        "ball.ply": (bpy.ops.mesh.primitive_ico_sphere_add, bpy.ops.wm.ply_export, "export_selected_objects"),
+        "cone.stl": (bpy.ops.mesh.primitive_cone_add, bpy.ops.wm.stl_export, "export_selected_objects"),
+    }
+    for name, (make, write, selection) in writers.items():
+        bpy.ops.object.select_all(action="DESELECT")
+        make()
+        bpy.context.object.name = name.partition(".")[0].title()
+        write(filepath=str(folder / name), **{selection: True})
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "all.blend"))
+    return folder
+
+
+def saved_frames(path):
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    collection = next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+    return [obj for obj in collection.objects if obj.type == "MESH"]
+
+
+def test_a_path_through_three_formats(shapes, tmp_path):
+    out = tmp_path / "morph.blend"
+    files = [str(shapes / name) for name in ("cube.obj", "ball.ply", "cone.stl")]
+    assert cli.main(["morph", *files, *QUICK, "--out", str(out)]) == 0
+    assert len(saved_frames(out)) == 5
+
+
+def test_objects_of_a_blend_and_a_single_blend(shapes, tmp_path):
+    out = tmp_path / "morph.blend"
+    words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball", "Cone")]
+    assert cli.main(["morph", *words, "--weights", "2,1,1", "--resolution", "24", "--out", str(out)]) == 0
+    (blend,) = saved_frames(out)
+    assert list(blend["convwass_weights"]) == pytest.approx([0.5, 0.25, 0.25])
+
+
+@pytest.mark.parametrize(("layout", "count", "expected"), [("triangle", 3, 6), ("grid", 4, 9)])
+def test_sheets(shapes, tmp_path, layout, count, expected):
+    out = tmp_path / "sheet.blend"
+    words = [str(shapes / name) for name in ("cube.obj", "ball.ply", "cone.stl", "cube.obj")][:count]
+    assert cli.main(["morph", *words, "--layout", layout, "--steps", "3", *QUICK, "--out", str(out)]) == 0
+    assert len(saved_frames(out)) == expected
+
+
+def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
+    out = tmp_path / "morph.blend"
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply")]
+    options = ["--json", "--sharpness", "0.5", "--entropy-limit", "max", "--export", str(tmp_path / "mesh.obj")]
+    capfd.readouterr()
+    assert cli.main(["morph", *words, *QUICK, *options, "--out", str(out)]) == 0
+    printed, _ = capfd.readouterr()
+    result = json.loads(printed)
+    assert result["settings"]["sharpness"] == 0.5
+    blend = result["frames"][1]
+    assert blend["converged"]
+    assert blend["volume"] == pytest.approx(blend["volume_wanted"], rel=0.01)
+    assert blend["mass_error"] < 5e-3
+    assert sorted(p.name for p in tmp_path.glob("*.obj")) == ["mesh_0001.obj", "mesh_0002.obj", "mesh_0003.obj"]
+
+
+def test_written_files_are_named(shapes, tmp_path, capfd):
+    out = tmp_path / "morph.blend"
+    capfd.readouterr()
+    assert cli.main(["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(out)]) == 0
+    assert capfd.readouterr().out.split() == [str(out)]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (["{in}/cube.obj", "{in}/missing.obj"], 3, "does not exist"),
+        (["{in}/cube.obj", "{in}"], 3, "folder"),
+        (["{in}/cube.obj"], 3, "two shapes"),
+        (["{in}/cube.obj", "{in}/all.blend:Nobody"], 3, "Nobody"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--out", "{in}/nowhere/morph.blend"], 3, "nowhere"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--weights", "1,2,3"], 3, "3 weights"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--weights", "0,0"], 3, "zero"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--weights", "1,-1"], 3, "positive"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--weights", "a,b"], 2, "list of numbers"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--layout", "grid"], 3, "four shapes"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--sharpness", "2"], 3, "Sharpness"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--resolution", "4"], 3, "Resolution"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames", "1"], 3, "2 frames"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--export", "{in}/mesh.xyz"], 3, ".obj"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--entropy-limit", "much"], 2, "max, off or a number"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
+        ([], 2, "SHAPE"),
+    ],
+)
+def test_errors_have_codes_and_say_what_to_do(shapes, tmp_path, capfd, words, code, message):
+    before = sorted(tmp_path.rglob("*"))
+    words = [word.replace("{in}", str(shapes)) for word in words]
+    if "--out" not in words:
+        words += ["--out", str(tmp_path / "morph.blend")]
+    assert cli.main(["morph", *words]) == code
+    assert message in capfd.readouterr().err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr(memory, "available_memory", lambda: 10_000_000)
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--out", str(tmp_path / "morph.blend")]
+    assert cli.main(["morph", *words, "--resolution", "200"]) == 4
+    assert "would fit" in capfd.readouterr().err
+    assert not (tmp_path / "morph.blend").exists()
+
+
+def test_damaged_files_are_refused(shapes, tmp_path, capfd):
+    damaged = tmp_path / "damaged.ply"
+    damaged.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement vertex 900\n\x00\x01")
+    assert cli.main(["morph", str(shapes / "cube.obj"), str(damaged), "--out", str(tmp_path / "m.blend")]) == 3
+    assert "damaged.ply" in capfd.readouterr().err
+
+
+def test_help_names_every_option(capsys):
+    assert cli.main(["morph", "--help"]) == 0
+    text = capsys.readouterr().out
+    for option in (
+        "--layout",
+        "--weights",
+        "--sharpness",
+        "--entropy-limit",
+        "--level",
+        "--render",
+        "--export",
+        "--json",
+    ):
+        assert option in text
+    assert "exit codes" in text
+
+
+def test_as_a_module(shapes, tmp_path, project):
+    out = tmp_path / "morph.blend"
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(out), "--json"]
+    done = subprocess.run(
+        [sys.executable, "-m", "convwass_addon", "morph", *words],
+        cwd=project,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert json.loads(done.stdout)["written"] == [str(out)]
+    assert out.stat().st_size > 0
