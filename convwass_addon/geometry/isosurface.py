@@ -15,7 +15,7 @@ from .mesh import TriangleMesh
 
 # The volume of the surface follows the wanted one to this fraction.
 _VOLUME_TOLERANCE = 2e-3
-_CORRECTIONS = 6
+_CORRECTIONS = 16
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
     """Surface of a level of `density` that encloses `volume` cells, as measured on the surface itself.
 
     Counting cells gives the level to about a cell's width; the remaining difference is taken out by counting a
-    corrected number.
+    corrected number, kept between the counts that enclosed too little and too much.
 
     Raises
     ------
@@ -78,13 +78,14 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
     if not 0.0 < volume < positive:
         raise InputError(f"A surface cannot enclose {volume:.4g} of the {positive} cells that hold any mass.")
     values = np.sort(density[density > 0], axis=None)[::-1].astype(np.float64)
-    count = volume
+    low, count, high = 0.5, volume, positive - 0.5
     for _ in range(_CORRECTIONS):
         surface = surface_at_level(density, float(np.interp(count - 0.5, np.arange(positive), values)))
-        enclosed = surface.mesh.volume
-        if abs(enclosed - volume) <= _VOLUME_TOLERANCE * volume:
+        excess = surface.mesh.volume - volume
+        if abs(excess) <= _VOLUME_TOLERANCE * volume:
             break
-        count = float(np.clip(count + volume - enclosed, 0.5, positive - 0.5))
+        low, high = (low, count) if excess > 0 else (count, high)
+        count = count - excess if low < count - excess < high else (low + high) / 2
     return surface
 
 

@@ -1,0 +1,212 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications import memory
+from convwass_addon.applications.background import BackgroundJob
+from convwass_addon.applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from convwass_addon.applications.morph import MorphSettings, morph
+from convwass_addon.applications.volumes import Lattice
+from convwass_addon.errors import Cancelled, InputError, ResourceError
+from convwass_addon.geometry.edges import topology
+from tests.shapes import ball, box, joined, square, torus, with_faces
+
+QUICK = MorphSettings(resolution=32)
+
+
+def frames_of(shapes, blends, settings=QUICK):
+    names = [f"shape {i}" for i in range(len(shapes))]
+    return [step.frame for step in morph(shapes, names, blends, settings) if step.frame]
+
+
+def test_every_blend_is_closed_outward_of_the_right_volume_and_solved():
+    shapes = [torus(1.0, 0.35), joined(ball(0.6, (-1, 0, 0)), box(center=(1, 0, 0))), ball(0.9)]
+    frames = frames_of(shapes, path_blends(3, 4), MorphSettings(resolution=48))
+    volumes = np.array([shape.volume for shape in shapes])
+    assert len(frames) == 9
+    for frame in frames:
+        if frame.blend.source is not None:
+            assert frame.mesh is None
+            continue
+        record = frame.record
+        assert topology(frame.mesh).closed
+        assert frame.mesh.volume == pytest.approx(np.dot(frame.blend.weights, volumes), rel=0.01)
+        assert record["converged"]
+        assert record["invariant_error"] < 1e-6
+        assert record["mass_error"] < 5e-3
+    assert [frame.blend.source for frame in frames].count(None) == 6
+
+
+def test_moved_inputs_move_the_blend_by_their_weight():
+    shapes = [torus(), box((1, 2, 1), angles=(0.2, 0.4, 0.1))]
+    blend = single_blend([0.25, 0.75], 2)
+    (here,) = frames_of(shapes, blend)
+    (there,) = frames_of([shapes[0].moved((40, 0, 0)), shapes[1].moved((0, -20, 4))], blend)
+    np.testing.assert_allclose(
+        there.mesh.vertices - here.mesh.vertices, np.tile((10, -15, 3), (len(here.mesh.vertices), 1))
+    )
+
+
+def test_distance_in_the_scene_costs_no_cells():
+    near = Lattice.around([ball(), box()], 40, 1.0)
+    far = Lattice.around([ball(center=(1000, 0, 0)), box(center=(0, 0, -500))], 40, 1.0)
+    assert far.shape == near.shape
+    assert far.spacing == pytest.approx(near.spacing)
+
+
+def test_a_blend_of_a_ball_with_itself_is_the_ball():
+    (frame,) = frames_of([ball(), ball()], single_blend([1, 1], 2), MorphSettings(resolution=48))
+    radii = np.linalg.norm(frame.mesh.vertices, axis=1)
+    cell = 2 / 40
+    assert np.abs(radii - 1).max() < 0.5 * cell
+
+
+def test_balls_blend_to_a_ball_of_the_mean_radius_before_the_volume_is_set():
+    """Scaled copies interpolate by scaling, so the half-way level of the density is at the mean radius."""
+    settings = MorphSettings(resolution=64, sharpness=1.0, level="half-max")
+    (frame,) = frames_of([ball(1.0), ball(0.5)], single_blend([1, 1], 2), settings)
+    assert np.linalg.norm(frame.mesh.vertices, axis=1).mean() == pytest.approx(0.75, rel=0.03)
+
+
+def test_the_level_can_be_half_of_the_maximum():
+    shapes = [torus(), box()]
+    by_volume, by_half = (
+        frames_of(shapes, single_blend([1, 1], 2), MorphSettings(resolution=32, level=level))[0]
+        for level in ("volume", "half-max")
+    )
+    assert by_volume.record["level"] != by_half.record["level"]
+    assert topology(by_half.mesh).closed
+
+
+def test_open_inverted_and_overlapping_meshes_are_welcome():
+    whole = ball(points=600)
+    holey = with_faces(whole, np.random.default_rng(1).random(len(whole.faces)) > 0.03)
+    shapes = [holey, torus().flipped(), joined(box(), box(center=(0.4, 0.3, 0.2)))]
+    frames = frames_of(shapes, path_blends(3, 2))
+    assert all(topology(frame.mesh).closed for frame in frames if frame.mesh)
+
+
+def test_a_sheet_is_refused_by_name_and_taken_with_thickness():
+    shapes, blend = [ball(), square(2)], single_blend([1, 1], 2)
+    with pytest.raises(InputError, match=r"'shape 1' encloses no volume .* thickness"):
+        frames_of(shapes, blend)
+    (frame,) = frames_of(shapes, blend, MorphSettings(resolution=32, thickness=0.2))
+    assert topology(frame.mesh).closed
+
+
+def test_sharpness_rises_towards_the_ends_only_by_itself():
+    automatic = [MorphSettings().sharpness_at((1 - t, t)) for t in (0.001, 0.1, 0.5, 0.9, 0.999)]
+    assert automatic[2] == 0.75
+    assert automatic[0] > automatic[1] > 0.75
+    assert automatic[0] == pytest.approx(automatic[4])
+    assert MorphSettings(sharpness=0.0).sharpness_at((0.001, 0.999)) == 0.0
+
+
+def test_progress_never_goes_back_and_ends_at_one():
+    steps = list(morph([ball(), box()], ["a", "b"], path_blends(2, 3), QUICK))
+    fractions = [step.fraction for step in steps]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+    assert all(step.message for step in steps)
+
+
+def test_a_check_that_raises_ends_the_job():
+    calls = []
+
+    def check():
+        calls.append(1)
+        if len(calls) > 5:
+            raise Cancelled("enough")
+
+    with pytest.raises(Cancelled):
+        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, check))
+    assert len(calls) == 6
+
+
+def test_a_background_job_delivers_and_can_be_cancelled():
+    shapes, blends = [ball(), box()], path_blends(2, 400)
+    job = BackgroundJob(lambda check: morph(shapes, ["a", "b"], blends, QUICK, check))
+    steps = []
+    deadline = time.monotonic() + 60
+    while sum(step.frame is not None for step in steps) < 3 and time.monotonic() < deadline:
+        steps += job.poll()
+        time.sleep(0.02)
+    assert not job.done
+    job.cancel()
+    assert job.done
+    assert isinstance(job.error, Cancelled)
+
+
+def test_a_background_job_hands_over_its_error():
+    job = BackgroundJob(lambda check: morph([ball(), square()], ["a", "b"], path_blends(2, 2), QUICK, check))
+    while not job.done:
+        time.sleep(0.01)
+    assert isinstance(job.error, InputError)
+
+
+def test_memory_is_checked_before_the_work(monkeypatch):
+    monkeypatch.setattr(memory, "available_memory", lambda: 300_000_000)
+    with pytest.raises(ResourceError, match=r"Resolution 200 needs about .* Resolution (\d+) would fit") as caught:
+        Lattice.around([ball(), box()], 200, 1.0)
+    fitting = int(str(caught.value).split("Resolution ")[-1].split()[0])
+    Lattice.around([ball(), box()], fitting, 1.0)
+
+
+def test_this_machine_says_how_much_memory_it_has():
+    free = memory.available_memory()
+    assert free is None or free > 10_000_000
+
+
+def test_paths():
+    blends = path_blends(3, 4)
+    assert [blend.frame for blend in blends] == list(range(9))
+    assert [blend.source for blend in blends if blend.source is not None] == [0, 1, 2]
+    np.testing.assert_allclose([sum(blend.weights) for blend in blends], 1.0)
+
+
+def test_sheets():
+    grid, triangle = grid_blends(4, 5), triangle_blends(3, 5)
+    assert (len(grid), len(triangle)) == (25, 15)
+    for blends, corners in ((grid, 4), (triangle, 3)):
+        assert sorted(blend.source for blend in blends if blend.source is not None) == list(range(corners))
+        assert len({blend.place for blend in blends}) == len(blends)
+        np.testing.assert_allclose([sum(blend.weights) for blend in blends], 1.0)
+        assert all(blend.frame is None for blend in blends)
+    assert next(b for b in grid if b.place == (2.0, 1.0)).weights == pytest.approx((0.375, 0.375, 0.125, 0.125))
+
+
+def test_a_single_blend_is_scaled_to_sum_one():
+    assert single_blend([2, 6], 2) == [Blend((0.25, 0.75))]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: path_blends(1, 4), "two shapes"),
+        (lambda: path_blends(2, 1), "2 frames"),
+        (lambda: grid_blends(3, 4), "four shapes"),
+        (lambda: triangle_blends(4, 4), "three shapes"),
+        (lambda: grid_blends(4, 1), "at least 2"),
+        (lambda: single_blend([1], 2), "1 weights"),
+        (lambda: single_blend([1, -1], 2), "positive"),
+        (lambda: single_blend([0, 0], 2), "zero"),
+        (lambda: single_blend([1, float("nan")], 2), "positive numbers"),
+        (lambda: MorphSettings(resolution=4), "Resolution"),
+        (lambda: MorphSettings(blur=0.1), "Blur"),
+        (lambda: MorphSettings(sharpness=1.2), "Sharpness"),
+        (lambda: MorphSettings(entropy_limit=float("nan")), "entropy limit"),
+        (lambda: MorphSettings(level="middle"), "level"),
+        (lambda: MorphSettings(thickness=-1), "Thickness"),
+        (lambda: MorphSettings(tolerance=0), "tolerance"),
+        (lambda: MorphSettings(max_iterations=0), "iteration"),
+        (lambda: Lattice.around([ball(), box()], 12, 1.0), "too coarse"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
