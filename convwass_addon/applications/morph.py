@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry.isosurface import LevelSurface, surface_at_level, surface_enclosing
 from ..geometry.mesh import TriangleMesh
-from ..transport import Barycenter, Grid, barycenter
+from ..transport import Barycenter, Grid, KernelTooNarrowError, barycenter
 from .layouts import Blend
 from .volumes import Lattice, voxelize
 
@@ -27,6 +27,8 @@ _SHARPNESS = 0.75
 _CRISP_FROM = 0.85
 # Automatic blur: one cell, and no narrower than float64 carries across a grid.
 _CELLS_PER_BLUR = 80.0
+# By how much the automatic blur grows where it does not reach.
+_WIDEN = 1.25
 # Share of the progress that voxelizing takes.
 _VOXEL_SHARE = 0.08
 
@@ -199,6 +201,7 @@ class _Solver:
         self._grid: Grid = lattice.grid(settings.sigma)
         self._check = check
         self._last: Barycenter | None = None
+        self._last_sigma = self._grid.sigma
 
     def frame(self, blend: Blend) -> MorphFrame:
         if blend.source is not None:
@@ -211,7 +214,7 @@ class _Solver:
         record = {
             "weights": blend.weights,
             **solved.record(),
-            "sigma": self._grid.sigma,
+            "sigma": self._last_sigma,
             "cells": self._lattice.shape,
             "level": surface.level,
             "volume": mesh.volume,
@@ -220,19 +223,33 @@ class _Solver:
         return MorphFrame(blend, mesh, record)
 
     def _solve(self, blend: Blend) -> Barycenter:
-        sharpness = self._settings.sharpness_at(blend.weights)
+        """Solve with the blur of the settings; where that was left open, with the least that is needed above it."""
+        if self._settings.blur is not None:
+            return self._solve_on(self._grid, blend, "automatic")
+        sigma = self._grid.sigma
+        while True:
+            # A frame close to one shape reaches farther to the other, and may need a wider kernel than the rest.
+            grid = self._grid if sigma == self._grid.sigma else self._lattice.grid(sigma)
+            try:
+                return self._solve_on(grid, blend, "scaling")
+            except KernelTooNarrowError:
+                self._last = None
+                sigma *= _WIDEN
+
+    def _solve_on(self, grid: Grid, blend: Blend, numerics: Literal["automatic", "scaling"]) -> Barycenter:
         solved = barycenter(
             self._densities,
             blend.weights,
-            self._grid,
-            sharpness=sharpness,
+            grid,
+            sharpness=self._settings.sharpness_at(blend.weights),
             entropy_limit=self._settings.entropy_limit,
-            initial=self._last,
+            initial=self._last if grid.sigma == self._last_sigma else None,
             tolerance=self._settings.tolerance,
             max_iterations=self._settings.max_iterations,
+            numerics=numerics,
             monitor=None if self._check is None else lambda *_: self._check(),
         )
-        self._last = solved
+        self._last, self._last_sigma = solved, grid.sigma
         return solved
 
     def _surface(self, solved: Barycenter, cells: float) -> LevelSurface:

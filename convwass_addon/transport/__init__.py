@@ -3,6 +3,7 @@
 """Optimal transport on arrays: the paper, without meshes, files or Blender."""
 
 from .barycenter import Barycenter, barycenter
+from .bregman import KernelTooNarrowError
 from .grid import Grid
 
-__all__ = ["Barycenter", "Grid", "barycenter"]
+__all__ = ["Barycenter", "Grid", "KernelTooNarrowError", "barycenter"]

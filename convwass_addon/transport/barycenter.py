@@ -99,6 +99,7 @@ def barycenter(
     initial: Barycenter | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
+    numerics: Literal["automatic", "scaling"] = "automatic",
     monitor: Monitor | None = None,
 ) -> Barycenter:
     """Barycenter of distributions under the entropic Wasserstein distance.
@@ -126,6 +127,9 @@ def barycenter(
         The solve ends when the marginal error and that of the debiasing density are below this.
     max_iterations : int
         At every level.
+    numerics : "automatic" or "scaling"
+        Where scalings of float64 do not reach, "automatic" goes on in the log domain, line by line, which reaches
+        further and takes longer; "scaling" raises.
     monitor : callable, optional
         ``monitor(cells, iteration, error)``, called once per iteration; what it raises ends the solve.
 
@@ -138,6 +142,8 @@ def barycenter(
     ------
     ValueError
         Distributions, weights or parameters that make no sense; the message names the argument.
+    KernelTooNarrowError
+        Scalings do not reach, and nothing else was allowed.
     """
     densities = check_distributions(mus, domain)
     alphas = check_weights(weights, len(densities))
@@ -148,7 +154,7 @@ def barycenter(
     if max_iterations < 1:
         raise ValueError(f"max_iterations must be at least 1, got {max_iterations}")
     active = np.flatnonzero(alphas)
-    problem = _Problem(densities[active], alphas[active], sharpness, tolerance, max_iterations, monitor)
+    problem = _Problem(densities[active], alphas[active], sharpness, tolerance, max_iterations, numerics, monitor)
     limit = max(entropy(mu, domain.weights) for mu in densities[active]) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
     solved = problem.coarse_to_fine(domain, None if tightening else limit, initial.levels if usable else ())
@@ -177,6 +183,7 @@ class _Problem:
     sharpness: float
     tolerance: float
     max_iterations: int
+    numerics: Literal["automatic", "scaling"]
     monitor: Monitor | None
 
     def coarse_to_fine(self, domain: Domain, limit: float | None, before: tuple[Potentials, ...]) -> _Solved:
@@ -217,7 +224,7 @@ class _Problem:
     ) -> tuple[BregmanIteration, int]:
         """Iterate on one domain until the marginals agree."""
         cells = int(np.prod(domain.shape))
-        state = BregmanIteration(domain, mus, self.alphas, self.sharpness, limit, start)
+        state = BregmanIteration(domain, mus, self.alphas, self.sharpness, limit, start, self.numerics)
         for iteration in range(1, self.max_iterations + 1):
             state.step()
             if self.monitor is not None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,10 @@ _RELAXATION = 1.5
 _STALLED = 0.95
 # The exponent of an entropy bound amplifies every step; full steps would jump between two solutions for ever.
 _BOUNDED_STEP = 0.7
+
+
+class KernelTooNarrowError(ArithmeticError):
+    """Scalings of float64 do not reach from the barycenter to all of an input's mass."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +105,8 @@ class BregmanIteration:
         Bound for the entropy of mu, or none (beta = 1).
     start : Potentials
         Copied.
+    numerics : "automatic" or "scaling"
+        Whether to go on in the log domain where scalings of float64 do not reach, or to raise.
     """
 
     def __init__(
@@ -110,8 +117,10 @@ class BregmanIteration:
         sharpness: float,
         entropy_limit: float | None,
         start: Potentials,
+        numerics: Literal["automatic", "scaling"] = "automatic",
     ) -> None:
         self.domain = domain
+        self.numerics = numerics
         self.alphas = alphas
         self.sharpness = sharpness
         self.entropy_limit = entropy_limit
@@ -123,6 +132,7 @@ class BregmanIteration:
         self.exponent = 1.0
         self.by_line = False
         self._inside = mus > 0
+        self._outside = ~self._inside
         self._log_mus = np.full(mus.shape, LOG_NOTHING)
         np.log(mus, out=self._log_mus, where=self._inside)
         self._log_w = np.empty_like(mus)
@@ -149,12 +159,14 @@ class BregmanIteration:
     def _project_on_inputs(self) -> None:
         """w_i = mu_i / H(a v_i): the plans get the inputs as one marginal."""
         self._apply(self.log_v, self._log_w)
-        if not self.by_line and (self._log_w[self._inside] <= LOG_NOTHING / 2).any():
+        if not self.by_line and np.min(self._log_w, where=self._inside, initial=0.0) <= LOG_NOTHING / 2:
             # Some of an input's mass is too far from the barycenter for scalings of float64.
+            if self.numerics == "scaling":
+                raise KernelTooNarrowError(f"gamma = {self.domain.gamma:.3g} is too small for scalings of float64")
             self.by_line = True
             self._apply(self.log_v, self._log_w)
         np.subtract(self._log_mus, self._log_w, out=self._log_w)
-        self._log_w[~self._inside] = LOG_NOTHING
+        np.copyto(self._log_w, LOG_NOTHING, where=self._outside)
         self._apply(self._log_w, self._log_kw)
 
     def _geometric_mean(self) -> None:
@@ -197,10 +209,11 @@ class BregmanIteration:
         self.log_debias += self._spare
         self.log_debias *= 0.5
         np.clip(self.log_debias, -_DEBIAS_RANGE, _DEBIAS_RANGE, out=self.log_debias)
-        self.log_debias[~self._relevant] = -_DEBIAS_RANGE
+        np.copyto(self.log_debias, -_DEBIAS_RANGE, where=~self._relevant)
 
     def _project_on_common(self) -> None:
         """v_i = mu / H(a w_i): the plans get one common marginal on the other side."""
+        irrelevant = ~self._relevant
         for log_v, log_kw in zip(self.log_v, self._log_kw, strict=True):
             np.subtract(self._log_mu, log_kw, out=self._spare)
             if self.entropy_limit is not None:
@@ -212,7 +225,7 @@ class BregmanIteration:
                 # Where there was nothing before there is nothing to step beyond.
                 np.copyto(log_v, self._spare, where=log_v <= LOG_NOTHING / 2)
                 log_v += self._relaxation * (self._spare - log_v)
-            log_v[~self._relevant] = LOG_NOTHING
+            np.copyto(log_v, LOG_NOTHING, where=irrelevant)
 
     def potentials(self) -> Potentials:
         """Return the state, to continue from or to prolong.
@@ -248,4 +261,6 @@ class BregmanIteration:
         (self.domain.log_apply_by_line if self.by_line else self.domain.log_apply)(logs, out)
 
     def _mass(self, density: NDArray[np.float64]) -> float:
+        if isinstance(self.domain.weights, float):
+            return float(density.sum()) * self.domain.weights
         return float((density * self.domain.weights).sum())

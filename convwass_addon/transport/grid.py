@@ -87,7 +87,7 @@ class Grid:
             shift = source.max() - _HEADROOM
             np.subtract(source, shift, out=scaled)
             np.exp(scaled, out=scaled)
-            scaled[scaled < _NEGLIGIBLE] = 0.0
+            np.copyto(scaled, 0.0, where=scaled < _NEGLIGIBLE)
             self._blur(scaled, target)
             _log_in_place(target)
             target += shift
@@ -107,7 +107,7 @@ class Grid:
                 shift = current.reshape(-1, size).max(axis=1, keepdims=True) - _HEADROOM
                 np.subtract(current.reshape(-1, size), shift, out=lines)
                 np.exp(lines, out=lines)
-                lines[lines < _NEGLIGIBLE] = 0.0
+                np.copyto(lines, 0.0, where=lines < _NEGLIGIBLE)
                 turned = target.reshape(-1) if axis == 0 else second
                 self._contract(first, turned, size)
                 _log_in_place(turned)

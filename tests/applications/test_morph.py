@@ -210,3 +210,13 @@ def test_a_single_blend_is_scaled_to_sum_one():
 def test_what_makes_no_sense_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_the_automatic_blur_widens_where_it_does_not_reach(monkeypatch):
+    monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
+    shapes = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))]
+    frames = frames_of(shapes, path_blends(2, 4), MorphSettings(resolution=96))
+    solved = [frame.record for frame in frames if frame.mesh]
+    assert all(record["converged"] for record in solved)
+    assert max(record["sigma"] for record in solved) > 0.5
+    assert {record["numerics"] for record in solved} == {"scaling"}

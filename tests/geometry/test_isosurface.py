@@ -32,7 +32,7 @@ def test_any_surface_is_closed_outward_and_encloses_what_was_asked_for(seed, sha
     density = gaussian_filter(np.random.default_rng(seed).random((18, 20, 16)) ** 4, blur, mode="constant")
     mesh = surface_enclosing(density, share * density.size).mesh
     assert topology(mesh).open_edges == 0
-    assert mesh.volume == pytest.approx(share * density.size, rel=0.003)
+    assert mesh.volume == pytest.approx(share * density.size, rel=0.01)
 
 
 def test_a_solid_at_the_wall_is_closed():

@@ -45,7 +45,7 @@ MAY_IMPORT = {
     "panels": {"errors", "applications", "bridge", "properties", "operators"},
     "console": {"errors"},
     "cli": {"errors", "applications", "bridge", "console"},
-    "__main__": {"cli", "errors"},
+    "__main__": {"cli", "console", "errors"},
     "__init__": {"cli", "operators", "panels", "properties"},
 }
 """Which rooms of the package each room may import from, besides itself."""

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from convwass_addon.errors import Cancelled
-from convwass_addon.transport import Grid, barycenter
+from convwass_addon.transport import Grid, KernelTooNarrowError, barycenter
 from convwass_addon.transport.sharpening import entropy
 
 
@@ -275,3 +275,11 @@ def test_never_nan_and_an_honest_error(shape, sigma, count, sharpness, sparsity,
     assert found.density.mean() == pytest.approx(1.0)
     assert np.isfinite(found.marginal_error)
     assert found.converged == (max(found.marginal_error, found.debias_error) < 1e-2)
+
+
+def test_scaling_alone_raises_where_it_does_not_reach():
+    shape = (160, 16)
+    mus = np.zeros((2, *shape))
+    mus[0, 6:10, 4:12], mus[1, 150:154, 4:12] = 1.0, 1.0
+    with pytest.raises(KernelTooNarrowError):
+        barycenter(mus, [0.5, 0.5], Grid(shape, 1.0), sharpness=0.75, numerics="scaling")
