@@ -17,11 +17,7 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
 
 
-class CONVWASS_OT_select_morph_inputs(bpy.types.Operator):
-    """Show and select the shapes that the active morph was baked from, and take over its settings"""
-
-    bl_idname = "convwass.select_morph_inputs"
-    bl_label = "Select Inputs"
+class _OnActiveMorph:
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -30,6 +26,13 @@ class CONVWASS_OT_select_morph_inputs(bpy.types.Operator):
             cls.poll_message_set("Select an object of a baked morph")
             return False
         return True
+
+
+class CONVWASS_OT_select_morph_inputs(_OnActiveMorph, bpy.types.Operator):
+    """Show and select the shapes that the active morph was baked from, and take over its settings"""
+
+    bl_idname = "convwass.select_morph_inputs"
+    bl_label = "Select Inputs"
 
     def execute(self, context):
         morph = active_morph(context)
@@ -49,19 +52,11 @@ class CONVWASS_OT_select_morph_inputs(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_delete_morph(bpy.types.Operator):
+class CONVWASS_OT_delete_morph(_OnActiveMorph, bpy.types.Operator):
     """Delete the active morph and its meshes, and show the shapes it was baked from"""
 
     bl_idname = "convwass.delete_morph"
     bl_label = "Delete Morph"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if active_morph(context) is None:
-            cls.poll_message_set("Select an object of a baked morph")
-            return False
-        return True
 
     def execute(self, context):
         morph = active_morph(context)
