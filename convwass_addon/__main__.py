@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``python -m convwass_addon VERB …``, where the bpy module comes from pip."""
 
+import os
 import sys
 
 from .console import own_stdout
@@ -10,7 +11,11 @@ try:
     with own_stdout():
         # Blender greets on standard output when it is imported.
         from .cli import main
-    sys.exit(main(sys.argv[1:], "python -m convwass_addon"))
+    code = main(sys.argv[1:], "python -m convwass_addon")
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    os._exit(code)
 except KeyboardInterrupt:
     # Before the command line is there to say more.
     sys.exit(130)
