@@ -93,8 +93,29 @@ def face_components(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Label the triangles by the piece they belong to, (m,); pieces share no vertex."""
     if not len(faces):
         return np.empty(0, np.int64)
-    size = int(faces.max()) + 1
+    return _joined_vertices(faces, int(faces.max()) + 1)[faces[:, 0]]
+
+
+def vertex_components(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Label the vertices by the piece they belong to, 0, 1, ..., (n,); -1 where no triangle uses them.
+
+    Pieces share no vertex. Triangles that name a vertex twice hold nothing together, as no heat flows through them.
+    """
+    faces = mesh.faces[distinct_corners(mesh.faces)]
+    labels = np.full(len(mesh.vertices), -1, np.int64)
+    used = np.unique(faces)
+    labels[used] = np.unique(_joined_vertices(faces, len(labels))[used], return_inverse=True)[1]
+    return labels
+
+
+def distinct_corners(faces: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Tell the triangles with three different vertices from those that name one twice, (m,)."""
+    a, b, c = faces.T
+    return (a != b) & (b != c) & (c != a)
+
+
+def _joined_vertices(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Label `count` vertices so that those joined by triangles are alike."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_array((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), shape=(size, size))
-    labels = connected_components(graph, directed=False)[1]
-    return labels[faces[:, 0]].astype(np.int64)
+    graph = coo_array((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.int64)

@@ -1,0 +1,222 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laplacians of triangle meshes through which heat never turns negative, whatever the triangles look like."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
+
+from ..errors import InputError
+from .edges import distinct_corners
+from .mesh import TriangleMesh
+
+# Every triangle inequality holds by this much of the mean edge length after mollification (Sharp and Crane 2020).
+_MARGIN = 1e-5
+# Weights are cotangents, of order one. What the tufted cover leaves below zero (its edges are flipped until none is
+# below -1e-6) and rounding stay under this.
+_NOTICEABLE = 1e-5
+# Squared lengths, and their squares, must stay within float64.
+_LARGEST = 1e75
+
+
+class TuftedLaplacianError(ArithmeticError):
+    """The tufted Laplacian of a mesh could not be computed in float64."""
+
+
+@dataclass(frozen=True)
+class Laplacian:
+    """Stiffness and lumped areas of a triangle mesh.
+
+    Attributes
+    ----------
+    matrix : (n, n) csc_array
+        Stiffness L, positive semi-definite: exactly symmetric, with no positive off-diagonal, and with rows that sum
+        to zero up to rounding. Empty at vertices without area. It does not depend on the scale of the mesh.
+    areas : (n,) float64
+        Area around every vertex, in the units of the mesh squared. Zero at vertices that no triangle of three
+        different vertices uses, positive everywhere else.
+    method : "tufted" or "cotangent"
+        Where the weights come from.
+    clamped : int
+        Edges with a negative weight that was set to zero: none of them would conduct heat the right way.
+    """
+
+    matrix: csc_array
+    areas: NDArray[np.float64]
+    method: Literal["tufted", "cotangent"]
+    clamped: int
+
+
+def laplacian(mesh: TriangleMesh) -> Laplacian:
+    """Return the tufted Laplacian of `mesh` where it can be had, the cotangent Laplacian otherwise.
+
+    The tufted one needs robust_laplacian, and numbers that float64 can still tell apart after many edge flips.
+
+    Raises
+    ------
+    InputError
+        No triangle of the mesh has any area, or its size is beyond what can be calculated with.
+    """
+    with suppress(ImportError, TuftedLaplacianError):
+        return tufted_laplacian(mesh)
+    return cotangent_laplacian(mesh)
+
+
+def tufted_laplacian(mesh: TriangleMesh) -> Laplacian:
+    """Return the Laplacian of the intrinsic Delaunay triangulation of the mesh's tufted cover.
+
+    It has no negative weights but for rounding, and takes edges of any number of triangles. N. Sharp and K. Crane, "A
+    Laplacian for Nonmanifold Triangle Meshes", Computer Graphics Forum 39(5), 2020.
+
+    Raises
+    ------
+    ImportError
+        robust_laplacian is not there.
+    InputError
+        No triangle of the mesh has any area, or its size is beyond what can be calculated with.
+    TuftedLaplacianError
+        robust_laplacian failed, as it may where edges differ in length by more than about 1e10.
+    """
+    from robust_laplacian import mesh_laplacian
+
+    surface = _unit_surface(mesh)
+    try:
+        stiffness, masses = mesh_laplacian(surface.vertices, surface.faces, mollify_factor=_MARGIN)
+    except RuntimeError as error:
+        raise TuftedLaplacianError(f"robust_laplacian failed: {error}") from error
+    areas = masses.diagonal()
+    if not (np.isfinite(stiffness.data).all() and np.isfinite(areas).all() and areas.min() > 0):
+        raise TuftedLaplacianError("robust_laplacian returned areas or weights that are not numbers.")
+    entries = coo_array(stiffness)
+    # Half of each, since a symmetric matrix names every edge twice.
+    weights = coo_array((-0.5 * entries.data, entries.coords), shape=entries.shape)
+    return _assemble(surface, weights, areas, "tufted")
+
+
+def cotangent_laplacian(mesh: TriangleMesh) -> Laplacian:
+    """Return the cotangent Laplacian of the mesh, negative weights set to zero.
+
+    Everything comes from edge lengths. All of them grow by the same length, the smallest that makes the triangle
+    inequalities hold by a margin (mollification, section 4.5 of Sharp and Crane 2020), so that degenerate triangles
+    have areas and angles too. U. Pinkall and K. Polthier, "Computing Discrete Minimal Surfaces and Their Conjugates",
+    Experimental Mathematics 2(1), 1993.
+
+    Raises
+    ------
+    InputError
+        No triangle of the mesh has any area, or its size is beyond what can be calculated with.
+    """
+    surface = _unit_surface(mesh)
+    lengths = _mollified(_edge_lengths(surface))
+    areas = _triangle_areas(lengths)
+    squares = lengths**2
+    # Column c belongs to the edge opposite corner c; half the cotangent of the angle at c is its weight.
+    weights = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (8.0 * areas[:, None])
+    tails, heads = np.roll(surface.faces, -1, axis=1), np.roll(surface.faces, -2, axis=1)
+    count = len(surface.vertices)
+    entries = coo_array((weights.ravel(), (tails.ravel(), heads.ravel())), shape=(count, count))
+    thirds = np.bincount(surface.faces.ravel(), np.repeat(areas / 3.0, 3), count)
+    return _assemble(surface, entries, thirds, "cotangent")
+
+
+@dataclass(frozen=True)
+class _UnitSurface:
+    """The triangles of a mesh that can carry heat, with the vertices that they use, rescaled to unit size.
+
+    Attributes
+    ----------
+    vertices : (k, 3) float64
+        The larger of their extents is one.
+    faces : (j, 3) int64
+        Three different vertices each.
+    used : (k,) int64
+        Index of every vertex in the mesh.
+    count : int
+        Vertices of the mesh.
+    scale : float
+        Length of the mesh per unit length.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    used: NDArray[np.int64]
+    count: int
+    scale: float
+
+
+def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
+    used, faces = np.unique(mesh.faces[distinct_corners(mesh.faces)], return_inverse=True)
+    if not len(used):
+        raise InputError("The mesh has no triangle with three different vertices.")
+    vertices = mesh.vertices[used]
+    reach = float(np.abs(vertices).max())
+    if reach > _LARGEST:
+        raise InputError(f"The mesh is too large to calculate with: its coordinates reach {reach:.3g}.")
+    vertices = vertices - 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    scale = float(np.ptp(vertices, axis=0).max())
+    if 0 < scale < 1.0 / _LARGEST:
+        raise InputError(f"The mesh is too small to calculate with: it is {scale:.3g} long.")
+    if scale > 0:
+        surface = _UnitSurface(vertices / scale, faces.reshape(-1, 3), used, len(mesh.vertices), scale)
+        if _has_area(surface, reach / scale):
+            return surface
+    raise InputError("The mesh has no area: the corners of every triangle lie on a line or in a point.")
+
+
+def _has_area(surface: _UnitSurface, reach: float) -> bool:
+    """Tell whether any triangle is higher than coordinates of size `reach` are exact."""
+    a, b, c = np.moveaxis(surface.vertices[surface.faces], 1, 0)
+    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return bool((doubled > 8.0 * np.finfo(float).eps * max(reach, 1.0) * _edge_lengths(surface).max(axis=1)).any())
+
+
+def _edge_lengths(surface: _UnitSurface) -> NDArray[np.float64]:
+    """Length of the edge opposite each corner, (j, 3)."""
+    corners = surface.vertices[surface.faces]
+    return np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
+
+
+def _mollified(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    slack = lengths.sum(axis=1) - 2.0 * lengths.max(axis=1)
+    return lengths + max(0.0, _MARGIN * lengths.mean() - slack.min())
+
+
+def _triangle_areas(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Areas from edge lengths, (m, 3), by Heron's formula in the order that keeps needles exact (Kahan 2014)."""
+    c, b, a = np.sort(lengths, axis=1).T
+    return 0.25 * np.sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)))
+
+
+def _assemble(
+    surface: _UnitSurface,
+    halves: coo_array,
+    areas: NDArray[np.float64],
+    method: Literal["tufted", "cotangent"],
+) -> Laplacian:
+    """Sum the weights of every edge in both directions, clamp them and put them where the mesh has its vertices."""
+    one_way = halves.tocsc()
+    weights = (one_way + one_way.T).tocoo()
+    rows, columns = weights.coords
+    clamped = np.count_nonzero((weights.data < -_NOTICEABLE) & (rows < columns))
+    keep = (weights.data > 0) & (rows != columns)
+    rows, columns, values = rows[keep], columns[keep], weights.data[keep]
+    # No negative weight makes D_a + t L an M-matrix: its inverse has no negative entry, and a Cholesky solve only
+    # adds numbers of one sign, so that even heat of 1e-200 is right to many digits.
+    diagonal = np.bincount(columns, values, len(areas))
+    used = surface.used
+    matrix = coo_array(
+        (
+            np.concatenate([-values, diagonal]),
+            (np.concatenate([used[rows], used]), np.concatenate([used[columns], used])),
+        ),
+        shape=(surface.count, surface.count),
+    )
+    spread = np.zeros(surface.count)
+    spread[used] = areas * surface.scale**2
+    return Laplacian(matrix.tocsc(), spread, method, int(clamped))
