@@ -15,7 +15,11 @@ from .mesh import TriangleMesh
 
 # The volume of the surface follows the wanted one to this fraction.
 _VOLUME_TOLERANCE = 2e-3
-_CORRECTIONS = 16
+# Rounds of correcting the count of cells, then of halving the interval of levels.
+_COUNTED = 8
+_BISECTED = 24
+# Marching cubes computes in float32: a vertex nearer than this share of the level to a corner may come to lie on it.
+_CLEARANCE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -48,8 +52,6 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
         raise InputError(
             f"No surface at level {level:.4g}: the densities lie between 0 and {float(density.max()):.4g}."
         )
-    # A value of exactly the level would put vertices of different edges on one point.
-    level = float(level) * (1.0 + 1e-7)
     inside = density > level
     low, high = _bounding_box(inside)
     # One more cell on every side belongs to the surface's cubes; beyond the grid it is zero.
@@ -58,6 +60,9 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
     offset = np.array([s.start for s in source]) - (low - 1)
     target = tuple(slice(o, o + s.stop - s.start) for o, s in zip(offset, source, strict=True))
     box[target] = density[source]
+    # A value of exactly the level would put vertices of different edges on one point.
+    box[(box <= level) & (box > level * (1.0 - _CLEARANCE))] = level * (1.0 - _CLEARANCE)
+    box[(box > level) & (box < level * (1.0 + _CLEARANCE))] = level * (1.0 + _CLEARANCE)
     vertices, faces, _, _ = marching_cubes(box, level, gradient_direction="ascent", allow_degenerate=False)
     # Marching cubes works on samples at integer coordinates; a sample is the center of its cell.
     return LevelSurface(TriangleMesh.from_arrays(vertices + (low - 1) + 0.5, faces), level)
@@ -67,7 +72,8 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
     """Surface of a level of `density` that encloses `volume` cells, as measured on the surface itself.
 
     Counting cells gives the level to about a cell's width; the remaining difference is taken out by counting a
-    corrected number, kept between the counts that enclosed too little and too much.
+    corrected number. Where many cells have one value that does not lead there, and the level itself is bisected. Where
+    the enclosed volume jumps past the wanted one, the nearest that was found is returned.
 
     Raises
     ------
@@ -78,15 +84,21 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
     if not 0.0 < volume < positive:
         raise InputError(f"A surface cannot enclose {volume:.4g} of the {positive} cells that hold any mass.")
     values = np.sort(density[density > 0], axis=None)[::-1].astype(np.float64)
-    low, count, high = 0.5, volume, positive - 0.5
-    for _ in range(_CORRECTIONS):
-        surface = surface_at_level(density, float(np.interp(count - 0.5, np.arange(positive), values)))
+    count, too_full, too_empty = volume, 0.0, float(values[0])
+    nearest, error = None, np.inf
+    for correction in range(_COUNTED + _BISECTED):
+        level = float(np.interp(count - 0.5, np.arange(positive), values))
+        if correction >= _COUNTED or not too_full < level < too_empty:
+            level = (too_full + too_empty) / 2
+        surface = surface_at_level(density, level)
         excess = surface.mesh.volume - volume
-        if abs(excess) <= _VOLUME_TOLERANCE * volume:
+        if abs(excess) < error:
+            nearest, error = surface, abs(excess)
+        if error <= _VOLUME_TOLERANCE * volume:
             break
-        low, high = (low, count) if excess > 0 else (count, high)
-        count = count - excess if low < count - excess < high else (low + high) / 2
-    return surface
+        too_full, too_empty = (level, too_empty) if excess > 0 else (too_full, level)
+        count = float(np.clip(count - excess, 0.5, positive - 0.5))
+    return nearest
 
 
 def _bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
