@@ -1,9 +1,38 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Optimal transport on arrays: the paper, without meshes, files or Blender."""
+"""Optimal transport on arrays: the paper, without files or Blender."""
 
 from .barycenter import Barycenter, barycenter
-from .bregman import KernelTooNarrowError
+from .coordinates import BarycentricCoordinates, NearestBarycenter, barycentric_coordinates, nearest_barycenter
+from .distance import Distance, DistanceMatrix, distance, distance_matrix
+from .domain import Domain, KernelTooNarrowError
+from .geodesic import point_distances
 from .grid import Grid
+from .interpolation import Interpolation, bisect, interpolate
+from .maps import transport_map
+from .propagation import Propagation, propagate
+from .surface import Surface
 
-__all__ = ["Barycenter", "Grid", "KernelTooNarrowError", "barycenter"]
+__all__ = [
+    "Barycenter",
+    "BarycentricCoordinates",
+    "Distance",
+    "DistanceMatrix",
+    "Domain",
+    "Grid",
+    "Interpolation",
+    "KernelTooNarrowError",
+    "NearestBarycenter",
+    "Propagation",
+    "Surface",
+    "barycenter",
+    "barycentric_coordinates",
+    "bisect",
+    "distance",
+    "distance_matrix",
+    "interpolate",
+    "nearest_barycenter",
+    "point_distances",
+    "propagate",
+    "transport_map",
+]

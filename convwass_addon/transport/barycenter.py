@@ -16,13 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bregman import BregmanIteration, Potentials
-from .checks import check_distributions, check_weights
-from .domain import Domain
+from .checks import check_distributions, check_entropy_limit, check_sharpness, check_solver, check_weights
+from .domain import LOG_NOTHING, Domain
+from .region import Region
 from .sharpening import entropy
 
 # Coarser levels are solved to this share of the tolerance: they cost little, and what they leave is what the finest
 # level is slowest to mend.
 _COARSE_TOLERANCE = 0.3
+# A region is widened by so many cells while more than this share of the tolerance lies at its rim.
+_RIM_SHARE = 0.1
+_RIM_CELLS = 3
 # Called once per iteration with the cells of the level, the iteration and the larger error; raise to stop.
 Monitor = Callable[[int, int, float], None]
 
@@ -55,7 +59,7 @@ class Barycenter:
     converged : bool
         Whether both errors fell below the tolerance.
     numerics : str
-        "scaling" or "log domain by line": how the kernel was applied at the finest level.
+        How the kernel was applied at the finest level: "scaling" or the domain's far_numerics.
     entropy : float
         Entropy of the density in nats.
     sharpening_exponent : float
@@ -72,9 +76,14 @@ class Barycenter:
     mass_error: float
     invariant_error: float
     converged: bool
-    numerics: Literal["scaling", "log domain by line"]
+    numerics: str
     entropy: float
     sharpening_exponent: float
+
+    @property
+    def log_v(self) -> NDArray[np.float64]:
+        """Logarithms of the scalings on the side of the barycenter, one per input of positive weight."""
+        return self.levels[-1].region.scatter(self.levels[-1].log_v, LOG_NOTHING)
 
     @property
     def active(self) -> NDArray[np.int64]:
@@ -128,8 +137,8 @@ def barycenter(
     max_iterations : int
         At every level.
     numerics : "automatic" or "scaling"
-        Where scalings of float64 do not reach, "automatic" goes on in the log domain, line by line, which reaches
-        further and takes longer; "scaling" raises.
+        Where scalings of float64 do not reach, "automatic" goes on in the log domain, which reaches further and takes
+        longer; "scaling" raises.
     monitor : callable, optional
         ``monitor(cells, iteration, error)``, called once per iteration; what it raises ends the solve.
 
@@ -147,19 +156,22 @@ def barycenter(
     """
     densities = check_distributions(mus, domain)
     alphas = check_weights(weights, len(densities))
-    if not 0.0 <= sharpness <= 1.0:
-        raise ValueError(f"sharpness must lie between 0 and 1, got {sharpness}")
-    if not tolerance > 0:
-        raise ValueError(f"tolerance must be positive, got {tolerance}")
-    if max_iterations < 1:
-        raise ValueError(f"max_iterations must be at least 1, got {max_iterations}")
+    check_sharpness(sharpness)
+    check_entropy_limit(entropy_limit)
+    check_solver(tolerance, max_iterations)
+    if tightening < 0 or tightening != int(tightening):
+        raise ValueError(f"tightening must be zero or a positive whole number, got {tightening}")
+    if numerics not in ("automatic", "scaling"):
+        raise ValueError(f'numerics must be "automatic" or "scaling", got {numerics!r}')
+    if initial is not None and initial.density.shape != tuple(domain.shape):
+        raise ValueError(f"initial must be a barycenter on a domain of shape {tuple(domain.shape)}")
     active = np.flatnonzero(alphas)
     problem = _Problem(densities[active], alphas[active], sharpness, tolerance, max_iterations, numerics, monitor)
     limit = max(entropy(mu, domain.weights) for mu in densities[active]) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
     solved = problem.coarse_to_fine(domain, None if tightening else limit, initial.levels if usable else ())
     if limit is not None and tightening:
-        free = entropy(solved.state.density, domain.weights)
+        free = entropy(solved.state.density, solved.state.weights)
         for bound in np.linspace(free, float(limit), tightening + 1)[1:]:
             solved = problem.continued(solved, float(bound))
     return _finished(solved, alphas, sharpness, tolerance)
@@ -194,13 +206,14 @@ class _Problem:
         levels: list[Potentials] = []
         iterations = []
         for depth, (level, mus) in enumerate(ladder):
+            region = levels[-1].finer_region() if depth else Region.whole(level.shape)
             if before:
                 start = before[depth]
                 if depth:
-                    start = start.corrected(level, levels[-1], before[depth - 1])
+                    start = start.corrected(level, region, levels[-1], before[depth - 1])
                 start = start.for_weights(self.alphas, self.sharpness)
             elif depth:
-                start = levels[-1].prolonged(level)
+                start = levels[-1].prolonged(level, region)
             else:
                 start = Potentials.flat(len(self.alphas), level.shape)
             tolerance = self.tolerance * (1.0 if level is domain else _COARSE_TOLERANCE)
@@ -230,14 +243,16 @@ class _Problem:
             if self.monitor is not None:
                 self.monitor(cells, iteration, state.error)
             if state.error < tolerance:
-                break
+                if state.rim_mass() <= _RIM_SHARE * tolerance:
+                    break
+                state.grow(_RIM_CELLS)
         return state, iteration
 
 
 def _finished(solved: _Solved, alphas: NDArray[np.float64], sharpness: float, tolerance: float) -> Barycenter:
     state = solved.state
     return Barycenter(
-        density=state.density,
+        density=state.region.scatter(state.density, 0.0),
         levels=solved.levels,
         weights=alphas,
         sharpness=sharpness,
@@ -247,7 +262,7 @@ def _finished(solved: _Solved, alphas: NDArray[np.float64], sharpness: float, to
         mass_error=state.mass_error(),
         invariant_error=state.invariant_error(),
         converged=state.error < tolerance,
-        numerics="log domain by line" if state.by_line else "scaling",
-        entropy=entropy(state.density, state.domain.weights),
+        numerics=state.domain.far_numerics if state.far else "scaling",
+        entropy=entropy(state.density, state.weights),
         sharpening_exponent=state.exponent,
     )

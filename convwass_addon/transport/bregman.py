@@ -4,29 +4,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, Domain
+from .domain import LOG_NOTHING, Domain, KernelTooNarrowError, Multiscale, total_mass
+from .region import Region
 from .sharpening import sharpening_exponent
 
 # The debiasing density spans a few orders of magnitude where there is mass; elsewhere it does not matter.
 _DEBIAS_RANGE = 700.0
 # Where the density is below exp(-600), v and d are quotients of roundings and must not leak into their neighborhood.
 _RELEVANT = 600.0
-# Over-relaxation of v for the plain barycenter saves a third of the rounds. It is given up once a round leaves more
-# than this share of the error.
-_RELAXATION = 1.5
+# Over-relaxation of v, which helps the plain barycenter on grids, is given up once a round leaves more than this share
+# of the error.
 _STALLED = 0.95
 # The exponent of an entropy bound amplifies every step; full steps would jump between two solutions for ever.
 _BOUNDED_STEP = 0.7
-
-
-class KernelTooNarrowError(ArithmeticError):
-    """Scalings of float64 do not reach from the barycenter to all of an input's mass."""
+# Elements of a coarse barycenter below this share of its maximum have no counterpart on finer levels, beyond a margin.
+_NEGLIGIBLE_SHARE = 1e-5
+_MARGIN = 1
 
 
 @dataclass(frozen=True)
@@ -35,40 +35,69 @@ class Potentials:
 
     Attributes
     ----------
-    log_v : (k, *shape) float64
+    region : Region
+        Where the barycenter may have mass.
+    log_v : (k, len(region)) float64
         Logarithms of the scalings on the side of the barycenter.
-    log_debias : (*shape) float64
+    log_debias : (len(region),) float64
         Logarithm of the debiasing density d.
+    density : (len(region),) float64
+        The barycenter itself.
     """
 
+    region: Region
     log_v: NDArray[np.float64]
     log_debias: NDArray[np.float64]
+    density: NDArray[np.float64]
 
     @classmethod
     def flat(cls, count: int, shape: tuple[int, ...]) -> Potentials:
         """Scalings of one everywhere."""
-        return cls(np.zeros((count, *shape)), np.zeros(shape))
+        size = int(np.prod(shape))
+        return cls(Region.whole(shape), np.zeros((count, size)), np.zeros(size), np.ones(size))
 
-    def prolonged(self, domain: Domain) -> Potentials:
+    def finer_region(self) -> Region:
+        """Cells of the next finer grid that its barycenter needs: the coarse one's support, with a margin.
+
+        Their neighbors on the coarse grid all belong to the coarse region, so that they can be interpolated.
+        """
+        support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * self.density.max())
+        return Region(support.grown(_MARGIN).inside & self.region.interior).refined()
+
+    def prolonged(self, domain: Multiscale, region: Region) -> Potentials:
         """Bring the state of the next coarser domain to `domain`.
 
         All levels have the same sigma in cells. The physical potential is gamma ln v and gamma falls by four from a
         level to the next, so ln v grows by four.
         """
-        log_v = np.maximum(4.0 * domain.prolong(self.log_v), LOG_NOTHING)
-        return Potentials(log_v, domain.prolong(self.log_debias[None])[0])
+        log_v = np.maximum(4.0 * region.gather(domain.prolong(self.region.scatter(self.log_v, 0.0))), LOG_NOTHING)
+        columns = np.stack([self.region.scatter(self.log_debias, 0.0), self.region.scatter(self.density, 0.0)])
+        log_debias, density = region.gather(domain.prolong(columns))
+        return Potentials(region, log_v, log_debias, density)
 
-    def corrected(self, domain: Domain, coarse: Potentials, coarse_before: Potentials) -> Potentials:
+    def corrected(
+        self, domain: Multiscale, region: Region, coarse: Potentials, coarse_before: Potentials
+    ) -> Potentials:
         """Return the state moved as the coarser domain's state has moved.
 
         What is large changes on the coarser domain, what is small is kept: a neighbor's fine state alone is wrong at
-        the scale that fine iterations are slowest to mend.
+        the scale that fine iterations are slowest to mend. Elements that the neighbor did not have come from the
+        coarser domain.
         """
-        known = (coarse.log_v > LOG_NOTHING / 2) & (coarse_before.log_v > LOG_NOTHING / 2)
-        moved = np.where(known, coarse.log_v - coarse_before.log_v, 0.0)
-        log_v = np.maximum(self.log_v + 4.0 * domain.prolong(moved), LOG_NOTHING)
-        moved_debias = domain.prolong((coarse.log_debias - coarse_before.log_debias)[None])[0]
-        return Potentials(log_v, self.log_debias + moved_debias)
+        fresh = coarse.prolonged(domain, region)
+        before = coarse_before.region.transferred(coarse_before.log_v, coarse.region, LOG_NOTHING)
+        debias_before = coarse_before.region.transferred(coarse_before.log_debias, coarse.region, np.inf)
+        known = (coarse.log_v > LOG_NOTHING / 2) & (before > LOG_NOTHING / 2) & np.isfinite(debias_before)
+        moved = np.where(known, coarse.log_v - before, 0.0)
+        moved_debias = np.where(known.all(axis=0), coarse.log_debias - debias_before, 0.0)
+        columns = coarse.region.scatter(np.concatenate([4.0 * moved, moved_debias[None]]), 0.0)
+        steps = region.gather(domain.prolong(columns))
+        own = self.region.transferred(self.log_v, region, LOG_NOTHING)
+        own_debias = self.region.transferred(self.log_debias, region, np.nan)
+        kept = (own > LOG_NOTHING / 2).all(axis=0)
+        log_v = np.where(kept, np.maximum(own + steps[:-1], LOG_NOTHING), fresh.log_v)
+        log_debias = np.where(kept, own_debias + steps[-1], fresh.log_debias)
+        return Potentials(region, log_v, log_debias, fresh.density)
 
     def for_weights(self, alphas: NDArray[np.float64], sharpness: float) -> Potentials:
         """Return the state changed so that sum_i alphas_i ln v_i = s ln d holds.
@@ -76,7 +105,17 @@ class Potentials:
         Without this a solve from the potentials of neighboring weights settles on the neighbor's answer.
         """
         offset = np.tensordot(alphas, self.log_v, 1) - sharpness * self.log_debias
-        return Potentials(np.maximum(self.log_v - offset, LOG_NOTHING), self.log_debias)
+        return Potentials(self.region, np.maximum(self.log_v - offset, LOG_NOTHING), self.log_debias, self.density)
+
+    def on(self, region: Region) -> Potentials:
+        """Return the state on another region; elements that are new hold nothing until the first round."""
+        low = float(self.log_debias.min())
+        return Potentials(
+            region,
+            self.region.transferred(self.log_v, region, LOG_NOTHING),
+            self.region.transferred(self.log_debias, region, low),
+            self.region.transferred(self.density, region, 0.0),
+        )
 
 
 class BregmanIteration:
@@ -90,6 +129,8 @@ class BregmanIteration:
     This is the paper's round with prod_i v_i^alpha_i = d^s built in, so that nothing accumulates: the state is right
     for its weights after one round from any start. mu is normalized to mass 1 inside the round, because the square root
     in d otherwise makes the total mass swing for a dozen rounds; v keeps the mass before that, which goes to 1.
+
+    v_i, d and mu are kept on the region of the start, w_i where mu_i has mass: the rest of the domain costs nothing.
 
     Parameters
     ----------
@@ -124,24 +165,28 @@ class BregmanIteration:
         self.alphas = alphas
         self.sharpness = sharpness
         self.entropy_limit = entropy_limit
+        self.exponent = 1.0
+        self.far = False
+        self._inputs = [Region(mu > 0) for mu in mus]
+        self._log_mus = [np.log(region.gather(mu)) for region, mu in zip(self._inputs, mus, strict=True)]
+        self._relaxation = domain.relaxation if sharpness == 0 else 1.0
+        self._enter(start)
+
+    def _enter(self, start: Potentials) -> None:
+        """Take up a state, and with it the region that it is on."""
+        self.region = start.region
+        whole = isinstance(self.domain.weights, float)
+        self.weights = self.domain.weights if whole else self.region.gather(self.domain.weights)
         self.log_v = start.log_v.copy()
         self.log_debias = start.log_debias.copy()
-        self.density = np.empty(domain.shape)
-        self.marginal_error = np.inf
-        self.debias_error = np.inf if sharpness else 0.0
-        self.exponent = 1.0
-        self.by_line = False
-        self._inside = mus > 0
-        self._outside = ~self._inside
-        self._log_mus = np.full(mus.shape, LOG_NOTHING)
-        np.log(mus, out=self._log_mus, where=self._inside)
-        self._log_w = np.empty_like(mus)
-        self._log_kw = np.empty_like(mus)
-        self._log_mu = np.empty(domain.shape)
-        self._spare = np.empty(domain.shape)
+        self.density = np.empty(len(self.region))
+        self._log_kw = np.empty_like(self.log_v)
+        self._log_mu = np.empty(len(self.region))
+        self._spare = np.empty(len(self.region))
+        self._relevant = np.ones(len(self.region), bool)
         self._log_mass = self._log_mass_before = np.inf
-        self._relevant = np.ones(domain.shape, bool)
-        self._relaxation = _RELAXATION if sharpness == 0 else 1.0
+        self.marginal_error = np.inf
+        self.debias_error = np.inf if self.sharpness else 0.0
 
     def step(self) -> None:
         """Do one round and measure how far the marginals are from agreeing."""
@@ -158,16 +203,17 @@ class BregmanIteration:
 
     def _project_on_inputs(self) -> None:
         """w_i = mu_i / H(a v_i): the plans get the inputs as one marginal."""
-        self._apply(self.log_v, self._log_w)
-        if not self.by_line and np.min(self._log_w, where=self._inside, initial=0.0) <= LOG_NOTHING / 2:
+        here = [self.region] * len(self.alphas)
+        log_kv = self._transfer(self.log_v, here, self._inputs)
+        if not self.far and min(float(logs.min()) for logs in log_kv) <= LOG_NOTHING / 2:
             # Some of an input's mass is too far from the barycenter for scalings of float64.
             if self.numerics == "scaling":
                 raise KernelTooNarrowError(f"gamma = {self.domain.gamma:.3g} is too small for scalings of float64")
-            self.by_line = True
-            self._apply(self.log_v, self._log_w)
-        np.subtract(self._log_mus, self._log_w, out=self._log_w)
-        np.copyto(self._log_w, LOG_NOTHING, where=self._outside)
-        self._apply(self._log_w, self._log_kw)
+            self.far = True
+            log_kv = self._transfer(self.log_v, here, self._inputs)
+        log_w = [log_mu - logs for log_mu, logs in zip(self._log_mus, log_kv, strict=True)]
+        for log_kw, logs in zip(self._log_kw, self._transfer(log_w, self._inputs, here), strict=True):
+            log_kw[...] = logs
 
     def _geometric_mean(self) -> None:
         """Take ln mu = beta (s ln d + sum_i alpha_i ln H(a w_i)), not yet normalized."""
@@ -176,7 +222,7 @@ class BregmanIteration:
             np.multiply(log_kw, alpha, out=self._spare)
             self._log_mu += self._spare
         if self.entropy_limit is not None:
-            self.exponent = sharpening_exponent(self._log_mu, self.entropy_limit, self.domain.weights)
+            self.exponent = sharpening_exponent(self._log_mu, self.entropy_limit, self.weights)
             self._relaxation = _BOUNDED_STEP / self.exponent
             self._log_mu *= self.exponent
 
@@ -185,7 +231,7 @@ class BregmanIteration:
         shift = float(self._log_mu.max())
         np.subtract(self._log_mu, shift, out=self.density)
         np.exp(self.density, out=self.density)
-        total = self._mass(self.density)
+        total = total_mass(self.density, self.weights)
         self.density /= total
         self._log_mass_before = self._log_mass if self.entropy_limit is not None else 0.0
         self._log_mass = shift + float(np.log(total))
@@ -198,12 +244,14 @@ class BregmanIteration:
         np.exp(self._spare, out=self._spare)
         self._spare -= self.density
         np.abs(self._spare, out=self._spare)
-        return self._mass(self._spare)
+        return total_mass(self._spare, self.weights)
 
     def _update_debias(self) -> None:
         """Set d = sqrt(d mu / H(a d)), whose fixed point is d H(a d) = mu; measure how far it was from that."""
-        self._apply(self.log_debias, self._spare)
-        self.debias_error = self._mass(np.abs(np.exp(np.minimum(self.log_debias + self._spare, 50.0)) - self.density))
+        (log_kd,) = self._transfer([self.log_debias], [self.region], [self.region])
+        self._spare[...] = log_kd
+        left = np.exp(np.minimum(self.log_debias + self._spare, 50.0)) - self.density
+        self.debias_error = total_mass(np.abs(left), self.weights)
         np.subtract(self._log_mu, self._spare, out=self._spare)
         self._spare -= self._log_mass
         self.log_debias += self._spare
@@ -233,12 +281,23 @@ class BregmanIteration:
         A constant may move from one v_i to the others without changing anything; here every ln v_i has the same mean
         under mu, because a constant would grow fourfold with every finer level.
         """
-        mass = self.density * self.domain.weights
+        mass = self.density * self.weights
         means = np.array([float((log_v * mass).sum()) for log_v in self.log_v])
         for log_v, mean in zip(self.log_v, means, strict=True):
             log_v -= mean - float(self.alphas @ means)
         np.maximum(self.log_v, LOG_NOTHING, out=self.log_v)
-        return Potentials(self.log_v, self.log_debias)
+        return Potentials(self.region, self.log_v, self.log_debias, self.density)
+
+    def rim_mass(self) -> float:
+        """Mass at the elements of a grid's region that have neighbors outside it: what the region may have cut off."""
+        if self.region.is_whole:
+            return 0.0
+        rim = ~self.region.gather(self.region.interior)
+        return total_mass(np.where(rim, self.density, 0.0), self.weights)
+
+    def grow(self, cells: int) -> None:
+        """Go on with a larger region."""
+        self._enter(self.potentials().on(self.region.grown(cells)))
 
     @property
     def error(self) -> float:
@@ -257,10 +316,8 @@ class BregmanIteration:
         residual = np.abs(np.tensordot(self.alphas, self.log_v, 1) - expected)
         return float(residual[self.density > self.density.max() * 1e-12].max())
 
-    def _apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        (self.domain.log_apply_by_line if self.by_line else self.domain.log_apply)(logs, out)
-
-    def _mass(self, density: NDArray[np.float64]) -> float:
-        if isinstance(self.domain.weights, float):
-            return float(density.sum()) * self.domain.weights
-        return float((density * self.domain.weights).sum())
+    def _transfer(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        transfer = self.domain.log_transfer_far if self.far else self.domain.log_transfer
+        return transfer(columns, sources, targets)

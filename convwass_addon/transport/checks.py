@@ -9,30 +9,76 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .domain import Domain
+from .domain import Domain, total_mass
+
+# Masses of one piece of the domain may differ by the rounding of whoever normalized them.
+_PIECE_TOLERANCE = 1e-6
 
 
-def check_distributions(mus: ArrayLike, domain: Domain) -> NDArray[np.float64]:
+def check_distributions(mus: ArrayLike, domain: Domain, name: str = "mus") -> NDArray[np.float64]:
     """Return `mus` as float64 of shape (k, *domain.shape), each normalized to mass 1.
 
     Raises
     ------
     ValueError
-        A shape that does not fit, values that are not numbers, negative mass, no mass.
+        A shape that does not fit, values that are not numbers, negative mass, no mass, or different masses on one
+        connected piece of the domain. `name` is what the message calls them.
     """
-    densities = np.array(mus, dtype=np.float64)
+    densities = np.array(mus, dtype=np.float64, order="C")
     if densities.ndim != len(domain.shape) + 1 or densities.shape[1:] != tuple(domain.shape) or not len(densities):
-        raise ValueError(f"mus must have the shape (k, {', '.join(map(str, domain.shape))}), got {densities.shape}")
+        raise ValueError(f"{name} must have the shape (k, {', '.join(map(str, domain.shape))}), got {densities.shape}")
+    if not isinstance(domain.weights, float):
+        densities[:, domain.weights == 0] = 0.0
     for index, density in enumerate(densities):
-        if not np.isfinite(density).all():
-            raise ValueError(f"mus[{index}] has values that are not numbers")
-        if (density < 0).any():
-            raise ValueError(f"mus[{index}] has negative values; a distribution must not")
-        mass = float((density * domain.weights).sum())
-        if mass <= 0:
-            raise ValueError(f"mus[{index}] has no mass")
-        density /= mass
+        _normalize(density, domain, f"{name}[{index}]")
+    if domain.pieces is not None:
+        _check_pieces(densities, domain, name)
     return densities
+
+
+def check_distribution(mu: ArrayLike, domain: Domain, name: str) -> NDArray[np.float64]:
+    """Return one distribution as float64 of shape `domain.shape`, normalized to mass 1.
+
+    Raises
+    ------
+    ValueError
+        As :func:`check_distributions`.
+    """
+    density = np.array(mu, dtype=np.float64, order="C")
+    if density.shape != tuple(domain.shape):
+        raise ValueError(f"{name} must have the shape {tuple(domain.shape)}, got {density.shape}")
+    if not isinstance(domain.weights, float):
+        density[domain.weights == 0] = 0.0
+    _normalize(density, domain, name)
+    return density
+
+
+def _normalize(density: NDArray[np.float64], domain: Domain, name: str) -> None:
+    if not np.isfinite(density).all():
+        raise ValueError(f"{name} has values that are not numbers")
+    if (density < 0).any():
+        raise ValueError(f"{name} has negative values; a distribution must not")
+    mass = total_mass(density, domain.weights)
+    if not 0 < mass < np.inf:
+        raise ValueError(f"{name} has no mass" if mass <= 0 else f"{name} has more mass than float64 can express")
+    density /= mass
+
+
+def _check_pieces(densities: NDArray[np.float64], domain: Domain, name: str) -> None:
+    """Mass cannot cross from one connected piece to another, so every distribution needs the same mass on each."""
+    labels = domain.pieces.ravel()
+    used = labels >= 0
+    masses = np.stack([np.bincount(labels[used], (d * domain.weights).ravel()[used]) for d in densities])
+    spread = np.ptp(masses, axis=0)
+    worst = int(spread.argmax())
+    if spread[worst] > _PIECE_TOLERANCE:
+        low, high = int(masses[:, worst].argmin()), int(masses[:, worst].argmax())
+        size = int((labels == worst).sum())
+        first = int(np.flatnonzero(labels == worst)[0])
+        raise ValueError(
+            f"{name}[{low}] has mass {masses[low, worst]:.4g} and {name}[{high}] {masses[high, worst]:.4g} on the "
+            f"piece of {size} vertices around vertex {first}; mass cannot cross from one connected piece to another"
+        )
 
 
 def check_weights(weights: Sequence[float] | NDArray[np.float64], count: int) -> NDArray[np.float64]:
@@ -51,3 +97,43 @@ def check_weights(weights: Sequence[float] | NDArray[np.float64], count: int) ->
     if alphas.sum() <= 0:
         raise ValueError("weights must not all be zero")
     return alphas / alphas.sum()
+
+
+def check_solver(tolerance: float, max_iterations: int) -> None:
+    """Refuse limits that no iteration can keep.
+
+    Raises
+    ------
+    ValueError
+        A tolerance that is not positive, or less than one iteration.
+    """
+    if not tolerance > 0:
+        raise ValueError(f"tolerance must be positive, got {tolerance}")
+    if max_iterations < 1:
+        raise ValueError(f"max_iterations must be at least 1, got {max_iterations}")
+
+
+def check_entropy_limit(entropy_limit: str | float | None) -> None:
+    """Refuse a bound that is neither "max" nor a number nor None.
+
+    Raises
+    ------
+    ValueError
+        Another word, an array, or not a number.
+    """
+    if entropy_limit is None or (isinstance(entropy_limit, str) and entropy_limit == "max"):
+        return
+    if isinstance(entropy_limit, str) or np.ndim(entropy_limit) or np.isnan(entropy_limit):
+        raise ValueError(f'entropy_limit must be "max", a number or None, got {entropy_limit!r}')
+
+
+def check_sharpness(sharpness: float) -> None:
+    """Refuse a sharpness that is not between the plain and the debiased method.
+
+    Raises
+    ------
+    ValueError
+        Not a number between 0 and 1.
+    """
+    if not 0.0 <= sharpness <= 1.0:
+        raise ValueError(f"sharpness must lie between 0 and 1, got {sharpness}")

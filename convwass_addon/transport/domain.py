@@ -4,13 +4,25 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+if TYPE_CHECKING:
+    from .region import Region
+
 # Logarithm that stands for "nothing here": far below all that float64 scalings can express, still finite.
 LOG_NOTHING = -1e4
+# The largest scaling is exp(600): half of the range of float64 lies below one, and no row of a kernel sums to more.
+HEADROOM = 600.0
+# Scalings below this would only produce subnormal products, which are many times slower.
+NEGLIGIBLE = 1e-290
+
+
+class KernelTooNarrowError(ArithmeticError):
+    """The numerics of a domain do not reach from a distribution to all of another one's mass."""
 
 
 class Domain(Protocol):
@@ -21,14 +33,32 @@ class Domain(Protocol):
     shape : tuple of int
         Shape of one distribution.
     weights : float or ndarray of `shape`
-        Area weights a, with sum 1.
+        Area weights a, with sum 1; a float where all are equal.
     gamma : float
-        Entropic regularization, K = exp(-d^2 / gamma).
+        Entropic regularization, K = exp(-d^2 / gamma), in lengths of the domain rescaled to unit volume.
+    unit_length : float
+        The domain's unit of length in the units that its maker uses: cells, or those of the vertices.
+    positions : ndarray, (*shape, d)
+        Where the elements lie, in the units of the maker.
+    pieces : None or ndarray of int, `shape`
+        The connected piece that every element belongs to; None where the domain is in one piece. Mass cannot cross.
+    has_quadratic_cost : bool
+        Whether transport by this kernel costs the squared distance at all distances.
+    relaxation : float
+        Over-relaxation that has been measured to help the plain iterations here; 1 for none.
+    far_numerics : str
+        What :meth:`log_apply_far` is called in records.
     """
 
     shape: tuple[int, ...]
     weights: float | NDArray[np.float64]
     gamma: float
+    unit_length: float
+    positions: NDArray[np.float64]
+    pieces: NDArray[np.int64] | None
+    has_quadratic_cost: bool
+    relaxation: float
+    far_numerics: str
 
     def apply(self, columns: ArrayLike) -> NDArray[np.float64]:
         """H (a * column) of every column."""
@@ -36,14 +66,55 @@ class Domain(Protocol):
     def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
         """Write log H (a * exp(column)) to `out`; LOG_NOTHING where float64 scalings cannot express it."""
 
-    def log_apply_by_line(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write the same by numerics that reach further, at a higher cost."""
+    def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Write the same by numerics that reach further, at a higher cost, or raise KernelTooNarrowError."""
+
+    def log_transfer(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Do as log_apply: each column has the elements of its source, and is wanted at those of its target."""
+
+    def log_transfer_far(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Do as log_apply_far between regions."""
+
+    def kernel_distance(
+        self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Distances in units of the domain at which the kernel in flat space falls from its source to these values."""
+
+    def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Squared distance, in units of the domain, of transport that costs `divergence` by this kernel, debiased."""
+
+    def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Slope, by the distance in units of the domain, of what transport over it costs by this kernel."""
 
     def coarser(self) -> Domain | None:
         """Return the domain of half the resolution, if there is a useful one."""
+
+
+class Multiscale(Domain, Protocol):
+    """A domain whose :meth:`coarser` is not None."""
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser domain."""
 
     def prolong(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Columns of the coarser domain, interpolated to this one."""
+
+
+def total_mass(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:
+    """Return a^T density."""
+    if isinstance(weights, float):
+        return float(density.sum()) * weights
+    return float((density * weights).sum())
+
+
+def floored_log(values: NDArray[np.float64], shift: float | NDArray[np.float64] = 0.0) -> None:
+    """Take the logarithm in place and add `shift`; LOG_NOTHING where there is nothing."""
+    with np.errstate(divide="ignore"):
+        np.log(values, out=values)
+    # Nothing stays nothing: the floor comes last, since a large shift would lift it to where it looks like a result.
+    values += shift
+    np.maximum(values, LOG_NOTHING, out=values)

@@ -7,21 +7,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import prod
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import blas
 
-from .domain import LOG_NOTHING
-
-# The largest scaling is exp(600): half of the range of float64 lies below one, and no row of the kernel sums to more.
-_HEADROOM = 600.0
-# Kernel entries and scalings below this would only produce subnormal products, which are many times slower.
-_NEGLIGIBLE = 1e-290
+from .domain import HEADROOM, NEGLIGIBLE, floored_log
+from .region import Region, through_whole_arrays
 
 
 class Grid:
-    """A grid of equal square cells with free space around it.
+    """A grid of equal square cells, with free space or with walls around it.
 
     Lengths of the domain are those of the grid rescaled to unit volume. With cell size h the kernel is
     K = exp(-d^2 / gamma), gamma = 2 (sigma h)^2, normalized per axis as the heat kernel is (Solomon et al. 2015,
@@ -33,29 +30,46 @@ class Grid:
         Cells per axis, one to three axes.
     sigma : float
         Standard deviation of the kernel in cells.
+    boundary : "open" or "reflecting"
+        "open" lets heat leave the grid, as if nothing but empty space were around it; "reflecting" turns it back at
+        the walls (no flux), so that constants stay constant everywhere.
 
     Raises
     ------
     ValueError
-        `shape` is not one to three positive numbers, or `sigma` is not a positive number.
+        `shape` is not one to three positive numbers, `sigma` is not a positive number, or there is no such boundary.
 
     Notes
     -----
     A grid keeps scratch arrays between calls, so each thread needs a grid of its own.
     """
 
-    def __init__(self, shape: Sequence[int], sigma: float) -> None:
+    has_quadratic_cost = True
+    relaxation = 1.5
+    far_numerics = "log domain by line"
+    pieces = None
+
+    def __init__(self, shape: Sequence[int], sigma: float, boundary: Literal["open", "reflecting"] = "open") -> None:
         self.shape = tuple(int(n) for n in shape)
         self.sigma = float(sigma)
-        if not 1 <= len(self.shape) <= 3 or min(self.shape) < 1:
-            raise ValueError(f"shape must be one to three positive numbers of cells, got {tuple(shape)}")
+        self.boundary = boundary
+        if not 1 <= len(self.shape) <= 3 or min(self.shape) < 1 or self.shape != tuple(shape):
+            raise ValueError(f"shape must be one to three positive whole numbers of cells, got {tuple(shape)}")
         if not (np.isfinite(self.sigma) and self.sigma > 0):
             raise ValueError(f"sigma must be a positive number of cells, got {sigma}")
+        if boundary not in ("open", "reflecting"):
+            raise ValueError(f'boundary must be "open" or "reflecting", got {boundary!r}')
         self.cells = prod(self.shape)
         self.spacing = self.cells ** (-1.0 / len(self.shape))
         self.gamma = 2.0 * (self.sigma * self.spacing) ** 2
+        self.unit_length = 1.0 / self.spacing
         self.weights = 1.0 / self.cells
-        self._kernels = {n: _gaussian(n, self.sigma) for n in set(self.shape)}
+        self._kernels = {n: _gaussian(n, self.sigma, boundary) for n in set(self.shape)}
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Centers of the cells in cells, (*shape, d): the first is at 0.5."""
+        return np.moveaxis(np.indices(self.shape), 0, -1) + 0.5
 
     def apply(self, columns: ArrayLike) -> NDArray[np.float64]:
         """Apply the heat kernel, H (a * column), to every column.
@@ -71,6 +85,8 @@ class Grid:
             The same shape, blurred; constants stay constant away from the walls.
         """
         values = np.ascontiguousarray(columns, dtype=np.float64)
+        if values.shape[-len(self.shape) :] != self.shape:
+            raise ValueError(f"columns must have the shape (k, {', '.join(map(str, self.shape))}), got {values.shape}")
         result = np.empty_like(values)
         for source, target in zip(self._columns(values), self._columns(result), strict=True):
             self._blur(source, target)
@@ -84,15 +100,14 @@ class Grid:
         """
         scaled, _, _ = self._scratch
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):
-            shift = source.max() - _HEADROOM
+            shift = source.max() - HEADROOM
             np.subtract(source, shift, out=scaled)
             np.exp(scaled, out=scaled)
-            np.copyto(scaled, 0.0, where=scaled < _NEGLIGIBLE)
+            np.copyto(scaled, 0.0, where=scaled < NEGLIGIBLE)
             self._blur(scaled, target)
-            _log_in_place(target)
-            target += shift
+            floored_log(target, shift)
 
-    def log_apply_by_line(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
         """Write log H (a * exp(column)) to `out`, every grid line shifted by its own maximum.
 
         Only differences along one line can underflow, so it survives kernels too narrow for :meth:`log_apply`, at
@@ -104,22 +119,77 @@ class Grid:
             for axis in reversed(range(len(self.shape))):
                 size = self.shape[axis]
                 lines = first.reshape(-1, size)
-                shift = current.reshape(-1, size).max(axis=1, keepdims=True) - _HEADROOM
+                shift = current.reshape(-1, size).max(axis=1, keepdims=True) - HEADROOM
                 np.subtract(current.reshape(-1, size), shift, out=lines)
                 np.exp(lines, out=lines)
-                np.copyto(lines, 0.0, where=lines < _NEGLIGIBLE)
+                np.copyto(lines, 0.0, where=lines < NEGLIGIBLE)
                 turned = target.reshape(-1) if axis == 0 else second
-                self._contract(first, turned, size)
-                _log_in_place(turned)
-                turned.reshape(size, -1)[...] += shift[:, 0]
+                _contract(first, turned, self._kernels[size])
+                floored_log(turned.reshape(size, -1), shift[:, 0])
                 current = turned
-            np.maximum(target, LOG_NOTHING, out=target)
+
+    def log_transfer(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Apply the kernel between regions: only their boxes are multiplied, and only their elements taken to logs.
+
+        Parameters
+        ----------
+        columns : sequence of (len(source),) float64
+            Logarithms of scalings.
+        sources, targets : sequence of Region
+            Where every column lives and where its result is wanted.
+
+        Returns
+        -------
+        list of (len(target),) float64
+            log H (a * exp(column)), right or `LOG_NOTHING`.
+        """
+        first, second, _ = (buffer.reshape(-1) for buffer in self._scratch)
+        results = []
+        for logs, source, target in zip(columns, sources, targets, strict=True):
+            shift = logs.max() - HEADROOM
+            scaled = np.exp(logs - shift)
+            np.copyto(scaled, 0.0, where=scaled < NEGLIGIBLE)
+            current = first[: prod(span.stop - span.start for span in source.box)]
+            current.fill(0.0)
+            current[source.index_in_box] = scaled
+            spare = [second, first]
+            for axis in reversed(range(len(self.shape))):
+                kernel = self._kernels[self.shape[axis]][source.box[axis], target.box[axis]]
+                turned = spare[0][: current.size // kernel.shape[0] * kernel.shape[1]]
+                _contract(current, turned, np.asfortranarray(kernel))
+                current, spare = turned, spare[::-1]
+            values = current[target.index_in_box]
+            floored_log(values, shift)
+            results.append(values)
+        return results
+
+    def log_transfer_far(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Do the same line by line, on whole arrays."""
+        return through_whole_arrays(self.log_apply_far, columns, sources, targets)
+
+    def kernel_distance(
+        self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Distances in units of the domain at which the Gaussian falls from its source to these values."""
+        return np.sqrt(self.gamma * np.maximum(log_at_source - log_values, 0.0))
+
+    def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the divergence itself: the cost of a Gaussian kernel is the squared distance."""
+        return divergence
+
+    def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Slope of the squared distance."""
+        return 2.0 * distance
 
     def coarser(self) -> Grid | None:
         """Return the grid of half the resolution and the same sigma in cells; None where it would be too small."""
         if any(n % 2 or n < 16 for n in self.shape):
             return None
-        return Grid([n // 2 for n in self.shape], self.sigma)
+        return Grid([n // 2 for n in self.shape], self.sigma, self.boundary)
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser grid, (k, *shape / 2): the means of 2 x 2 x 2 cells, which keep the mass."""
@@ -148,37 +218,44 @@ class Grid:
         spare = [second.reshape(-1), third.reshape(-1)]
         for axis in reversed(range(len(self.shape))):
             turned = target.reshape(-1) if axis == 0 else spare[axis % 2]
-            self._contract(current, turned, self.shape[axis])
+            _contract(current, turned, self._kernels[self.shape[axis]])
             current = turned
 
-    def _contract(self, source: NDArray[np.float64], target: NDArray[np.float64], size: int) -> None:
-        """Contract the last axis (of `size`) with its kernel and put it first, so that the next axis comes last.
 
-        BLAS writes the turned order at no cost. It is SciPy's because the NumPy inside Blender may have none.
-        """
-        blas.dgemm(
-            1.0,
-            source.reshape(-1, size).T,
-            self._kernels[size],
-            trans_a=1,
-            c=target.reshape(size, -1).T,
-            overwrite_c=1,
-        )
+def _contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    """Contract the last axis with `kernel`, (size, new size), and put it first, so that the next axis comes last.
+
+    BLAS writes the turned order at no cost. It is SciPy's because the NumPy inside Blender may have none.
+    """
+    size, new_size = kernel.shape
+    blas.dgemm(
+        1.0,
+        source.reshape(-1, size).T,
+        kernel,
+        trans_a=1,
+        c=target.reshape(new_size, -1).T,
+        overwrite_c=1,
+    )
 
 
-def _gaussian(size: int, sigma: float) -> NDArray[np.float64]:
+def _gaussian(size: int, sigma: float, boundary: Literal["open", "reflecting"]) -> NDArray[np.float64]:
     """Gaussian between the cells of one axis, (size, size) in Fortran order; a whole row sums to one."""
-    distance = np.arange(size)[:, None] - np.arange(size)
-    reach = np.arange(-int(np.ceil(40 * sigma)), int(np.ceil(40 * sigma)) + 1)
-    kernel = np.exp(-(distance**2) / (2.0 * sigma**2)) / np.exp(-(reach**2) / (2.0 * sigma**2)).sum()
-    kernel[kernel < _NEGLIGIBLE] = 0.0
+    cells = np.arange(size)
+    reach = int(np.ceil(40 * sigma))
+    kernel = _bell(cells[:, None] - cells, sigma)
+    if boundary == "reflecting":
+        # The heat that a wall turns back comes from the mirror images of its source.
+        kernel += _bell(cells[:, None] + cells + 1, sigma)
+        for shift in range(2 * size, reach + 2 * size, 2 * size):
+            for far in (-shift, shift):
+                kernel += _bell(cells[:, None] - cells + far, sigma) + _bell(cells[:, None] + cells + 1 + far, sigma)
+    kernel /= _bell(np.arange(-reach, reach + 1), sigma).sum()
+    kernel[kernel < NEGLIGIBLE] = 0.0
     return np.asfortranarray(kernel)
 
 
-def _log_in_place(values: NDArray[np.float64]) -> None:
-    with np.errstate(divide="ignore"):
-        np.log(values, out=values)
-    np.maximum(values, LOG_NOTHING, out=values)
+def _bell(distance: NDArray[np.int64], sigma: float) -> NDArray[np.float64]:
+    return np.exp(-(distance**2) / (2.0 * sigma**2))
 
 
 def _double(values: NDArray[np.float64], axis: int) -> NDArray[np.float64]:

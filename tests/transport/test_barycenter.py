@@ -124,7 +124,7 @@ def test_invariant_mass_and_marginals(sharpness):
     assert found.mass_error < 5e-3
     assert found.density.mean() == pytest.approx(1.0)
     # The marginal error as an outsider computes it, from the scalings alone.
-    v = np.exp(found.levels[-1].log_v)
+    v = np.exp(found.log_v)
     w = mus / grid.apply(v)
     plans = v * grid.apply(w)
     assert max(np.abs(plan - found.density).mean() for plan in plans) < 2e-3

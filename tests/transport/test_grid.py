@@ -23,7 +23,7 @@ def test_apply_is_a_gaussian_in_free_space(shape, sigma):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("method", ["log_apply", "log_apply_by_line"])
+@pytest.mark.parametrize("method", ["log_apply", "log_apply_far"])
 def test_log_forms_agree_with_apply(shape, method):
     grid = Grid(shape, 1.4)
     columns = np.random.default_rng(2).random((3, *shape)) + 1e-3
@@ -55,7 +55,7 @@ def test_by_line_reaches_where_scalings_do_not():
     grid = Grid((100, 100), 1.5)
     plain, by_line = np.empty((2, 1, 100, 100))
     grid.log_apply(rows[None], plain)
-    grid.log_apply_by_line(rows[None], by_line)
+    grid.log_apply_far(rows[None], by_line)
     assert (plain <= LOG_NOTHING / 2).any()
     expected = np.stack([brute_force_log_apply(row, 1.5) for row in rows])
     expected = np.stack([brute_force_log_apply(column, 1.5) for column in expected.T]).T
@@ -111,7 +111,7 @@ def test_impossible_blurs_are_refused(sigma):
 @given(npst.arrays(float, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.floats(-3000, 3000)))
 def test_log_forms_are_never_nan(logs):
     grid = Grid(logs.shape, 1.1)
-    for method in (grid.log_apply, grid.log_apply_by_line):
+    for method in (grid.log_apply, grid.log_apply_far):
         result = np.empty((1, *logs.shape))
         method(logs[None], result)
         assert np.isfinite(result).all()

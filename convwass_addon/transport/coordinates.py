@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which blend of these is this? Weights whose barycenter is, or is nearest to, a given distribution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import minimize, nnls
+
+from .barycenter import Barycenter, barycenter
+from .checks import check_distribution, check_distributions, check_sharpness, check_solver
+from .distance import Distance, distance
+from .domain import Domain
+from .sinkhorn import Monitor, balance, self_balance
+
+# How much heavier the constraint that weights sum to one is than the quadratic form, in nonnegative least squares.
+_CONSTRAINT = 1e4
+# Weights are moved this far to see how the barycenter answers; less would drown in the solver's tolerance.
+_NUDGE = 1e-2
+_SOLVER_SHARE = 1e-2
+
+
+@dataclass(frozen=True)
+class BarycentricCoordinates:
+    """Weights of a distribution in the family of barycenters of others.
+
+    Attributes
+    ----------
+    weights : (k,) float64
+        Not negative, sum 1.
+    residual : float
+        Standard deviation under the distribution of the weighted mean of the potentials, in squared units of the
+        domain's maker; 0 exactly for members of the family.
+    marginal_error : float
+        The largest of the transports involved.
+    converged : bool
+        Whether it is below the tolerance.
+    """
+
+    weights: NDArray[np.float64]
+    residual: float
+    marginal_error: float
+    converged: bool
+
+
+@dataclass(frozen=True)
+class NearestBarycenter:
+    """The member of a family of barycenters that is nearest to a distribution.
+
+    Attributes
+    ----------
+    weights : (k,) float64
+        Not negative, sum 1.
+    barycenter : Barycenter
+        Of these weights.
+    distance : Distance
+        From it to the distribution, debiased.
+    evaluations : int
+        How many sets of weights were tried.
+    """
+
+    weights: NDArray[np.float64]
+    barycenter: Barycenter
+    distance: Distance
+    evaluations: int
+
+
+def barycentric_coordinates(
+    mu: ArrayLike,
+    mus: ArrayLike,
+    domain: Domain,
+    *,
+    sharpness: float = 0.0,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    monitor: Monitor | None = None,
+) -> BarycentricCoordinates:
+    """Weights for which a distribution comes nearest to being the barycenter of others.
+
+    mu is the barycenter of weights alpha exactly where sum_i alpha_i ln v_i - s ln d is constant on it, v_i the scaling
+    on its side of the transport to mus[i] and d that of the transport to itself: the invariant of Algorithm 2. The
+    weights minimize the variance of that sum under mu, a quadratic program in k unknowns (Werenski et al. 2022,
+    "Measure estimation in the barycentric coding model", with the potentials in place of their gradients). It takes
+    k + 1 transports and no barycenter.
+
+    Parameters
+    ----------
+    mu : domain.shape
+        The distribution in question.
+    mus : (k, *domain.shape)
+        Those that span the family.
+    domain : Domain
+        Where all of them live.
+    sharpness : float
+        That of the family's barycenters.
+    tolerance, max_iterations, monitor
+        As in :func:`distance`.
+
+    Returns
+    -------
+    BarycentricCoordinates
+        The weights, and how far mu is from being their barycenter.
+
+    Raises
+    ------
+    ValueError
+        Distributions or parameters that make no sense; the message names the argument.
+    KernelTooNarrowError
+        gamma is too small for numerics of any kind to get from one distribution to another.
+    """
+    target, family = _checked(mu, mus, domain)
+    check_sharpness(sharpness)
+    check_solver(tolerance, max_iterations)
+    limits = {"tolerance": tolerance, "max_iterations": max_iterations, "monitor": monitor}
+    towards = balance(np.broadcast_to(target, family.shape).copy(), family, domain, **limits)
+    own = self_balance(target[None], domain, **limits)
+    inside = target > 0
+    mass = (target * domain.weights)[inside]
+    potentials = (towards.log_v - sharpness * own.log_v)[:, inside]
+    potentials -= (potentials @ mass)[:, None]
+    covariance = (potentials * mass) @ potentials.T
+    weights = _least_on_simplex(covariance)
+    error = max(float(towards.errors.max()), float(own.errors.max()))
+    spread = float(np.sqrt(max(weights @ covariance @ weights, 0.0)))
+    residual = domain.gamma * domain.unit_length**2 * spread
+    return BarycentricCoordinates(weights, residual, error, error < tolerance)
+
+
+def nearest_barycenter(
+    mu: ArrayLike,
+    mus: ArrayLike,
+    domain: Domain,
+    *,
+    sharpness: float = 0.0,
+    tolerance: float = 1e-3,
+    max_iterations: int = 1000,
+    max_evaluations: int = 20,
+    monitor: Monitor | None = None,
+) -> NearestBarycenter:
+    """Weights whose barycenter is nearest to a distribution, in debiased distance.
+
+    Starts from :func:`barycentric_coordinates` and descends by sequential quadratic programming on the simplex. The
+    derivative of the distance is the potential at the barycenter, that of the barycenter a difference quotient
+    (Bonneel, Peyré and Cuturi 2016, "Wasserstein barycentric coordinates", differentiate the iterations instead).
+
+    Parameters
+    ----------
+    mu, mus, domain, sharpness, max_iterations, monitor
+        As in :func:`barycentric_coordinates`.
+    tolerance : float
+        Relative decrease of the squared distance at which the search ends; the barycenters are solved to a hundredth
+        of it.
+    max_evaluations : int
+        Largest number of steps of the search.
+
+    Returns
+    -------
+    NearestBarycenter
+        The weights, their barycenter and what separates it from mu.
+
+    Raises
+    ------
+    ValueError
+        Distributions or parameters that make no sense; the message names the argument.
+    KernelTooNarrowError
+        gamma is too small for numerics of any kind to get from one distribution to another.
+    """
+    target, family = _checked(mu, mus, domain)
+    check_sharpness(sharpness)
+    check_solver(tolerance, max_iterations)
+    if max_evaluations < 1:
+        raise ValueError(f"max_evaluations must be at least 1, got {max_evaluations}")
+    search = _Search(target, family, domain, sharpness, tolerance * _SOLVER_SHARE, max_iterations, monitor)
+    start = barycentric_coordinates(
+        target, family, domain, sharpness=sharpness, max_iterations=max_iterations, monitor=monitor
+    ).weights
+    search.value(start)
+    if len(family) > 1:
+        minimize(
+            search.value,
+            start,
+            jac=search.gradient,
+            method="SLSQP",
+            bounds=[(0.0, 1.0)] * len(family),
+            constraints={"type": "eq", "fun": lambda w: w.sum() - 1.0, "jac": np.ones_like},
+            options={"maxiter": max_evaluations, "ftol": tolerance * max(search.best.value, 0.0)},
+        )
+    return NearestBarycenter(search.best_weights, search.best_barycenter, search.best, search.evaluations)
+
+
+class _Search:
+    """Distance of the barycenter of given weights to the target, its gradient, and the best so far."""
+
+    def __init__(
+        self,
+        target: NDArray[np.float64],
+        family: NDArray[np.float64],
+        domain: Domain,
+        sharpness: float,
+        tolerance: float,
+        max_iterations: int,
+        monitor: Monitor | None,
+    ) -> None:
+        self.target, self.family, self.domain = target, family, domain
+        self.limits = {"tolerance": tolerance, "max_iterations": max_iterations, "monitor": monitor}
+        self.sharpness = sharpness
+        self.evaluations = 0
+        self.best: Distance | None = None
+
+    def value(self, weights: NDArray[np.float64]) -> float:
+        """Squared distance from the barycenter of `weights` to the target."""
+        weights = _on_simplex(weights)
+        self.evaluations += 1
+        self.last_weights, self.last_barycenter = weights, self._barycenter(weights)
+        self.last = distance(self.last_barycenter.density, self.target, self.domain, **self.limits)
+        if self.best is None or self.last.value < self.best.value:
+            self.best, self.best_weights, self.best_barycenter = self.last, weights, self.last_barycenter
+        return self.last.value
+
+    def gradient(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the derivative of :meth:`value` by every weight, up to a constant, which the simplex does not see."""
+        weights = _on_simplex(weights)
+        if not np.array_equal(weights, self.last_weights):
+            self.value(weights)
+        density = self.last_barycenter.density
+        own = self_balance(density[None], self.domain, **self.limits)
+        potential = self.domain.gamma * self.domain.unit_length**2 * (self.last.log_v - own.log_v[0])
+        slopes = []
+        for corner in np.eye(len(weights)):
+            moved = self._barycenter(weights + _NUDGE * (corner - weights)).density
+            slopes.append(float((potential * (moved - density) * self.domain.weights).sum()) / _NUDGE)
+        return np.array(slopes)
+
+    def _barycenter(self, weights: NDArray[np.float64]) -> Barycenter:
+        return barycenter(self.family, weights, self.domain, sharpness=self.sharpness, **self.limits)
+
+
+def _checked(mu: ArrayLike, mus: ArrayLike, domain: Domain) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    target, family = check_distribution(mu, domain, "mu"), check_distributions(mus, domain)
+    check_distributions(np.concatenate([target[None], family]), domain, "mu and mus")
+    return target, family
+
+
+def _least_on_simplex(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights, not negative and of sum 1, for which the quadratic form is least."""
+    values, vectors = np.linalg.eigh(covariance)
+    root = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+    scale = max(float(np.sqrt(np.trace(covariance))), np.finfo(np.float64).tiny)
+    rows = np.vstack([root / scale, np.full(len(covariance), _CONSTRAINT)])
+    weights, _ = nnls(rows, np.append(np.zeros(len(covariance)), _CONSTRAINT))
+    return weights / weights.sum()
+
+
+def _on_simplex(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    positive = np.clip(weights, 0.0, 1.0)
+    return positive / positive.sum()

@@ -1,0 +1,241 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Convolutional Wasserstein distances (Solomon et al. 2015, section 5), debiased or as in the paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .checks import check_distribution, check_distributions, check_solver
+from .domain import Domain
+from .sinkhorn import Monitor, Scalings, balance, self_balance
+
+# Coarser levels only give the finest one its start.
+_COARSE_TOLERANCE = 1e-3
+# As many pairs at once as fit into this many values per array.
+_VALUES_AT_ONCE = 1 << 23
+
+
+@dataclass(frozen=True)
+class Distance:
+    """A solved transport between two distributions.
+
+    Attributes
+    ----------
+    value : float
+        Squared distance W2^2, in squared units of the domain's maker (cells, or units of the vertices): the squared
+        distance that the divergence stands for (``domain.squared_distance``), zero where rounding makes it negative;
+        without debiasing the entropic value.
+    entropic_value : float
+        Eq. (10), gamma (1 + min KL(pi | H)), in the same units. It is not zero between equal distributions and has an
+        offset from the normalization of H.
+    divergence : float
+        The entropic value less half of that of each distribution to itself (Feydy et al. 2019), in the same units:
+        zero between equal distributions. None without debiasing.
+    iterations : int
+        Rounds of Sinkhorn's iteration between the two distributions, over all levels.
+    marginal_error : float
+        Sum of a |v H(a w) - mu0|; the largest over the plans that the value is made of.
+    converged : bool
+        Whether the error fell below the tolerance.
+    numerics : str
+        "scaling" or the domain's far_numerics.
+    log_v, log_w : ndarray of the domain's shape
+        Logarithms of the scalings: the plan is D_v H D_w with marginals mu0 and mu1.
+    """
+
+    value: float
+    entropic_value: float
+    divergence: float | None
+    iterations: int
+    marginal_error: float
+    converged: bool
+    numerics: str
+    log_v: NDArray[np.float64]
+    log_w: NDArray[np.float64]
+
+    @property
+    def length(self) -> float:
+        """The distance itself, W2, in units of the domain's maker."""
+        return float(np.sqrt(max(self.value, 0.0)))
+
+    @property
+    def v(self) -> NDArray[np.float64]:
+        """The scaling on the side of mu0; what float64 cannot express is its largest number."""
+        return _exponential(self.log_v)
+
+    @property
+    def w(self) -> NDArray[np.float64]:
+        """The scaling on the side of mu1; what float64 cannot express is its largest number."""
+        return _exponential(self.log_w)
+
+
+@dataclass(frozen=True)
+class DistanceMatrix:
+    """Squared distances between all pairs.
+
+    Attributes
+    ----------
+    values : (k, k) float64
+        Squared distances, symmetric, zero on the diagonal; units as in `Distance`.
+    iterations : int
+        Rounds of the pair that took longest.
+    marginal_error : float
+        The largest of all plans.
+    converged : bool
+        Whether it is below the tolerance.
+    """
+
+    values: NDArray[np.float64]
+    iterations: int
+    marginal_error: float
+    converged: bool
+
+
+def distance(
+    mu0: ArrayLike,
+    mu1: ArrayLike,
+    domain: Domain,
+    *,
+    debias: bool = True,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    monitor: Monitor | None = None,
+) -> Distance:
+    """Squared Wasserstein distance between two distributions (Algorithm 1).
+
+    Parameters
+    ----------
+    mu0, mu1 : domain.shape
+        Densities, not negative; each is normalized to mass 1.
+    domain : Domain
+        Owns the area weights and the heat kernel.
+    debias : bool
+        Whether the value is to be zero between equal distributions and near the true distance; otherwise it is that of
+        eq. (10).
+    tolerance : float
+        Largest marginal error.
+    max_iterations : int
+        At every level.
+    monitor : callable, optional
+        ``monitor(elements, iteration, error)``, called once per iteration; what it raises ends the solve.
+
+    Returns
+    -------
+    Distance
+        The value and how well it solves the problem.
+
+    Raises
+    ------
+    ValueError
+        Distributions or parameters that make no sense; the message names the argument.
+    KernelTooNarrowError
+        gamma is too small for numerics of any kind to get from one distribution to the other.
+    """
+    pair = np.stack([check_distribution(mu0, domain, "mu0"), check_distribution(mu1, domain, "mu1")])
+    pair = check_distributions(pair, domain, "mu")
+    check_solver(tolerance, max_iterations)
+    solved, iterations = _coarse_to_fine(pair[:1], pair[1:], domain, tolerance, max_iterations, monitor)
+    entropic = float(_entropic_values(solved, pair[:1], pair[1:], domain)[0])
+    value, divergence, error = entropic, None, float(solved.errors[0])
+    if debias:
+        own = self_balance(pair, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
+        divergence = entropic - 0.5 * float(_self_values(own, pair, domain).sum())
+        value = float(_squared_distances(np.array(divergence), domain))
+        error = max(error, float(own.errors.max()))
+    log_v, log_w = _evened(solved.log_v[0], solved.log_w[0])
+    return Distance(value, entropic, divergence, iterations, error, error < tolerance, solved.numerics, log_v, log_w)
+
+
+def distance_matrix(
+    mus: ArrayLike,
+    domain: Domain,
+    *,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    monitor: Monitor | None = None,
+) -> DistanceMatrix:
+    """Debiased squared distances between all pairs of `mus`, (k, *domain.shape), in blocks of columns.
+
+    Parameters and errors are those of :func:`distance`.
+    """
+    densities = check_distributions(mus, domain)
+    check_solver(tolerance, max_iterations)
+    own = self_balance(densities, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
+    self_values = _self_values(own, densities, domain)
+    first, second = np.triu_indices(len(densities), 1)
+    values = np.zeros((len(densities), len(densities)))
+    error, iterations = float(own.errors.max()), own.iterations
+    at_once = max(1, _VALUES_AT_ONCE // densities[0].size)
+    for start in range(0, len(first), at_once):
+        i, j = first[start : start + at_once], second[start : start + at_once]
+        solved, rounds = _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, monitor)
+        found = _entropic_values(solved, densities[i], densities[j], domain)
+        divergences = found - 0.5 * (self_values[i] + self_values[j])
+        values[i, j] = values[j, i] = _squared_distances(divergences, domain)
+        error, iterations = max(error, float(solved.errors.max())), max(iterations, rounds)
+    return DistanceMatrix(values, iterations, error, error < tolerance)
+
+
+def _coarse_to_fine(
+    mus: NDArray[np.float64],
+    nus: NDArray[np.float64],
+    domain: Domain,
+    tolerance: float,
+    max_iterations: int,
+    monitor: Monitor | None,
+) -> tuple[Scalings, int]:
+    """Balance pairs on ever finer domains; the scalings of the finest one, and the iterations of all."""
+    coarser = domain.coarser()
+    start, before = None, 0
+    if coarser is not None:
+        loose = max(tolerance, _COARSE_TOLERANCE)
+        coarse, before = _coarse_to_fine(
+            domain.restrict(mus), domain.restrict(nus), coarser, loose, max_iterations, monitor
+        )
+        # The potential is -gamma log H(a w), and gamma falls by four from a level to the next.
+        start = 4.0 * domain.prolong(coarse.log_kw)
+    solved = balance(
+        mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, monitor=monitor
+    )
+    return solved, before + solved.iterations
+
+
+def _entropic_values(
+    solved: Scalings, mus: NDArray[np.float64], nus: NDArray[np.float64], domain: Domain
+) -> NDArray[np.float64]:
+    """Return gamma a^T (mu ln v + nu ln w) of every pair, in squared units of the domain's maker."""
+    return domain.gamma * domain.unit_length**2 * _sums(mus * solved.log_v + nus * solved.log_w, domain)
+
+
+def _self_values(own: Scalings, mus: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
+    """Return the same for plans of distributions to themselves.
+
+    Neither marginal of such a plan is exact, so the dual's mass term, 1 - a^T (v H(a v)), does not vanish.
+    """
+    plan = np.where(mus > 0, np.exp(np.minimum(own.log_v + own.log_kw, 50.0)), 0.0)
+    values = 2.0 * _sums(mus * own.log_v, domain) + 1.0 - _sums(plan, domain)
+    return domain.gamma * domain.unit_length**2 * values
+
+
+def _squared_distances(divergences: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
+    """Squared distances that divergences stand for, both in squared units of the domain's maker."""
+    scale = domain.unit_length**2
+    return scale * domain.squared_distance(np.maximum(divergences, 0.0) / scale)
+
+
+def _sums(columns: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
+    return (columns * domain.weights).reshape(len(columns), -1).sum(axis=1)
+
+
+def _evened(log_v: NDArray[np.float64], log_w: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Move a constant from one scaling to the other, which changes no plan, until their largest values are equal."""
+    shift = 0.5 * (log_w.max() - log_v.max())
+    return log_v + shift, log_w - shift
+
+
+def _exponential(logs: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.exp(np.minimum(logs, np.log(np.finfo(np.float64).max)))

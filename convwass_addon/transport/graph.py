@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Graphs whose vertices carry distributions, prepared for propagation."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+
+@dataclass(frozen=True)
+class PropagationGraph:
+    """An undirected graph with some vertices fixed.
+
+    Every edge e has two ends: end 2 e at its first vertex and end 2 e + 1 at its second; the other end of end h is
+    h ^ 1. Edges between two fixed vertices carry no unknown and are left out.
+
+    Attributes
+    ----------
+    size : int
+        Number of vertices.
+    vertex_of_end : (2 e,) int64
+        The vertex of every end.
+    weight_of_end : (2 e,) float64
+        The weight of its edge.
+    fixed : (size,) bool
+        Whether the vertex's distribution is given.
+    """
+
+    size: int
+    vertex_of_end: NDArray[np.int64]
+    weight_of_end: NDArray[np.float64]
+    fixed: NDArray[np.bool_]
+
+    @classmethod
+    def from_edges(
+        cls, edges: ArrayLike, edge_weights: ArrayLike | float, fixed: Collection[int], size: int | None = None
+    ) -> PropagationGraph:
+        """Check and convert.
+
+        Parameters
+        ----------
+        edges : (e, 2)
+            Pairs of vertices.
+        edge_weights : (e,) or float
+            Positive weights.
+        fixed : collection of int
+            Vertices whose distributions are given.
+        size : int, optional
+            Number of vertices; by default just enough for the edges and the fixed vertices.
+
+        Raises
+        ------
+        ValueError
+            Edges that are no pairs, run from a vertex to itself or beyond the graph; weights that are not positive;
+            vertices that no path connects with a fixed one. The message names the argument.
+        """
+        pairs = _vertices(edges, "edges") if np.size(edges) else np.empty((0, 2), np.int64)
+        if pairs.ndim != 2 or pairs.shape[1] != 2:
+            raise ValueError(f"edges must have the shape (e, 2), got {pairs.shape}")
+        if not len(fixed):
+            raise ValueError("fixed must hold at least one vertex with its distribution")
+        given = _vertices(sorted(fixed), "fixed")
+        count = int(max(pairs.max(initial=-1), given.max()) + 1) if size is None else int(size)
+        if min(pairs.min(initial=0), given.min()) < 0 or max(pairs.max(initial=-1), given.max()) >= count:
+            raise ValueError(f"edges and fixed must name vertices between 0 and {count - 1}")
+        if (pairs[:, 0] == pairs[:, 1]).any():
+            raise ValueError(f"edges must not run from a vertex to itself, as one at vertex {_first_loop(pairs)} does")
+        weights = np.asarray(edge_weights, dtype=np.float64)
+        if weights.shape not in ((), (len(pairs),)):
+            raise ValueError(f"edge_weights must be one number or {len(pairs)}, got shape {weights.shape}")
+        if not (np.isfinite(weights).all() and (weights > 0).all()):
+            raise ValueError("edge_weights must be positive numbers")
+        is_fixed = np.zeros(count, bool)
+        is_fixed[given] = True
+        _check_reached(pairs, is_fixed)
+        kept = ~(is_fixed[pairs[:, 0]] & is_fixed[pairs[:, 1]])
+        ends = pairs[kept].ravel()
+        return cls(count, ends, np.repeat(np.broadcast_to(weights, len(pairs))[kept], 2), is_fixed)
+
+    @cached_property
+    def ends_at(self) -> tuple[NDArray[np.int64], ...]:
+        """The ends at every vertex."""
+        order = np.argsort(self.vertex_of_end, kind="stable")
+        counts = np.bincount(self.vertex_of_end, minlength=self.size)
+        return tuple(np.split(order, np.cumsum(counts)[:-1]))
+
+    @cached_property
+    def parts(self) -> NDArray[np.int64]:
+        """Label of every free vertex, -1 at fixed ones: parts that only fixed vertices join are separate problems."""
+        tails, heads = self.vertex_of_end[0::2], self.vertex_of_end[1::2]
+        inner = ~(self.fixed[tails] | self.fixed[heads])
+        labels = _components(self.size, tails[inner], heads[inner])
+        parts = np.full(self.size, -1)
+        parts[~self.fixed] = np.unique(labels[~self.fixed], return_inverse=True)[1]
+        return parts
+
+    @cached_property
+    def part_of_end(self) -> NDArray[np.int64]:
+        """The part that the edge of every end belongs to."""
+        parts = self.parts[self.vertex_of_end]
+        return np.maximum(parts, parts[np.arange(len(parts)) ^ 1])
+
+    @cached_property
+    def colors(self) -> tuple[NDArray[np.int64], ...]:
+        """Vertices that no edge joins, one group after the other: the fixed ones, then the free ones.
+
+        The kernel is applied to all ends of a group at once. Greedy coloring in order of decreasing degree (Welsh and
+        Powell 1967).
+        """
+        color = np.where(self.fixed, 0, -1)
+        neighbors = [self.vertex_of_end[ends ^ 1] for ends in self.ends_at]
+        for vertex in sorted(np.flatnonzero(~self.fixed), key=lambda v: -len(neighbors[v])):
+            taken = set(color[neighbors[vertex]])
+            color[vertex] = next(c for c in range(1, self.size + 1) if c not in taken)
+        return tuple(np.flatnonzero(color == c) for c in range(color.max() + 1))
+
+
+def line(count: int) -> NDArray[np.int64]:
+    """Edges of a line of `count` vertices, (count - 1, 2)."""
+    return np.stack([np.arange(count - 1), np.arange(1, count)], axis=1)
+
+
+def _components(size: int, tails: Sequence[int], heads: Sequence[int]) -> NDArray[np.int64]:
+    links = coo_array((np.ones(len(tails), np.int8), (tails, heads)), shape=(size, size))
+    return connected_components(links, directed=False)[1]
+
+
+def _check_reached(pairs: NDArray[np.int64], fixed: NDArray[np.bool_]) -> None:
+    labels = _components(len(fixed), pairs[:, 0], pairs[:, 1])
+    lost = np.flatnonzero(~np.isin(labels, labels[fixed]))
+    if len(lost):
+        names = ", ".join(map(str, lost[:5])) + (" ..." if len(lost) > 5 else "")
+        raise ValueError(f"edges must connect every vertex with a fixed one; no path leads to {names}")
+
+
+def _vertices(numbers: ArrayLike, name: str) -> NDArray[np.int64]:
+    vertices = np.asarray(numbers)
+    if not np.issubdtype(vertices.dtype, np.integer):
+        raise ValueError(f"{name} must name vertices by whole numbers, got {vertices.dtype}")
+    return vertices.astype(np.int64)
+
+
+def _first_loop(pairs: NDArray[np.int64]) -> int:
+    return int(pairs[pairs[:, 0] == pairs[:, 1]][0, 0])

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts of a domain: solvers keep values only where a distribution can have mass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, binary_erosion
+
+from .domain import LOG_NOTHING
+
+Box = tuple[slice, ...]
+
+
+class Region:
+    """Some elements of a domain, in the order of their flat indices.
+
+    Parameters
+    ----------
+    inside : ndarray of bool, the domain's shape
+        True at the elements that belong to it; at least one.
+    """
+
+    def __init__(self, inside: NDArray[np.bool_]) -> None:
+        self.inside = inside
+
+    @classmethod
+    def whole(cls, shape: tuple[int, ...]) -> Region:
+        """All elements of a domain."""
+        return cls(np.ones(shape, bool))
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+    @cached_property
+    def index(self) -> NDArray[np.int64]:
+        """Flat indices of the elements."""
+        return np.flatnonzero(self.inside)
+
+    @cached_property
+    def is_whole(self) -> bool:
+        """True where no element is left out."""
+        return len(self.index) == self.inside.size
+
+    @cached_property
+    def box(self) -> Box:
+        """The smallest box of the array that holds all elements."""
+        spans = []
+        for axis in range(self.inside.ndim):
+            others = tuple(a for a in range(self.inside.ndim) if a != axis)
+            along = np.flatnonzero(self.inside.any(axis=others))
+            spans.append(slice(int(along[0]), int(along[-1]) + 1))
+        return tuple(spans)
+
+    @cached_property
+    def index_in_box(self) -> NDArray[np.int64]:
+        """Flat indices of the elements within their box."""
+        return np.flatnonzero(self.inside[self.box])
+
+    def gather(self, values: NDArray) -> NDArray:
+        """Values at the elements, (..., len), of arrays (..., *shape)."""
+        leading = values.shape[: values.ndim - self.inside.ndim]
+        return values.reshape(*leading, -1)[..., self.index]
+
+    def scatter(self, values: NDArray, fill: float) -> NDArray:
+        """Arrays (..., *shape) with `values`, (..., len), at the elements and `fill` elsewhere."""
+        dense = np.full((*values.shape[:-1], self.inside.size), fill, values.dtype)
+        dense[..., self.index] = values
+        return dense.reshape(*values.shape[:-1], *self.inside.shape)
+
+    def transferred(self, values: NDArray, other: Region, fill: float) -> NDArray:
+        """Values at the elements of `other`, (..., len(other)): those known here, `fill` elsewhere."""
+        if other is self:
+            return values
+        return other.gather(self.scatter(values, fill))
+
+    def grown(self, cells: int) -> Region:
+        """Return the region and all elements within so many cells of it, along the axes, of a grid."""
+        return Region(binary_dilation(self.inside, iterations=cells))
+
+    def refined(self) -> Region:
+        """Return the same part of the grid of twice the resolution."""
+        inside = self.inside
+        for axis in range(inside.ndim):
+            inside = np.repeat(inside, 2, axis)
+        return Region(inside)
+
+    @cached_property
+    def interior(self) -> NDArray[np.bool_]:
+        """Elements of a grid whose neighbors, diagonal ones too, all belong to the region."""
+        if self.is_whole:
+            return self.inside
+        return binary_erosion(self.inside, np.ones((3,) * self.inside.ndim, bool), border_value=1)
+
+
+def through_whole_arrays(
+    log_apply: Callable[[NDArray[np.float64], NDArray[np.float64]], None],
+    columns: Sequence[NDArray[np.float64]],
+    sources: Sequence[Region],
+    targets: Sequence[Region],
+) -> list[NDArray[np.float64]]:
+    """Apply a domain's kernel in logarithms to all elements, for the values at some of them."""
+    dense = np.stack([source.scatter(logs, LOG_NOTHING) for logs, source in zip(columns, sources, strict=True)])
+    log_apply(dense, dense)
+    return [target.gather(logs) for logs, target in zip(dense, targets, strict=True)]

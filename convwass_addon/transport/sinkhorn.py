@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sinkhorn's iteration for many pairs of distributions at once, in logarithms (Solomon et al. 2015, Algorithm 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .domain import LOG_NOTHING, Domain, KernelTooNarrowError
+from .relaxation import AdaptiveRelaxation
+
+# Exponents of what is only compared with a density.
+_LARGEST = 50.0
+
+# Called once per iteration with the elements of the domain, the iteration and the largest error; raise to stop.
+Monitor = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True)
+class Scalings:
+    """Solved pairs: the plan of pair p is D_v H D_w.
+
+    Attributes
+    ----------
+    log_v, log_w : (p, *shape) float64
+        Logarithms of the scalings on the side of the first and of the second distribution.
+    log_kw : (p, *shape) float64
+        log H (a w): minus the potential of the first distribution over gamma; finite beyond its support too.
+    errors : (p,) float64
+        Sum of a |v H(a w) - mu| before the last update of v.
+    iterations : int
+        Of the pair that took longest.
+    numerics : str
+        "scaling" or the domain's far_numerics.
+    """
+
+    log_v: NDArray[np.float64]
+    log_w: NDArray[np.float64]
+    log_kw: NDArray[np.float64]
+    errors: NDArray[np.float64]
+    iterations: int
+    numerics: str
+
+
+class KernelInLogarithms:
+    """The kernel of a domain by scalings of float64 and, once they have not reached, by what reaches further."""
+
+    def __init__(self, domain: Domain) -> None:
+        self.domain = domain
+        self.far = False
+
+    def apply(self, logs: NDArray[np.float64], needed: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Return log H (a * exp(column)), which has to be finite where `needed`.
+
+        Raises
+        ------
+        KernelTooNarrowError
+            Not even the domain's far numerics reach.
+        """
+        out = np.empty(logs.shape)
+        if not self.far:
+            self.domain.log_apply(logs, out)
+            if np.min(out, where=needed, initial=0.0) > LOG_NOTHING / 2:
+                return out
+            self.far = True
+        self.domain.log_apply_far(logs, out)
+        if np.min(out, where=needed, initial=0.0) <= LOG_NOTHING:
+            raise KernelTooNarrowError(
+                f"gamma = {self.domain.gamma:.3g} is too small for the distance between these distributions; "
+                f"try {4 * self.domain.gamma:.3g}"
+            )
+        return out
+
+    @property
+    def numerics(self) -> str:
+        """What records call the numerics in use."""
+        return self.domain.far_numerics if self.far else "scaling"
+
+
+def log_density(mus: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ln mu, LOG_NOTHING where there is no mass."""
+    logs = np.full(mus.shape, LOG_NOTHING)
+    np.log(mus, out=logs, where=mus > 0)
+    return logs
+
+
+def marginal_errors(
+    logs: NDArray[np.float64], mus: NDArray[np.float64], weights: float | NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Sum of a |exp(column) - mu| for every column."""
+    left = np.abs(np.exp(np.minimum(logs, _LARGEST)) - mus) * weights
+    return left.reshape(len(left), -1).sum(axis=1)
+
+
+def balance(
+    mus: NDArray[np.float64],
+    nus: NDArray[np.float64],
+    domain: Domain,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    log_kw: NDArray[np.float64] | None = None,
+    monitor: Monitor | None = None,
+) -> Scalings:
+    """Find the scalings of the pairs (mus[p], nus[p]): v = mu / H(a w), w = nu / H(a v).
+
+    Pairs that have converged take no further part.
+
+    Parameters
+    ----------
+    mus, nus : (p, *shape) float64
+        Densities of mass 1.
+    domain : Domain
+        Where they live.
+    tolerance : float
+        Largest sum of a |v H(a w) - mu| of a pair that has converged.
+    max_iterations : int
+        Then the errors are as they are.
+    log_kw : (p, *shape), optional
+        Where to start from.
+    monitor : callable, optional
+        See `Monitor`.
+
+    Returns
+    -------
+    Scalings
+        Of all pairs, in their order.
+    """
+    kernel = KernelInLogarithms(domain)
+    log_mus, log_nus = log_density(mus), log_density(nus)
+    log_kw = np.zeros_like(mus) if log_kw is None else log_kw.copy()
+    # Where there is no mass, a start from beyond the reach of a coarser kernel would turn nothing into very much.
+    log_v, log_w = np.where(mus > 0, log_mus - log_kw, LOG_NOTHING), np.full_like(mus, LOG_NOTHING)
+    errors = np.full(len(mus), np.inf)
+    relaxation = AdaptiveRelaxation(len(mus))
+    live = np.arange(len(mus))
+    for iteration in range(1, max_iterations + 1):
+        first, second = mus[live] > 0, nus[live] > 0
+        factors = relaxation.factors[live]
+        log_kv = kernel.apply(log_v[live], second)
+        log_w[live] = _relaxed(log_w[live], log_nus[live] - log_kv, factors, second)
+        log_kw[live] = kernel.apply(log_w[live], first)
+        found = marginal_errors(log_v[live] + log_kw[live], mus[live], domain.weights)
+        if (factors != 1.0).any():
+            found = np.maximum(found, marginal_errors(log_w[live] + log_kv, nus[live], domain.weights))
+        errors[live] = found
+        relaxation.learn(errors, np.isin(np.arange(len(mus)), live))
+        # The last update is a full one: the plans then have their first marginals exactly.
+        done = (found < tolerance) | (iteration == max_iterations)
+        log_v[live] = _relaxed(log_v[live], log_mus[live] - log_kw[live], np.where(done, 1.0, factors), first)
+        if monitor is not None:
+            monitor(mus[0].size, iteration, float(errors.max()))
+        live = live[~done]
+        if not len(live):
+            break
+    return Scalings(log_v, log_w, log_kw, errors, iteration, kernel.numerics)
+
+
+def self_balance(
+    mus: NDArray[np.float64],
+    domain: Domain,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    monitor: Monitor | None = None,
+) -> Scalings:
+    """Find the scaling of every distribution's plan to itself, v H(a v) = mu, by v = sqrt(v mu / H(a v)).
+
+    The square root makes both sides of the plan one; it takes about a dozen rounds at any gamma (Feydy et al. 2019,
+    "Interpolating between optimal transport and MMD using Sinkhorn divergences", section 3).
+    """
+    kernel = KernelInLogarithms(domain)
+    log_mus = log_density(mus)
+    inside = mus > 0
+    log_v = np.where(inside, 0.5 * log_mus, LOG_NOTHING)
+    for iteration in range(1, max_iterations + 1):
+        log_kv = kernel.apply(log_v, inside)
+        errors = marginal_errors(log_v + log_kv, mus, domain.weights)
+        if monitor is not None:
+            monitor(mus[0].size, iteration, float(errors.max()))
+        if errors.max() < tolerance:
+            break
+        log_v = np.where(inside, 0.5 * (log_v + log_mus - log_kv), LOG_NOTHING)
+    return Scalings(log_v, log_v, log_kv, errors, iteration, kernel.numerics)
+
+
+def _relaxed(
+    before: NDArray[np.float64], full: NDArray[np.float64], factors: NDArray[np.float64], inside: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Return steps beyond the full ones by the factor of each column; nothing outside the support."""
+    if (factors == 1.0).all():
+        return np.where(inside, full, LOG_NOTHING)
+    steps = factors.reshape(-1, *[1] * (full.ndim - 1)) * (full - before)
+    return np.where(inside, before + steps, LOG_NOTHING)

@@ -1,0 +1,175 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distances and barycenters that are known exactly: Gaussians, and anything in one dimension."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.transport import Grid, barycenter, distance, interpolate
+from tests.transport import gaussians
+from tests.transport.gaussians import gaussian, moments
+
+
+def matrix(*rows):
+    return np.array(rows, dtype=float)
+
+
+# Shape, the two means and the two covariances, in cells: in one dimension, of parallel axes, and turned against each
+# other. Five deviations of room on all sides keep what the grid cuts off below 1e-6 of the mass.
+PAIRS = [
+    ((96,), ([40.0], [52.0]), (matrix([16]), matrix([36]))),
+    ((61,), ([30.0], [30.0]), (matrix([4]), matrix([25]))),
+    ((64, 60), ([28.0, 30.0], [36.0, 27.0]), (np.diag([9.0, 25.0]), np.diag([16.0, 12.0]))),
+    ((64, 59), ([28.0, 30.0], [36.0, 27.0]), (matrix([16, 8], [8, 12]), matrix([12, -5], [-5, 20]))),
+    (
+        (40, 44, 48),
+        ([18.0, 20.0, 25.0], [22.0, 23.0, 22.0]),
+        (matrix([9, 3, 1], [3, 8, 2], [1, 2, 12]), matrix([10, -2, 2], [-2, 9, -3], [2, -3, 7])),
+    ),
+]
+
+
+def squared_shift(means):
+    return float(((np.array(means[1]) - means[0]) ** 2).sum())
+
+
+@pytest.mark.parametrize("sigma", [1.0, 2.0, 3.5])
+@pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
+def test_entropic_distances_of_gaussians(shape, means, covariances, sigma):
+    """Eq. (10) and its debiased form, at any regularization, to the tails that the grid cuts off (measured: 8e-8)."""
+    mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
+    found = distance(*mus, Grid(shape, sigma), tolerance=1e-6)
+    shift = squared_shift(means)
+    assert found.value == pytest.approx(shift + gaussians.debiased_distance(*covariances, sigma), rel=2e-7)
+    cells = int(np.prod(shape))
+    assert found.entropic_value == pytest.approx(shift + gaussians.entropic_value(*covariances, sigma, cells), abs=2e-6)
+
+
+@pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
+def test_narrow_kernels_meet_the_true_distance_of_gaussians(shape, means, covariances):
+    """The debiased value misses W2^2 by the square of gamma: 2 % at most at two cells, and 16 times less at one."""
+    mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
+    exact = squared_shift(means) + gaussians.bures(*covariances)
+    wide, narrow = (distance(*mus, Grid(shape, s), tolerance=1e-6).value - exact for s in (2.0, 1.0))
+    assert 0 < -wide < 0.02 * exact
+    assert wide / narrow == pytest.approx(16.0, rel=0.15)
+
+
+def test_the_closed_forms_agree_with_each_other():
+    """Without regularization the entropic formulas are those of Bures; a narrow kernel's map is the linear one."""
+    for _, _, (first, second) in PAIRS:
+        assert gaussians.debiased_distance(first, second, 1e-2) == pytest.approx(gaussians.bures(first, second))
+        slope = gaussians.map_slope(first, second, 1e-3)
+        np.testing.assert_allclose(slope @ first @ slope, second, rtol=1e-5)
+        middle = gaussians.barycenter_covariance([first, second], [0.5, 0.5], 1e-3, 0.0)
+        np.testing.assert_allclose(
+            middle, 0.25 * (np.eye(len(first)) + slope) @ first @ (np.eye(len(first)) + slope), rtol=1e-5
+        )
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.5, 0.75, 1.0])
+@pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
+def test_barycenters_of_gaussians(shape, means, covariances, sharpness):
+    """The whole density, on the dial between plain and debiased; the error is that of the solve.
+
+    Measured: 3e-6 of the mass, 2e-4 fully debiased, whose density d converges slowly where there is little mass.
+    """
+    mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
+    weights = [2 / 3, 1 / 3]
+    grid = Grid(shape, 1.5)
+    found = barycenter(mus, weights, grid, sharpness=sharpness, tolerance=1e-5, max_iterations=1000)
+    mean = weights @ np.array(means)
+    covariance = gaussians.barycenter_covariance(covariances, weights, 1.5, sharpness)
+    assert np.abs(found.density - gaussian(shape, mean, covariance)).mean() < (5e-4 if sharpness == 1.0 else 5e-6)
+    np.testing.assert_allclose(moments(found.density)[0], mean, atol=1e-5)
+    np.testing.assert_allclose(moments(found.density)[1], covariance, atol=3e-4)
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.75])
+def test_barycenters_of_three_gaussians(sharpness):
+    shape = (60, 56)
+    means = matrix([25, 28], [33, 25], [28, 32])
+    covariances = [matrix([14, 7], [7, 10]), matrix([11, -4], [-4, 16]), matrix([8, 1], [1, 6])]
+    mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
+    weights = np.array([0.5, 0.2, 0.3])
+    found = barycenter(mus, weights, Grid(shape, 1.5), sharpness=sharpness, tolerance=1e-6, max_iterations=2000)
+    expected = gaussian(shape, weights @ means, gaussians.barycenter_covariance(covariances, weights, 1.5, sharpness))
+    assert np.abs(found.density - expected).mean() < 2e-6
+
+
+@pytest.mark.parametrize("deviation", [2.0, 5.0])
+def test_the_plain_barycenter_of_equal_gaussians_is_blurred_by_one_kernel(deviation):
+    """Variance d^2 + sigma^2, and d^2 debiased: the blur is that of the kernel, whatever the shape."""
+    mu = gaussian((90,), [45], deviation**2)
+    for sharpness, variance in ((0.0, deviation**2 + 1.5**2), (1.0, deviation**2)):
+        found = barycenter([mu, mu], [0.3, 0.7], Grid((90,), 1.5), sharpness=sharpness, tolerance=1e-6)
+        assert moments(found.density)[1][0, 0] == pytest.approx(variance, abs=5e-5)
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.75])
+def test_interpolation_of_gaussians(sharpness):
+    shape, means, covariances = PAIRS[3]
+    mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
+    times = [0.0, 0.2, 0.5, 0.9, 1.0]
+    found = interpolate(*mus, times, Grid(shape, 1.5), sharpness=sharpness, tolerance=1e-5, max_iterations=1000)
+    for t, density in zip(times[1:-1], found.densities[1:-1], strict=True):
+        covariance = gaussians.barycenter_covariance(covariances, [1 - t, t], 1.5, sharpness)
+        expected = gaussian(shape, (1 - t) * np.array(means[0]) + t * np.array(means[1]), covariance)
+        assert np.abs(density - expected).mean() < 1e-5
+    np.testing.assert_allclose(found.densities[[0, -1]], mus, rtol=1e-12)
+
+
+def uneven(seed):
+    """Two densities on a line with nothing in common: peaks, steps, and gaps without any mass."""
+    rng = np.random.default_rng(seed)
+    x = np.arange(128) + 0.5
+    densities = np.zeros((2, 128))
+    for density in densities:
+        for _ in range(3):
+            center, width = rng.uniform(30, 98), rng.uniform(2, 7)
+            density += rng.random() * np.exp(-0.5 * ((x - center) / width) ** 2) * (np.abs(x - center) < 3 * width)
+        density += 0.5 * (np.abs(x - rng.uniform(40, 88)) < rng.uniform(3, 10))
+    return densities
+
+
+def quantiles(density, levels):
+    """Positions below which the shares `levels` of the mass lie, mass spread evenly over every cell."""
+    mass = density / density.sum()
+    cumulated = np.cumsum(mass)
+    cells = np.searchsorted(cumulated, levels)
+    return cells + 1.0 - (cumulated[cells] - levels) / mass[cells]
+
+
+LEVELS = (np.arange(20000) + 0.5) / 20000
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_distances_on_a_line_are_those_of_quantiles(seed):
+    """W2^2 = integral of (F0^-1 - F1^-1)^2; the blur leaves a quarter of a percent (measured: 0.2 %)."""
+    first, second = uneven(seed)
+    exact = ((quantiles(first, LEVELS) - quantiles(second, LEVELS)) ** 2).mean()
+    found = distance(first, second, Grid((128,), 1.5), max_iterations=5000)
+    assert found.converged
+    assert found.value == pytest.approx(exact, rel=2.5e-3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("t", [0.3, 0.5])
+def test_barycenters_on_a_line_average_quantiles(seed, t):
+    """The quantile function of the barycenter is the weighted mean, and sharpness brings it closer.
+
+    W1 between the barycenter and the exact one, in cells; measured 0.20 plain, 0.063 at 0.75, 0.033 debiased, with a
+    kernel of 1.5 cells.
+    """
+    first, second = uneven(seed)
+    exact = (1 - t) * quantiles(first, LEVELS) + t * quantiles(second, LEVELS)
+    misses = []
+    for sharpness in (0.0, 0.75, 1.0):
+        grid = Grid((128,), 1.5)
+        found = barycenter([first, second], [1 - t, t], grid, sharpness=sharpness, tolerance=1e-3)
+        misses.append(np.abs(quantiles(found.density, LEVELS) - exact).mean())
+    assert misses[0] < 0.22
+    assert misses[1] < 0.07
+    assert misses[2] < 0.04
