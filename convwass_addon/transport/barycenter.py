@@ -205,8 +205,9 @@ class _Problem:
             ladder.insert(0, (coarser, ladder[0][0].restrict(ladder[0][1])))
         levels: list[Potentials] = []
         iterations = []
+        state = None
         for depth, (level, mus) in enumerate(ladder):
-            region = levels[-1].finer_region() if depth else Region.whole(level.shape)
+            region = state.finer_region() if depth else Region.whole(level.shape)
             if before:
                 start = before[depth]
                 if depth:

@@ -24,8 +24,10 @@ _RELEVANT = 600.0
 _STALLED = 0.95
 # The exponent of an entropy bound amplifies every step; full steps would jump between two solutions for ever.
 _BOUNDED_STEP = 0.7
+# From a level to the next finer one, of the same sigma in cells.
+_FALL_OF_GAMMA = 4.0
 # Elements of a coarse barycenter below this share of its maximum have no counterpart on finer levels, beyond a margin.
-_NEGLIGIBLE_SHARE = 1e-5
+_NEGLIGIBLE_SHARE = 1e-3
 _MARGIN = 1
 
 
@@ -41,39 +43,31 @@ class Potentials:
         Logarithms of the scalings on the side of the barycenter.
     log_debias : (len(region),) float64
         Logarithm of the debiasing density d.
-    density : (len(region),) float64
-        The barycenter itself.
     """
 
     region: Region
     log_v: NDArray[np.float64]
     log_debias: NDArray[np.float64]
-    density: NDArray[np.float64]
 
     @classmethod
     def flat(cls, count: int, shape: tuple[int, ...]) -> Potentials:
         """Scalings of one everywhere."""
         size = int(np.prod(shape))
-        return cls(Region.whole(shape), np.zeros((count, size)), np.zeros(size), np.ones(size))
+        return cls(Region.whole(shape), np.zeros((count, size)), np.zeros(size))
 
-    def finer_region(self) -> Region:
-        """Cells of the next finer grid that its barycenter needs: the coarse one's support, with a margin.
-
-        Their neighbors on the coarse grid all belong to the coarse region, so that they can be interpolated.
-        """
-        support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * self.density.max())
-        return Region(support.grown(_MARGIN).inside & self.region.interior).refined()
+    @property
+    def columns(self) -> NDArray[np.float64]:
+        """The physical potentials over gamma at this level, ln v, and ln d, (k + 1, len(region))."""
+        return np.concatenate([self.log_v, self.log_debias[None]])
 
     def prolonged(self, domain: Multiscale, region: Region) -> Potentials:
         """Bring the state of the next coarser domain to `domain`.
 
         All levels have the same sigma in cells. The physical potential is gamma ln v and gamma falls by four from a
-        level to the next, so ln v grows by four.
+        level to the next, so ln v grows by four; ln d stays.
         """
-        log_v = np.maximum(4.0 * region.gather(domain.prolong(self.region.scatter(self.log_v, 0.0))), LOG_NOTHING)
-        columns = np.stack([self.region.scatter(self.log_debias, 0.0), self.region.scatter(self.density, 0.0)])
-        log_debias, density = region.gather(domain.prolong(columns))
-        return Potentials(region, log_v, log_debias, density)
+        finer = domain.prolong(self.region.scatter(self.columns, 0.0), region)
+        return Potentials(region, np.maximum(_FALL_OF_GAMMA * finer[:-1], LOG_NOTHING), finer[-1])
 
     def corrected(
         self, domain: Multiscale, region: Region, coarse: Potentials, coarse_before: Potentials
@@ -85,19 +79,18 @@ class Potentials:
         coarser domain.
         """
         fresh = coarse.prolonged(domain, region)
-        before = coarse_before.region.transferred(coarse_before.log_v, coarse.region, LOG_NOTHING)
-        debias_before = coarse_before.region.transferred(coarse_before.log_debias, coarse.region, np.inf)
-        known = (coarse.log_v > LOG_NOTHING / 2) & (before > LOG_NOTHING / 2) & np.isfinite(debias_before)
-        moved = np.where(known, coarse.log_v - before, 0.0)
-        moved_debias = np.where(known.all(axis=0), coarse.log_debias - debias_before, 0.0)
-        columns = coarse.region.scatter(np.concatenate([4.0 * moved, moved_debias[None]]), 0.0)
-        steps = region.gather(domain.prolong(columns))
-        own = self.region.transferred(self.log_v, region, LOG_NOTHING)
-        own_debias = self.region.transferred(self.log_debias, region, np.nan)
+        before = coarse_before.region.transferred(coarse_before.columns, coarse.region, LOG_NOTHING)
+        known = (coarse.columns > LOG_NOTHING / 2) & (before > LOG_NOTHING / 2)
+        moved = np.where(known, coarse.columns - before, 0.0)
+        steps = domain.prolong(coarse.region.scatter(moved, 0.0), region)
+        own = self.region.transferred(self.columns, region, LOG_NOTHING)
         kept = (own > LOG_NOTHING / 2).all(axis=0)
-        log_v = np.where(kept, np.maximum(own + steps[:-1], LOG_NOTHING), fresh.log_v)
-        log_debias = np.where(kept, own_debias + steps[-1], fresh.log_debias)
-        return Potentials(region, log_v, log_debias, fresh.density)
+        log_v = np.maximum(own[:-1] + _FALL_OF_GAMMA * steps[:-1], LOG_NOTHING)
+        return Potentials(
+            region,
+            np.where(kept, log_v, fresh.log_v),
+            np.where(kept, own[-1] + steps[-1], fresh.log_debias),
+        )
 
     def for_weights(self, alphas: NDArray[np.float64], sharpness: float) -> Potentials:
         """Return the state changed so that sum_i alphas_i ln v_i = s ln d holds.
@@ -105,16 +98,14 @@ class Potentials:
         Without this a solve from the potentials of neighboring weights settles on the neighbor's answer.
         """
         offset = np.tensordot(alphas, self.log_v, 1) - sharpness * self.log_debias
-        return Potentials(self.region, np.maximum(self.log_v - offset, LOG_NOTHING), self.log_debias, self.density)
+        return Potentials(self.region, np.maximum(self.log_v - offset, LOG_NOTHING), self.log_debias)
 
     def on(self, region: Region) -> Potentials:
         """Return the state on another region; elements that are new hold nothing until the first round."""
-        low = float(self.log_debias.min())
         return Potentials(
             region,
             self.region.transferred(self.log_v, region, LOG_NOTHING),
-            self.region.transferred(self.log_debias, region, low),
-            self.region.transferred(self.density, region, 0.0),
+            self.region.transferred(self.log_debias, region, float(self.log_debias.min())),
         )
 
 
@@ -286,7 +277,15 @@ class BregmanIteration:
         for log_v, mean in zip(self.log_v, means, strict=True):
             log_v -= mean - float(self.alphas @ means)
         np.maximum(self.log_v, LOG_NOTHING, out=self.log_v)
-        return Potentials(self.region, self.log_v, self.log_debias, self.density)
+        return Potentials(self.region, self.log_v, self.log_debias)
+
+    def finer_region(self) -> Region:
+        """Cells of the next finer grid that its barycenter needs: the coarse one's support, with a margin.
+
+        Their neighbors on the coarse grid all belong to the coarse region, so that they can be interpolated.
+        """
+        support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * self.density.max())
+        return Region(support.grown(_MARGIN).inside & self.region.interior).refined()
 
     def rim_mass(self) -> float:
         """Mass at the elements of a grid's region that have neighbors outside it: what the region may have cut off."""

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .checks import check_distribution, check_distributions, check_solver
 from .domain import Domain
+from .region import Region
 from .sinkhorn import Monitor, Scalings, balance, self_balance
 
 # Coarser levels only give the finest one its start.
@@ -197,7 +198,7 @@ def _coarse_to_fine(
             domain.restrict(mus), domain.restrict(nus), coarser, loose, max_iterations, monitor
         )
         # The potential is -gamma log H(a w), and gamma falls by four from a level to the next.
-        start = 4.0 * domain.prolong(coarse.log_kw)
+        start = 4.0 * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
     solved = balance(
         mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, monitor=monitor
     )

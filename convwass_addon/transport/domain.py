@@ -100,8 +100,8 @@ class Multiscale(Domain, Protocol):
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser domain."""
 
-    def prolong(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Columns of the coarser domain, interpolated to this one."""
+    def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
+        """Columns of the coarser domain, interpolated to the elements of a region of this one."""
 
 
 def total_mass(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:

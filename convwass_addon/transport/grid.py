@@ -197,11 +197,16 @@ class Grid:
         means = tuple(range(2, 2 * len(self.shape) + 1, 2))
         return columns.reshape(len(columns), *split).mean(axis=means)
 
-    def prolong(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Interpolate columns of the coarser grid linearly to this one, (k, *shape)."""
-        for axis in range(1, columns.ndim):
-            columns = _double(columns, axis)
-        return columns
+    def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
+        """Interpolate columns of the coarser grid, (k, *shape / 2), linearly to a region of this one, (k, len)."""
+        wanted: list[slice] = [slice(None)]
+        for axis, span in enumerate(region.box, start=1):
+            # A neighbor more on both sides: beyond the outer cells of the grid values are constant.
+            low = max(span.start // 2 - 1, 0)
+            near = columns[(slice(None),) * axis + (slice(low, span.stop // 2 + 2),)]
+            columns = _double(near, axis)
+            wanted.append(slice(span.start - 2 * low, span.stop - 2 * low))
+        return columns[tuple(wanted)].reshape(len(columns), -1)[:, region.index_in_box]
 
     def _columns(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         return values.reshape(-1, *self.shape)

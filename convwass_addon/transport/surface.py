@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import diags_array
-from scipy.special import logsumexp
 
 from ..geometry.edges import vertex_components
 from ..geometry.factorization import factorize
@@ -172,15 +171,15 @@ class Surface:
                 f"gamma = {self.gamma:.3g} is too small for scalings of float64 on {len(self._used)} vertices; "
                 f"try {2 * self.gamma:.3g}"
             )
-        columns = logs.reshape(-1, *self.shape)[:, self._used] + np.log(self._area_weights)
+        values = logs.reshape(-1, *self.shape)[:, self._used]
+        # Nothing stays nothing: not even the whole mass of a column may lift it to where it looks like a result.
+        columns = np.where(values > LOG_NOTHING / 2, values + np.log(self._area_weights), -np.inf)
         target = out.reshape(-1, *self.shape)
         target[...] = LOG_NOTHING
         rows = max(1, _BLOCK // len(self._used))
         for column, result in zip(columns, target, strict=True):
             for start in range(0, len(self._used), rows):
-                block = self._log_kernel[start : start + rows]
-                result[self._used[start : start + rows]] = logsumexp(block + column, axis=1)
-        np.maximum(target, LOG_NOTHING, out=target)
+                result[self._used[start : start + rows]] = _log_sums(self._log_kernel[start : start + rows] + column)
 
     def log_transfer(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
@@ -213,7 +212,7 @@ class Surface:
 
     @cached_property
     def _log_kernel(self) -> NDArray[np.float64]:
-        """Logarithm of H between all vertices in use."""
+        """Logarithm of H between all vertices in use, minus infinity where float64 ends."""
         count = len(self._used)
         # A unit mass at every vertex in turn, as large as float64 allows.
         peaks = np.diag(np.exp(HEADROOM) / self._area_weights)
@@ -221,13 +220,23 @@ class Surface:
         for start in range(0, count, 64):
             kernel[start : start + 64] = self._diffused(peaks[start : start + 64])
         floored_log(kernel)
-        kernel -= HEADROOM
-        return np.maximum(0.5 * (kernel + kernel.T), LOG_NOTHING)
+        kernel[kernel <= LOG_NOTHING] = -np.inf
+        return 0.5 * (kernel + kernel.T) - HEADROOM
 
     def _diffused(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         for _ in range(self.steps):
             columns = self._factor.solve(columns * self._area_weights)
         return columns
+
+
+def _log_sums(logs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Logarithms of the sums of exp over every row; LOG_NOTHING where there is nothing. `logs` is used up."""
+    top = np.maximum(logs.max(axis=1, keepdims=True), LOG_NOTHING)
+    logs -= top
+    np.exp(logs, out=logs)
+    sums = logs.sum(axis=1)
+    floored_log(sums, top[:, 0])
+    return sums
 
 
 def _mean_edge_length(mesh: TriangleMesh) -> float:

@@ -10,6 +10,7 @@ from scipy.ndimage import gaussian_filter
 
 from convwass_addon.transport import Grid
 from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.region import Region
 
 SHAPES = [(40,), (20, 31), (18, 24, 13)]
 
@@ -85,9 +86,35 @@ def test_restriction_keeps_mass_and_prolongation_keeps_lines():
     restricted = grid.restrict(density)
     assert (restricted * coarse.weights).sum() == pytest.approx((density * grid.weights).sum())
     ramp = np.arange(12, dtype=float)[None, None, :, None] * np.ones((1, 8, 12, 16))
-    doubled = grid.prolong(ramp)
-    assert doubled.shape == (1, *grid.shape)
+    doubled = grid.prolong(ramp, Region.whole(grid.shape)).reshape(1, *grid.shape)
     np.testing.assert_allclose(np.diff(doubled, axis=2)[:, :, 1:-1], 0.5)
+
+
+def test_prolonging_to_a_region_is_prolonging_to_all_of_the_grid():
+    grid = Grid((16, 24, 32), 1.0)
+    rng = np.random.default_rng(5)
+    columns = rng.random((2, 8, 12, 16))
+    everywhere = grid.prolong(columns, Region.whole(grid.shape))
+    for low, high in (((0, 0, 0), (5, 24, 9)), ((3, 7, 12), (4, 8, 13)), ((9, 3, 2), (16, 20, 32))):
+        inside = np.zeros(grid.shape, bool)
+        inside[tuple(map(slice, low, high))] = rng.random(np.subtract(high, low)) < 0.7
+        inside[low] = True
+        region = Region(inside)
+        np.testing.assert_array_equal(grid.prolong(columns, region), everywhere[:, region.index])
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_transfer_between_regions_is_the_kernel_between_them(shape):
+    grid = Grid(shape, 1.4)
+    rng = np.random.default_rng(6)
+    here, there = (Region(rng.random(shape) < share) for share in (0.3, 0.1))
+    logs = rng.normal(0, 30, len(here))
+    for transfer in (grid.log_transfer, grid.log_transfer_far):
+        whole = here.scatter(logs, LOG_NOTHING)[None]
+        expected = np.empty_like(whole)
+        grid.log_apply_far(whole, expected)
+        (found,) = transfer([logs], [here], [there])
+        np.testing.assert_allclose(found, there.gather(expected[0]), atol=1e-9)
 
 
 def test_odd_or_small_grids_have_no_coarser_level():
