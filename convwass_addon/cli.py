@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 
 from .applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
-from .applications.morph import MorphSettings
+from .applications.morph_settings import MorphSettings
 from .bridge.animation import render_animation
 from .bridge.contact_sheet import render_contact_sheet
 from .bridge.exports import FORMATS, export_frames

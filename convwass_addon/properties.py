@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .applications.layouts import Blend, grid_blends, path_blends, triangle_blends
-from .applications.morph import MorphSettings
+from .applications.morph_settings import MorphSettings
 
 
 class MorphProperties:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..applications.blending import MorphFrame
 from ..applications.layouts import Blend
-from ..applications.morph import MorphFrame
 from ..errors import ConvwassError, InputError
 from .handles import Handle, found
 from .keyframes import FrameRange, key_visibility

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 import bpy
 
 from ..applications.layouts import Blend
-from ..applications.morph import MorphSettings, MorphStep, morph
+from ..applications.morph import MorphStep, morph
+from ..applications.morph_settings import MorphSettings
 from ..errors import InputError
 from .bake import MorphBake
 from .objects import triangle_mesh
