@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..geometry.isosurface import LevelSurface, surface_at_level, surface_enclosing
 from ..geometry.mesh import TriangleMesh
-from ..transport import Barycenter, Grid, KernelTooNarrowError, barycenter
+from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .volumes import Lattice
@@ -47,15 +47,18 @@ class MorphProblem:
 
     Attributes
     ----------
-    densities : tuple of (nx, ny, nz) float32
-        Occupancies of the shapes.
+    inputs : Inputs
+        The shapes as distributions.
+    volumes : (k,) float64
+        Volumes of the shapes in cells.
     lattice : Lattice
         Where their cells are.
     settings : MorphSettings
         How to blend them.
     """
 
-    densities: tuple[NDArray[np.float32], ...]
+    inputs: Inputs
+    volumes: NDArray[np.float64]
     lattice: Lattice
     settings: MorphSettings
 
@@ -91,14 +94,13 @@ class _Solver:
         problem: MorphProblem,
         check: Callable[[], None] | None,
     ) -> None:
-        self._densities = problem.densities
-        self._volumes = np.array([float(d.sum(dtype=np.float64)) for d in problem.densities])
+        self._inputs = problem.inputs
+        self._volumes = problem.volumes
         self._lattice = problem.lattice
         self._settings = problem.settings
-        self._grid: Grid = problem.lattice.grid(problem.settings.sigma)
         self._check = check
         self._last: Barycenter | None = None
-        self._last_sigma = self._grid.sigma
+        self._last_sigma = problem.settings.sigma
 
     def frame(self, blend: Blend) -> MorphFrame:
         if blend.source is not None:
@@ -122,31 +124,32 @@ class _Solver:
     def _solve(self, blend: Blend) -> Barycenter:
         """Solve with the blur of the settings; where that was left open, with the least that is needed above it."""
         if self._settings.blur is not None:
-            return self._solve_on(self._grid, blend, "automatic")
-        sigma = self._grid.sigma
+            return self._solve_on(self._inputs, blend, "automatic")
+        inputs, sigma = self._inputs, self._settings.sigma
         while True:
-            # A frame close to one shape reaches farther to the other, and may need a wider kernel than the rest.
-            grid = self._grid if sigma == self._grid.sigma else self._lattice.grid(sigma)
             try:
-                return self._solve_on(grid, blend, "scaling")
+                return self._solve_on(inputs, blend, "scaling")
             except KernelTooNarrowError:
+                # A frame close to one shape reaches farther to the other, and may need a wider kernel than the rest.
                 self._last = None
                 sigma *= _WIDEN
+                inputs = self._inputs.on(self._lattice.grid(sigma))
 
-    def _solve_on(self, grid: Grid, blend: Blend, numerics: Literal["automatic", "scaling"]) -> Barycenter:
+    def _solve_on(self, inputs: Inputs, blend: Blend, numerics: Literal["automatic", "scaling"]) -> Barycenter:
+        sigma = inputs.domain.sigma
         solved = barycenter(
-            self._densities,
+            inputs,
             blend.weights,
-            grid,
+            inputs.domain,
             sharpness=self._settings.sharpness_at(blend.weights),
             entropy_limit=self._settings.entropy_limit,
-            initial=self._last if grid.sigma == self._last_sigma else None,
+            initial=self._last if sigma == self._last_sigma else None,
             tolerance=self._settings.tolerance,
             max_iterations=self._settings.max_iterations,
             numerics=numerics,
             monitor=None if self._check is None else lambda *_: self._check(),
         )
-        self._last, self._last_sigma = solved, grid.sigma
+        self._last, self._last_sigma = solved, sigma
         return solved
 
     def _surface(self, solved: Barycenter, cells: float) -> LevelSurface:

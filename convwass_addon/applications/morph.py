@@ -14,8 +14,11 @@ from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..errors import Cancelled
 from ..geometry.mesh import TriangleMesh
+from ..transport import Inputs
 from .blending import MorphFrame, MorphProblem, solve_blends
 from .layouts import Blend
 from .morph_settings import MorphSettings
@@ -92,7 +95,9 @@ def morph(
     for index, filled in enumerate(voxelize(shapes, names, lattice, settings.thickness)):
         densities.append(filled)
         yield MorphStep(_VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
-    problem = MorphProblem(tuple(densities), lattice, settings)
+    volumes = np.array([float(filled.sum(dtype=np.float64)) for filled in densities])
+    problem = MorphProblem(Inputs.of(densities, lattice.grid(settings.sigma)), volumes, lattice, settings)
+    del densities, filled
     with ExitStack() as stack:
         if executor is None:
             frames = _in_threads(problem, blends, check, stack)

@@ -15,11 +15,14 @@ from .mesh import TriangleMesh
 
 # The volume of the surface follows the wanted one to this fraction.
 _VOLUME_TOLERANCE = 2e-3
-# Rounds of correcting the count of cells, then of halving the interval of levels.
+# Steps of the search for it: first by counting cells, which is quick, then by halving, which always gets there.
 _COUNTED = 8
-_BISECTED = 24
-# Marching cubes computes in float32: a vertex nearer than this share of the level to a corner may come to lie on it.
-_CLEARANCE = 1e-3
+_BISECTED = 40
+# Vertices keep this share of a grid edge away from its ends. Coordinates come as float32, to 6e-5 in 1024 cells.
+_CLEARANCE = 2.5e-4
+# Cells inside count for this much more. Where their values mirror those outside, the topology would be left to
+# rounding, and neighboring cubes would decide it differently.
+_ASYMMETRY = 1e-5
 
 
 @dataclass(frozen=True)
@@ -48,22 +51,19 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
     InputError
         No cell, or every value, lies above the level.
     """
+    density = np.asarray(density, dtype=np.float64)
     if not 0.0 < level < float(density.max()):
         raise InputError(
             f"No surface at level {level:.4g}: the densities lie between 0 and {float(density.max()):.4g}."
         )
-    inside = density > level
-    low, high = _bounding_box(inside)
+    low, high = _bounding_box(density > level)
     # One more cell on every side belongs to the surface's cubes; beyond the grid it is zero.
-    box = np.zeros(high - low + 2, dtype=np.float64)
+    box = np.zeros(high - low + 2)
     source = tuple(slice(max(a - 1, 0), min(b + 1, n)) for a, b, n in zip(low, high, density.shape, strict=True))
     offset = np.array([s.start for s in source]) - (low - 1)
     target = tuple(slice(o, o + s.stop - s.start) for o, s in zip(offset, source, strict=True))
     box[target] = density[source]
-    # A value of exactly the level would put vertices of different edges on one point.
-    box[(box <= level) & (box > level * (1.0 - _CLEARANCE))] = level * (1.0 - _CLEARANCE)
-    box[(box > level) & (box < level * (1.0 + _CLEARANCE))] = level * (1.0 + _CLEARANCE)
-    vertices, faces, _, _ = marching_cubes(box, level, gradient_direction="ascent", allow_degenerate=False)
+    vertices, faces, _, _ = marching_cubes(_excess(box, level), 0.0, gradient_direction="ascent")
     # Marching cubes works on samples at integer coordinates; a sample is the center of its cell.
     return LevelSurface(TriangleMesh.from_arrays(vertices + (low - 1) + 0.5, faces), level)
 
@@ -80,25 +80,48 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
     InputError
         The volume is not between zero and that of the grid.
     """
+    density = np.asarray(density, dtype=np.float64)
     positive = int((density > 0).sum())
     if not 0.0 < volume < positive:
         raise InputError(f"A surface cannot enclose {volume:.4g} of the {positive} cells that hold any mass.")
-    values = np.sort(density[density > 0], axis=None)[::-1].astype(np.float64)
-    count, too_full, too_empty = volume, 0.0, float(values[0])
-    nearest, error = None, np.inf
-    for correction in range(_COUNTED + _BISECTED):
-        level = float(np.interp(count - 0.5, np.arange(positive), values))
-        if correction >= _COUNTED or not too_full < level < too_empty:
+    # The level that leaves n cells above it, by n; the last one leaves all of them.
+    levels = np.append(np.sort(density[density > 0], axis=None)[::-1], 0.0)
+    counts = np.arange(positive + 1) + 0.5
+    count, too_full, too_empty = volume, 0.0, float(levels[0])
+    nearest = None
+    for step in range(_COUNTED + _BISECTED):
+        level = float(np.interp(count, counts, levels))
+        if step >= _COUNTED or not too_full < level < too_empty:
             level = (too_full + too_empty) / 2
         surface = surface_at_level(density, level)
         excess = surface.mesh.volume - volume
-        if abs(excess) < error:
-            nearest, error = surface, abs(excess)
-        if error <= _VOLUME_TOLERANCE * volume:
-            break
+        if nearest is None or abs(excess) < abs(nearest.mesh.volume - volume):
+            nearest = surface
         too_full, too_empty = (level, too_empty) if excess > 0 else (too_full, level)
-        count = float(np.clip(count - excess, 0.5, positive - 0.5))
+        # Marching cubes works on float32, which tells no levels apart that are closer.
+        jumps = too_empty - too_full <= np.finfo(np.float32).eps * too_empty
+        if jumps or abs(excess) <= _VOLUME_TOLERANCE * volume:
+            break
+        count = float(np.clip(count - excess, counts[0], counts[-1]))
     return nearest
+
+
+def _excess(density: NDArray[np.float64], level: float) -> NDArray[np.float32]:
+    """By which share of `level` the density exceeds it, changed slightly so that every vertex has its own place.
+
+    A sample at the level would draw the vertices of all its grid edges onto itself. It is therefore kept from zero, by
+    `_CLEARANCE` of the largest value on the other side of the surface next to it.
+    """
+    # Beyond the grid there is nothing, so no excess outside is below -1, and none inside need be above this.
+    most = 1.0 / _CLEARANCE
+    excess = ((np.minimum(density, level * most) - level) / level).astype(np.float32)
+    is_inside = excess > 0.0
+    inside = np.where(is_inside, np.maximum(excess, _CLEARANCE) * (1.0 + _ASYMMETRY), 0.0)
+    highest = np.ones_like(inside)
+    for axis in range(3):
+        for shift in (-1, 1):
+            np.maximum(highest, np.roll(inside, shift, axis), out=highest)
+    return np.where(is_inside, inside, np.minimum(excess, -_CLEARANCE * highest))
 
 
 def _bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

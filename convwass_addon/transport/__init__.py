@@ -8,6 +8,7 @@ from .distance import Distance, DistanceMatrix, distance, distance_matrix
 from .domain import Domain, KernelTooNarrowError
 from .geodesic import point_distances
 from .grid import Grid
+from .inputs import Inputs
 from .interpolation import Interpolation, bisect, interpolate
 from .maps import transport_map
 from .propagation import Propagation, propagate
@@ -20,6 +21,7 @@ __all__ = [
     "DistanceMatrix",
     "Domain",
     "Grid",
+    "Inputs",
     "Interpolation",
     "KernelTooNarrowError",
     "NearestBarycenter",

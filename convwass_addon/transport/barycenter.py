@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bregman import BregmanIteration, Potentials
-from .checks import check_distributions, check_entropy_limit, check_sharpness, check_solver, check_weights
+from .checks import check_entropy_limit, check_sharpness, check_solver, check_weights
 from .domain import LOG_NOTHING, Domain
+from .inputs import Inputs, Level
 from .region import Region
 from .sharpening import entropy
 
@@ -98,7 +99,7 @@ class Barycenter:
 
 
 def barycenter(
-    mus: ArrayLike,
+    mus: ArrayLike | Inputs,
     weights: Sequence[float] | NDArray[np.float64],
     domain: Domain,
     *,
@@ -115,8 +116,9 @@ def barycenter(
 
     Parameters
     ----------
-    mus : (k, *domain.shape)
-        Densities, not negative; each is normalized to mass 1.
+    mus : (k, *domain.shape) or Inputs
+        Densities, not negative; each is normalized to mass 1. ``Inputs.of(mus, domain)`` prepares them once for many
+        solves.
     weights : (k,)
         Not negative, not all zero; normalized to sum 1. Inputs of weight zero take no part.
     domain : Domain
@@ -154,8 +156,10 @@ def barycenter(
     KernelTooNarrowError
         Scalings do not reach, and nothing else was allowed.
     """
-    densities = check_distributions(mus, domain)
-    alphas = check_weights(weights, len(densities))
+    inputs = mus if isinstance(mus, Inputs) else Inputs.of(mus, domain)
+    if inputs.domain is not domain:
+        raise ValueError("mus must have been prepared for this domain")
+    alphas = check_weights(weights, len(inputs))
     check_sharpness(sharpness)
     check_entropy_limit(entropy_limit)
     check_solver(tolerance, max_iterations)
@@ -166,10 +170,11 @@ def barycenter(
     if initial is not None and initial.density.shape != tuple(domain.shape):
         raise ValueError(f"initial must be a barycenter on a domain of shape {tuple(domain.shape)}")
     active = np.flatnonzero(alphas)
-    problem = _Problem(densities[active], alphas[active], sharpness, tolerance, max_iterations, numerics, monitor)
-    limit = max(entropy(mu, domain.weights) for mu in densities[active]) if entropy_limit == "max" else entropy_limit
+    ladder = tuple(level.chosen(active) for level in inputs.levels)
+    problem = _Problem(ladder, alphas[active], sharpness, tolerance, max_iterations, numerics, monitor)
+    limit = float(inputs.entropies[active].max()) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
-    solved = problem.coarse_to_fine(domain, None if tightening else limit, initial.levels if usable else ())
+    solved = problem.coarse_to_fine(None if tightening else limit, initial.levels if usable else ())
     if limit is not None and tightening:
         free = entropy(solved.state.density, solved.state.weights)
         for bound in np.linspace(free, float(limit), tightening + 1)[1:]:
@@ -190,7 +195,7 @@ class _Solved:
 class _Problem:
     """Everything that stays the same from level to level and from bound to bound."""
 
-    mus: NDArray[np.float64]
+    ladder: tuple[Level, ...]
     alphas: NDArray[np.float64]
     sharpness: float
     tolerance: float
@@ -198,47 +203,44 @@ class _Problem:
     numerics: Literal["automatic", "scaling"]
     monitor: Monitor | None
 
-    def coarse_to_fine(self, domain: Domain, limit: float | None, before: tuple[Potentials, ...]) -> _Solved:
+    def coarse_to_fine(self, limit: float | None, before: tuple[Potentials, ...]) -> _Solved:
         """Solve on ever finer domains, each started from the one before and, if given, from a neighbor's levels."""
-        ladder = [(domain, self.mus)]
-        while (coarser := ladder[0][0].coarser()) is not None:
-            ladder.insert(0, (coarser, ladder[0][0].restrict(ladder[0][1])))
         levels: list[Potentials] = []
         iterations = []
         state = None
-        for depth, (level, mus) in enumerate(ladder):
-            region = state.finer_region() if depth else Region.whole(level.shape)
+        for depth, level in enumerate(self.ladder):
+            domain = level.domain
+            region = state.finer_region() if depth else Region.whole(domain.shape)
             if before:
                 start = before[depth]
                 if depth:
-                    start = start.corrected(level, region, levels[-1], before[depth - 1])
+                    start = start.corrected(domain, region, levels[-1], before[depth - 1])
                 start = start.for_weights(self.alphas, self.sharpness)
             elif depth:
-                start = levels[-1].prolonged(level, region)
+                start = levels[-1].prolonged(domain, region)
             else:
-                start = Potentials.flat(len(self.alphas), level.shape)
-            tolerance = self.tolerance * (1.0 if level is domain else _COARSE_TOLERANCE)
-            state, count = self._solve(level, mus, limit, start, tolerance)
+                start = Potentials.flat(len(self.alphas), domain.shape)
+            tolerance = self.tolerance * (1.0 if level is self.ladder[-1] else _COARSE_TOLERANCE)
+            state, count = self._solve(level, limit, start, tolerance)
             levels.append(state.potentials())
             iterations.append(count)
         return _Solved(state, tuple(levels), tuple(iterations))
 
     def continued(self, solved: _Solved, limit: float) -> _Solved:
         """Solve the finest level again with another bound."""
-        state, count = self._solve(solved.state.domain, self.mus, limit, solved.levels[-1], self.tolerance)
+        state, count = self._solve(self.ladder[-1], limit, solved.levels[-1], self.tolerance)
         return _Solved(state, (*solved.levels[:-1], state.potentials()), (*solved.iterations, count))
 
     def _solve(
         self,
-        domain: Domain,
-        mus: NDArray[np.float64],
+        level: Level,
         limit: float | None,
         start: Potentials,
         tolerance: float,
     ) -> tuple[BregmanIteration, int]:
         """Iterate on one domain until the marginals agree."""
-        cells = int(np.prod(domain.shape))
-        state = BregmanIteration(domain, mus, self.alphas, self.sharpness, limit, start, self.numerics)
+        cells = int(np.prod(level.domain.shape))
+        state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics)
         for iteration in range(1, self.max_iterations + 1):
             state.step()
             if self.monitor is not None:

@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, Domain, KernelTooNarrowError, Multiscale, total_mass
+from .domain import LOG_NOTHING, KernelTooNarrowError, Multiscale, total_mass
+from .inputs import Level
 from .region import Region
 from .sharpening import sharpening_exponent
 
@@ -125,10 +126,8 @@ class BregmanIteration:
 
     Parameters
     ----------
-    domain : Domain
-        Where the distributions live.
-    mus : (k, *shape) float64
-        Densities of mass 1.
+    inputs : Level
+        The distributions, of mass 1, and where they live.
     alphas : (k,) float64
         Positive weights of sum 1.
     sharpness : float
@@ -143,24 +142,23 @@ class BregmanIteration:
 
     def __init__(
         self,
-        domain: Domain,
-        mus: NDArray[np.float64],
+        inputs: Level,
         alphas: NDArray[np.float64],
         sharpness: float,
         entropy_limit: float | None,
         start: Potentials,
         numerics: Literal["automatic", "scaling"] = "automatic",
     ) -> None:
-        self.domain = domain
+        self.domain = inputs.domain
         self.numerics = numerics
         self.alphas = alphas
         self.sharpness = sharpness
         self.entropy_limit = entropy_limit
         self.exponent = 1.0
         self.far = False
-        self._inputs = [Region(mu > 0) for mu in mus]
-        self._log_mus = [np.log(region.gather(mu)) for region, mu in zip(self._inputs, mus, strict=True)]
-        self._relaxation = domain.relaxation if sharpness == 0 else 1.0
+        self._inputs = inputs.regions
+        self._log_mus = inputs.log_mus
+        self._relaxation = self.domain.relaxation if sharpness == 0 else 1.0
         self._enter(start)
 
     def _enter(self, start: Potentials) -> None:

@@ -58,7 +58,8 @@ def _normalize(density: NDArray[np.float64], domain: Domain, name: str) -> None:
         raise ValueError(f"{name} has values that are not numbers")
     if (density < 0).any():
         raise ValueError(f"{name} has negative values; a distribution must not")
-    mass = total_mass(density, domain.weights)
+    with np.errstate(over="ignore"):
+        mass = total_mass(density, domain.weights)
     if not 0 < mass < np.inf:
         raise ValueError(f"{name} has no mass" if mass <= 0 else f"{name} has more mass than float64 can express")
     density /= mass

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
-from functools import cached_property
 from math import prod
 from typing import Literal
 
@@ -41,7 +41,7 @@ class Grid:
 
     Notes
     -----
-    A grid keeps scratch arrays between calls, so each thread needs a grid of its own.
+    A grid keeps scratch arrays between calls, for every thread that uses it.
     """
 
     has_quadratic_cost = True
@@ -64,6 +64,7 @@ class Grid:
         self.gamma = 2.0 * (self.sigma * self.spacing) ** 2
         self.unit_length = 1.0 / self.spacing
         self.weights = 1.0 / self.cells
+        self._of_thread = threading.local()
         self._kernels = {n: _gaussian(n, self.sigma, boundary) for n in set(self.shape)}
 
     @property
@@ -199,22 +200,33 @@ class Grid:
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
         """Interpolate columns of the coarser grid, (k, *shape / 2), linearly to a region of this one, (k, len)."""
-        wanted: list[slice] = [slice(None)]
-        for axis, span in enumerate(region.box, start=1):
-            # A neighbor more on both sides: beyond the outer cells of the grid values are constant.
-            low = max(span.start // 2 - 1, 0)
-            near = columns[(slice(None),) * axis + (slice(low, span.stop // 2 + 2),)]
-            columns = _double(near, axis)
-            wanted.append(slice(span.start - 2 * low, span.stop - 2 * low))
-        return columns[tuple(wanted)].reshape(len(columns), -1)[:, region.index_in_box]
+        result = np.empty((len(columns), len(region)))
+        for values, target in zip(columns, result, strict=True):
+            for axis, span in enumerate(region.box):
+                # A neighbor more on both sides: beyond the outer cells of the grid values are constant.
+                low = max(span.start // 2 - 1, 0)
+                near = values[(slice(None),) * axis + (slice(low, span.stop // 2 + 2),)]
+                wanted = slice(span.start - 2 * low, span.stop - 2 * low)
+                values = _double(near, axis)[(slice(None),) * axis + (wanted,)]
+            np.take(np.ascontiguousarray(values).reshape(-1), region.index_in_box, out=target)
+        return result
 
     def _columns(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         return values.reshape(-1, *self.shape)
 
-    @cached_property
+    @property
     def _scratch(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        # Fresh arrays of this size cost more in page faults than the arithmetic that fills them.
-        return np.empty(self.shape), np.empty(self.shape), np.empty(self.shape)
+        """Arrays to compute in, of every thread's own; fresh ones cost more in page faults than what fills them."""
+        if not hasattr(self._of_thread, "arrays"):
+            self._of_thread.arrays = np.empty(self.shape), np.empty(self.shape), np.empty(self.shape)
+        return self._of_thread.arrays
+
+    def __getstate__(self) -> dict[str, object]:
+        return {name: value for name, value in self.__dict__.items() if name != "_of_thread"}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._of_thread = threading.local()
 
     def _blur(self, source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
         """One matrix product per axis; `source` may be the first scratch array, never `target`."""
@@ -265,10 +277,15 @@ def _bell(distance: NDArray[np.int64], sigma: float) -> NDArray[np.float64]:
 
 def _double(values: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
     """Double the cells of one axis by linear interpolation between cell centers, constant beyond the outer ones."""
-    values = np.moveaxis(values, axis, 0)
-    before = np.concatenate([values[:1], values[:-1]])
-    after = np.concatenate([values[1:], values[-1:]])
-    doubled = np.empty((2 * len(values), *values.shape[1:]))
-    doubled[0::2] = 0.75 * values + 0.25 * before
-    doubled[1::2] = 0.75 * values + 0.25 * after
-    return np.ascontiguousarray(np.moveaxis(doubled, 0, axis))
+    shape = list(values.shape)
+    shape[axis] *= 2
+    doubled = np.empty(shape)
+    values, target = np.moveaxis(values, axis, 0), np.moveaxis(doubled, axis, 0)
+    np.multiply(values, 0.75, out=target[0::2])
+    target[1::2] = target[0::2]
+    quarter = 0.25 * values
+    target[2::2] += quarter[:-1]
+    target[0] += quarter[0]
+    target[1:-1:2] += quarter[1:]
+    target[-1] += quarter[-1]
+    return doubled

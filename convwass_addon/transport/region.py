@@ -76,7 +76,11 @@ class Region:
         """Values at the elements of `other`, (..., len(other)): those known here, `fill` elsewhere."""
         if other is self:
             return values
-        return other.gather(self.scatter(values, fill))
+        result = np.empty((*values.shape[:-1], len(other)), values.dtype)
+        # One whole array at a time.
+        for column, target in zip(values.reshape(-1, len(self)), result.reshape(-1, len(other)), strict=True):
+            target[...] = other.gather(self.scatter(column, fill))
+        return result
 
     def grown(self, cells: int) -> Region:
         """Return the region and all elements within so many cells of it, along the axes, of a grid."""

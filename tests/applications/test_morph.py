@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import os
 import time
 
 import numpy as np
@@ -126,7 +127,8 @@ def test_a_check_that_raises_ends_the_job():
 
     with pytest.raises(Cancelled):
         list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, check))
-    assert len(calls) == 6
+    # Threads that were at work notice at their next check.
+    assert 6 <= len(calls) <= 5 + os.cpu_count() + 1
 
 
 def test_a_background_job_delivers_and_can_be_cancelled():

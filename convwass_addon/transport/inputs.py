@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distributions made ready for many barycenters of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .checks import check_distributions
+from .domain import Domain
+from .region import Region
+from .sharpening import entropy
+
+
+@dataclass(frozen=True)
+class Level:
+    """Distributions on one domain of a ladder of ever finer ones.
+
+    Attributes
+    ----------
+    domain : Domain
+        Where they live.
+    regions : tuple of Region
+        Where each has mass.
+    log_mus : tuple of (len(region),) float64
+        Logarithms of the densities there.
+    """
+
+    domain: Domain
+    regions: tuple[Region, ...]
+    log_mus: tuple[NDArray[np.float64], ...]
+
+    @classmethod
+    def of(cls, mus: NDArray[np.float64], domain: Domain) -> Level:
+        """Keep of densities, (k, *shape), what has mass."""
+        regions = tuple(Region(mu > 0) for mu in mus)
+        return cls(domain, regions, tuple(np.log(r.gather(mu)) for r, mu in zip(regions, mus, strict=True)))
+
+    def chosen(self, active: Sequence[int] | NDArray[np.int64]) -> Level:
+        """Only some of the distributions."""
+        return Level(self.domain, tuple(self.regions[i] for i in active), tuple(self.log_mus[i] for i in active))
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Distributions checked, normalized, restricted to coarser domains and stripped of what is empty.
+
+    Barycenters with many different weights share one of these, also from several threads.
+
+    Attributes
+    ----------
+    levels : tuple of Level
+        Coarse to fine; the last is on the domain itself.
+    entropies : (k,) float64
+        In nats.
+    """
+
+    levels: tuple[Level, ...]
+    entropies: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mus: ArrayLike, domain: Domain) -> Inputs:
+        """Prepare densities, (k, *domain.shape).
+
+        Raises
+        ------
+        ValueError
+            As :func:`barycenter` says of its `mus`.
+        """
+        densities = check_distributions(mus, domain)
+        entropies = np.array([entropy(mu, domain.weights) for mu in densities])
+        levels = [Level.of(densities, domain)]
+        while (coarser := domain.coarser()) is not None:
+            densities = domain.restrict(densities)
+            domain = coarser
+            levels.insert(0, Level.of(densities, domain))
+        return cls(tuple(levels), entropies)
+
+    def on(self, domain: Domain) -> Inputs:
+        """Return the same distributions on a domain of the same shape with another kernel."""
+        levels = [Level(domain, self.levels[-1].regions, self.levels[-1].log_mus)]
+        for level in self.levels[-2::-1]:
+            domain = domain.coarser()
+            levels.insert(0, Level(domain, level.regions, level.log_mus))
+        return Inputs(tuple(levels), self.entropies)
+
+    def __len__(self) -> int:
+        return len(self.entropies)
+
+    @property
+    def domain(self) -> Domain:
+        """Where the distributions live."""
+        return self.levels[-1].domain
