@@ -41,11 +41,99 @@ def test_a_solid_at_the_wall_is_closed():
     assert mesh.volume > 0
 
 
-def test_a_plateau_at_the_level_makes_no_double_points():
-    density = np.zeros((12, 12, 12))
-    density[3:9, 3:9, 3:9] = 1.0
-    density[4:8, 4:8, 4:8] = 2.0
-    assert topology(surface_at_level(density, 1.0).mesh).closed
+def blocks(shape, cells, values, seed):
+    """Cubes of `cells` cells a side that each have one of the values, as blocky occupancies do."""
+    return np.kron(np.random.default_rng(seed).choice(values, shape), np.ones((cells, cells, cells)))
+
+
+def stepped():
+    """A cube of two values, 22 and 14 cells a side."""
+    density = np.zeros((30, 30, 30))
+    density[4:26, 4:26, 4:26] = 0.5
+    density[8:22, 8:22, 8:22] = 1.0
+    return density
+
+
+def has_double_points(mesh):
+    return len(np.unique(mesh.vertices, axis=0)) < len(mesh.vertices)
+
+
+@pytest.mark.parametrize("level", [0.5, 0.5 * (1 - 1e-9), 0.5 * (1 + 1e-9)])
+@pytest.mark.parametrize("offset", [0, 290])
+def test_a_plateau_at_the_level_makes_no_double_points(level, offset):
+    density = np.zeros((offset + 30, 30, 30))
+    density[offset:] = stepped()
+    mesh = surface_at_level(density, level).mesh
+    found = topology(mesh)
+    assert found.closed
+    assert (found.components, found.euler) == (1, 2)
+    assert not has_double_points(mesh)
+
+
+def test_a_plateau_counts_as_outside_at_its_own_level_and_as_inside_below():
+    """Vertices on the edges between samples: a cube of n samples reaches from n - 1 cells to nearly n + 1."""
+    at, below = (surface_at_level(stepped(), level).mesh for level in (0.5, 0.5 * (1 - 1e-9)))
+    np.testing.assert_allclose(np.ptp(at.bounds, axis=0), 15.0, atol=2e-3)
+    np.testing.assert_allclose(np.ptp(below.bounds, axis=0), 21.0, atol=2e-3)
+    # A box, with a slab of almost a cell on each face but not at its edges; and a box of which hardly anything is cut.
+    assert at.volume == pytest.approx(13**3 + 6 * 13**2 + 12 * 13 / 2 + 8 / 6, rel=1e-3)
+    assert below.volume == pytest.approx(21**3, rel=1e-3)
+
+
+@pytest.mark.parametrize("level", [0.5, 1.0, 1.5])
+def test_cells_that_mirror_each_other_about_the_level_close_up(level):
+    """Ambiguous faces: where values inside and outside are alike, neighboring cubes must still agree."""
+    mesh = surface_at_level(blocks((24, 24, 24), 1, [0.0, 1.0, 2.0], seed=1), level).mesh
+    assert topology(mesh).closed
+    assert not has_double_points(mesh)
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1e30])
+def test_the_unit_of_the_density_is_of_no_consequence(scale):
+    density = gaussian_filter(np.random.default_rng(3).random((16, 16, 16)), 1.5)
+    expected = surface_at_level(density, 0.5).mesh
+    mesh = surface_at_level(density * scale, 0.5 * scale).mesh
+    np.testing.assert_array_equal(mesh.faces, expected.faces)
+    np.testing.assert_allclose(mesh.vertices, expected.vertices, atol=1e-4)
+
+
+def test_cells_that_dwarf_the_level_get_vertices_of_their_own():
+    """Next to such a cell all vertices lie close to the sample outside, which float32 must still tell apart."""
+    density = 10.0 ** -blocks((20, 20, 20), 1, np.linspace(0.0, 8.0, 50), seed=2)
+    mesh = surface_at_level(density, 1e-6).mesh
+    assert topology(mesh).open_edges == 0
+    assert not has_double_points(mesh)
+
+
+@pytest.mark.parametrize("volume", [2200, 2500, 3200, 9300, 10000, 10600])
+def test_volume_of_a_density_of_two_values(volume):
+    mesh = surface_enclosing(stepped() if volume > 3000 else np.where(stepped() == 1.0, 1.0, 0.0), volume).mesh
+    assert topology(mesh).closed
+    assert mesh.volume == pytest.approx(volume, rel=2e-3)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.7, 0.95))
+def test_volume_of_blocks_of_one_value(seed, share):
+    """Between the only value and the zero around it there is nothing to count."""
+    density = blocks((4, 5, 4), 4, [0.0, 2.5], seed)
+    volume = share * np.count_nonzero(density)
+    assert surface_enclosing(density, volume).mesh.volume == pytest.approx(volume, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("volume", "nearest"), [(2.0, 13**3), (4000.0, 3290.0), (6000.0, 3290.0), (7000.0, 9261.0), (9000.0, 9261.0)]
+)
+def test_where_the_volume_jumps_the_nearest_is_returned(volume, nearest):
+    """From the inner cube's samples on, 13 cells a side, it grows to 3290; then the outer cube's 21 cells a side."""
+    surface = surface_enclosing(stepped(), volume)
+    assert surface.mesh.volume == pytest.approx(nearest, rel=1e-3)
+    assert topology(surface.mesh).closed
+
+
+def test_single_precision_is_taken_as_it_is():
+    density = stepped().astype(np.float32)
+    assert surface_enclosing(density, 2.0).mesh.volume == pytest.approx(13**3, rel=1e-3)
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0, -1.0])
