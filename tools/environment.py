@@ -132,7 +132,7 @@ class Environment:
         self._write_stamp(Stamp())
         _say("  making the environment (a few seconds)")
         self._run([interpreter.path, "-m", "venv", str(self.folder)], "Making the environment failed.")
-        _say("  installing Blender's module bpy, NumPy, SciPy, scikit-image and the test tools (one to three minutes)")
+        _say("  installing Blender's module bpy, the numerical packages and the test tools (one to three minutes)")
         self._run(
             [*self._pip_install(quiet=not sys.stdout.isatty()), "--editable", ".[test]"],
             "Installing failed; pip's message is above. The first start needs a network; try again once it is there.\n"
@@ -156,10 +156,10 @@ class Environment:
         missing = system.missing_for_cholmod(interpreter.has_headers)
         if missing:
             lines = system.install_lines(system.CHOLMOD_APT, system.CHOLMOD_DNF)
-            _say(f"  leaving out scikit-sparse, which speeds up meshes: {' and '.join(missing)} not found.")
-            _say(f"  SciPy's solver is used instead. To have it, run this line and delete {self.shown}:\n{lines}")
+            _say(f"  leaving out scikit-sparse, which speeds up large meshes: {' and '.join(missing)} not found.")
+            _say(f"  cholespy is used instead. To have it, run this line and delete {self.shown}:\n{lines}")
             return
-        _say("  compiling scikit-sparse, which speeds up meshes (about a minute)")
+        _say("  compiling scikit-sparse, which speeds up large meshes (about a minute)")
         log = self.folder / "scikit-sparse.log"
         with open(log, "wb") as output:
             command = [*self._pip_install(quiet=False), "--editable", ".[cholmod]"]
@@ -167,7 +167,7 @@ class Environment:
                 command, cwd=self.project, env=self._pip_variables(), stdout=output, stderr=subprocess.STDOUT
             ).returncode
         if failed:
-            _say(f"  it could not be compiled (see {self.shown}/{log.name}); SciPy's solver is used instead")
+            _say(f"  it could not be compiled (see {self.shown}/{log.name}); cholespy is used instead")
 
     def _check_blender(self) -> None:
         """Try to load Blender's module and what it renders with, which fails where the system lacks a library.

@@ -124,7 +124,7 @@ def download_wheels(folder: Path) -> None:
     builder.BuilderError
         If pip cannot get them.
     """
-    print(f"downloading the wheels for {', '.join(PLATFORMS)} (about 275 MB, unless pip has them already)", flush=True)
+    print(f"downloading the wheels for {', '.join(PLATFORMS)} (about 320 MB, unless pip has them already)", flush=True)
     shutil.rmtree(folder, ignore_errors=True)
     for tags in PLATFORMS.values():
         for python in PYTHONS:

@@ -70,6 +70,15 @@ def test_blender_without_the_packages_is_pointed_to_the_zip_that_has_them(projec
     assert "linux_x64" in answer.stderr
 
 
+def test_blender_without_the_packages_that_only_speed_things_up_can_do_without_them(project):
+    """The small zip brings no packages along, and those of a Linux distribution lack these two."""
+    script = (
+        "import sys; sys.modules.update(robust_laplacian=None, cholespy=None);"
+        "import bpy, convwass_addon; convwass_addon.register(); convwass_addon.unregister()"
+    )
+    subprocess.run([sys.executable, "-c", script], cwd=project, check=True, timeout=600)
+
+
 def test_extension_id_is_what_blender_calls_it(project, registered_addon, monkeypatch):
     assert registered_addon.extension_id() == "convwass_addon"
     assert imported_as("bl_ext.user_default.convwass.convwass_addon", project, monkeypatch).extension_id() == (

@@ -51,6 +51,22 @@ def test_every_python_gets_the_blender_that_runs_on_it(declared):
         assert sum(blender.marker.evaluate({"python_version": version}) for blender in blenders) == 1
 
 
+@pytest.mark.parametrize(
+    ("system", "machine", "has_wheels"),
+    [
+        ("linux", "x86_64", True),
+        ("win32", "AMD64", True),
+        ("darwin", "arm64", True),
+        ("darwin", "x86_64", True),
+        ("linux", "aarch64", False),
+        ("win32", "ARM64", False),
+    ],
+)
+def test_cholespy_is_asked_for_only_where_it_has_wheels(declared, system, machine, has_wheels):
+    (cholespy,) = (Requirement(text) for text in declared["dependencies"] if text.startswith("cholespy"))
+    assert cholespy.marker.evaluate({"sys_platform": system, "platform_machine": machine}) == has_wheels
+
+
 def test_wheels_in_the_zip_satisfy_what_is_declared(declared, project):
     listed = (project / "tools" / "wheels.txt").read_text(encoding="utf-8")
     bundled = dict(re.findall(r"^([\w-]+)==([\w.]+)", listed, flags=re.MULTILINE))

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import re
+import runpy
 import tomllib
 import zipfile
 from pathlib import Path
@@ -11,7 +13,25 @@ from pathlib import Path
 from tools import builder, package
 
 WHEELS = (
+    "cholespy-2.2.0-cp311-cp311-macosx_11_0_arm64.whl",
+    "cholespy-2.2.0-cp311-cp311-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
+    "cholespy-2.2.0-cp311-cp311-win_amd64.whl",
+    "cholespy-2.2.0-cp312-abi3-macosx_11_0_arm64.whl",
+    "cholespy-2.2.0-cp312-abi3-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
+    "cholespy-2.2.0-cp312-abi3-win_amd64.whl",
     "lazy_loader-0.6-py3-none-any.whl",
+    "robust_laplacian-1.1.0-cp311-cp311-macosx_11_0_arm64.whl",
+    "robust_laplacian-1.1.0-cp311-cp311-manylinux_2_24_x86_64.manylinux_2_28_x86_64.whl",
+    "robust_laplacian-1.1.0-cp311-cp311-win_amd64.whl",
+    "robust_laplacian-1.1.0-cp313-cp313-macosx_11_0_arm64.whl",
+    "robust_laplacian-1.1.0-cp313-cp313-manylinux_2_24_x86_64.manylinux_2_28_x86_64.whl",
+    "robust_laplacian-1.1.0-cp313-cp313-win_amd64.whl",
+    "scikit_image-0.26.0-cp311-cp311-macosx_11_0_arm64.whl",
+    "scikit_image-0.26.0-cp311-cp311-manylinux_2_24_x86_64.manylinux_2_28_x86_64.whl",
+    "scikit_image-0.26.0-cp311-cp311-win_amd64.whl",
+    "scikit_image-0.26.0-cp313-cp313-macosx_11_0_arm64.whl",
+    "scikit_image-0.26.0-cp313-cp313-manylinux_2_24_x86_64.manylinux_2_28_x86_64.whl",
+    "scikit_image-0.26.0-cp313-cp313-win_amd64.whl",
     "scipy-1.17.1-cp311-cp311-macosx_12_0_arm64.whl",
     "scipy-1.17.1-cp311-cp311-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
     "scipy-1.17.1-cp311-cp311-win_amd64.whl",
@@ -69,6 +89,24 @@ def test_each_platform_gets_its_own_wheels_for_both_pythons(project, tmp_path):
         generated = manifest_in(path)["build"]["generated"]
         assert generated["platforms"] == [platform]
         assert sorted(Path(name).name for name in generated["wheels"]) == bundled
+
+
+def test_blender_takes_the_wheels_of_each_platform_on_both_pythons():
+    """It refuses an extension on a Python that none of its wheels names; those for 3.12 and later name none."""
+    taken_on = runpy.run_path(str(builder._program()), run_name="blender_ext")["python_versions_from_wheels"]
+    for tag in ("manylinux", "macosx", "win"):
+        assert taken_on([name for name in WHEELS if tag in name]) == {(3, 11), (3, 13)}
+
+
+def test_every_platform_and_python_has_its_wheel_of_each_package(project):
+    listed = (project / "tools" / "wheels.txt").read_text(encoding="utf-8")
+    pins = re.findall(r"^([\w-]+)==(\S+)((?: \\\n +--hash=sha256:\w{64})+)$", listed, flags=re.MULTILINE)
+    assert {(name.replace("-", "_"), version) for name, version, _ in pins} == {tuple(w.split("-")[:2]) for w in WHEELS}
+    for name, _, hashes in pins:
+        is_plain_python = name == "lazy-loader"
+        assert len(hashes.split("--hash=")) - 1 == (
+            1 if is_plain_python else len(package.PLATFORMS) * len(package.PYTHONS)
+        )
 
 
 def test_the_tracked_manifest_is_only_read(project):
