@@ -95,7 +95,9 @@ class Barycenter:
         """Return the figures, without the arrays, ready for JSON."""
         names = ("sharpness", "iterations", "marginal_error", "debias_error", "mass_error", "invariant_error")
         others = ("converged", "numerics", "entropy", "sharpening_exponent")
-        return {name: getattr(self, name) for name in (*names, *others)}
+        found = {name: getattr(self, name) for name in (*names, *others)}
+        # An error that was never measured, because the solve ended before, is no number of JSON's.
+        return {name: None if value == np.inf else value for name, value in found.items()}
 
 
 def barycenter(
@@ -210,7 +212,7 @@ class _Problem:
         state = None
         for depth, level in enumerate(self.ladder):
             domain = level.domain
-            region = state.finer_region() if depth else Region.whole(domain.shape)
+            region = state.finer_region(self.tolerance) if depth else Region.whole(domain.shape)
             if before:
                 start = before[depth]
                 if depth:

@@ -27,8 +27,9 @@ _STALLED = 0.95
 _BOUNDED_STEP = 0.7
 # From a level to the next finer one, of the same sigma in cells.
 _FALL_OF_GAMMA = 4.0
-# Elements of a coarse barycenter below this share of its maximum have no counterpart on finer levels, beyond a margin.
-_NEGLIGIBLE_SHARE = 1e-3
+# Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
+# finer levels, beyond a margin.
+_NEGLIGIBLE_SHARE = 0.1
 _MARGIN = 1
 
 
@@ -277,12 +278,13 @@ class BregmanIteration:
         np.maximum(self.log_v, LOG_NOTHING, out=self.log_v)
         return Potentials(self.region, self.log_v, self.log_debias)
 
-    def finer_region(self) -> Region:
+    def finer_region(self, tolerance: float) -> Region:
         """Cells of the next finer grid that its barycenter needs: the coarse one's support, with a margin.
 
-        Their neighbors on the coarse grid all belong to the coarse region, so that they can be interpolated.
+        What lies below a tenth of the tolerance, relative to the maximum, counts as empty. The neighbors of these cells
+        on the coarse grid all belong to the coarse region, so that they can be interpolated.
         """
-        support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * self.density.max())
+        support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * tolerance * self.density.max())
         return Region(support.grown(_MARGIN).inside & self.region.interior).refined()
 
     def rim_mass(self) -> float:

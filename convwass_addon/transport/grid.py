@@ -16,6 +16,9 @@ from scipy.linalg import blas
 from .domain import HEADROOM, NEGLIGIBLE, floored_log
 from .region import Region, through_whole_arrays
 
+# A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.
+_NARROWEST, _WIDEST = 1e-3, 1e4
+
 
 class Grid:
     """A grid of equal square cells, with free space or with walls around it.
@@ -57,6 +60,8 @@ class Grid:
             raise ValueError(f"shape must be one to three positive whole numbers of cells, got {tuple(shape)}")
         if not (np.isfinite(self.sigma) and self.sigma > 0):
             raise ValueError(f"sigma must be a positive number of cells, got {sigma}")
+        if not _NARROWEST <= self.sigma <= _WIDEST:
+            raise ValueError(f"sigma must lie between {_NARROWEST} and {_WIDEST} cells, got {sigma}")
         if boundary not in ("open", "reflecting"):
             raise ValueError(f'boundary must be "open" or "reflecting", got {boundary!r}')
         self.cells = prod(self.shape)
@@ -96,8 +101,9 @@ class Grid:
     def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
         """Write log H (a * exp(column)) of every column to `out`, by scalings of float64.
 
-        A result is either right or `LOG_NOTHING`: the largest term of a sum of positive terms is the last to
-        underflow. `logs` and `out` may be the same array.
+        The largest term of a sum of positive terms is the last to underflow, so a result is right or `LOG_NOTHING`,
+        as long as that term lies within 36 sigma on every axis, where entries of the kernel end. `logs` and `out` may
+        be the same array.
         """
         scaled, _, _ = self._scratch
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):

@@ -135,7 +135,7 @@ def bisect(
     times: ArrayLike | None = None,
     entropy_limit: Literal["max"] | float | None = "max",
     tolerance: float = 1e-2,
-    max_iterations: int = 200,
+    max_iterations: int = 500,
     monitor: Monitor | None = None,
 ) -> Interpolation:
     """Interpolate by recursive bisection: every new frame is the midpoint of its two neighbors.

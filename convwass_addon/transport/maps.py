@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .domain import LOG_NOTHING, Domain
+from .domain import LOG_NOTHING, Domain, KernelTooNarrowError
 
 
 def transport_map(log_scaling: ArrayLike, domain: Domain, values: ArrayLike | None = None) -> NDArray[np.float64]:
@@ -52,11 +54,13 @@ def transport_map(log_scaling: ArrayLike, domain: Domain, values: ArrayLike | No
     # Logarithms need positive numbers; between 1 and 2 they lose no digits.
     unit = np.where(high > low, high - low, 1.0)
     raised = ((carried - low) / unit + 1.0).reshape(-1, *domain.shape)
-    columns = np.ascontiguousarray(np.concatenate([scaling[None], scaling + np.log(raised)]))
+    columns = np.concatenate([scaling[None], scaling + np.log(raised)])
     blurred = np.empty(columns.shape)
     domain.log_apply(columns, blurred)
-    if (blurred[0] <= LOG_NOTHING / 2).any():
-        domain.log_apply_far(columns, blurred)
+    unreached = (blurred[0] <= LOG_NOTHING / 2) & (np.broadcast_to(domain.weights, domain.shape) > 0)
+    if unreached.any():
+        with suppress(KernelTooNarrowError):
+            domain.log_apply_far(columns, blurred)
     reached = blurred[0] > LOG_NOTHING
     means = np.exp(np.minimum(blurred[1:] - blurred[0], 1.0)).reshape(len(carried), -1)
     images = np.moveaxis(((means - 1.0) * unit + low).reshape(-1, *domain.shape), 0, -1)

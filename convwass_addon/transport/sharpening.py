@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 # Densities below exp(-60) of the largest carry no entropy that float64 could show.
 _DEPTH = 60.0
 _STEPS = 50
+# Less is the rounding of an even density, and a step over it would leave the range of float64.
+_LEAST_VARIANCE = 1e-200
 
 
 def entropy(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:
@@ -57,7 +59,7 @@ def sharpening_exponent(log_density: NDArray[np.float64], limit: float, weights:
             break
         low, high = (beta, high) if excess > 0 else (low, beta)
         variance = (mass * logs**2).sum() / total - mean**2
-        step = beta + excess / (beta * variance) if variance > 0 else np.inf
+        step = beta + excess / (beta * variance) if variance > _LEAST_VARIANCE else np.inf
         if not low < step < high:
             step = 2.0 * low if np.isinf(high) else 0.5 * (low + high)
         if step > 1e6:
