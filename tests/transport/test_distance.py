@@ -67,7 +67,7 @@ def entropy_of(mass):
 
 
 @pytest.mark.parametrize("shape", [(12,), (6, 5), (8, 3), (4, 3, 5)])
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [6, 7])
 def test_narrow_kernels_meet_linear_programming(shape, seed):
     """The debiased value differs from the exact one by gamma times entropies, and by terms that fall exponentially.
 
@@ -76,7 +76,7 @@ def test_narrow_kernels_meet_linear_programming(shape, seed):
     """
     first, second = ragged(seed, 2, shape)
     exact, _ = linear_program(first, second, shape)
-    wide, narrow = (distance(first, second, Grid(shape, s), tolerance=1e-6, max_iterations=20000) for s in (0.2, 0.17))
+    wide, narrow = (distance(first, second, Grid(shape, s), tolerance=1e-5, max_iterations=5000) for s in (0.2, 0.17))
     assert wide.converged
     assert narrow.converged
     assert wide.value == pytest.approx(exact, rel=0.1)
@@ -103,6 +103,16 @@ def test_of_a_distribution_to_itself_is_zero(shape):
     assert abs(found.value) < 1e-8
     assert found.length < 1e-4
     assert abs(found.entropic_value) > 0.1
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2])
+def test_the_error_of_the_value_is_of_second_order(tolerance):
+    """Of a solve that stops early: gamma times the square of the marginal error, once or twice."""
+    mu = np.zeros(64)
+    mu[8:16] = np.random.default_rng(0).random(8)
+    found = distance(mu, mu, Grid((64,), 2.0), tolerance=tolerance)
+    assert found.marginal_error > 0.5 * tolerance
+    assert abs(found.divergence) < 2.0 * 8.0 * found.marginal_error**2
 
 
 def test_order_does_not_matter():
@@ -189,6 +199,27 @@ def test_coarse_levels_change_nothing_but_the_time(shape, monkeypatch):
     monkeypatch.setattr(Grid, "coarser", lambda self: None)
     alone = distance(first, second, grid, tolerance=1e-8, max_iterations=5000)
     assert with_levels.value == pytest.approx(alone.value, rel=1e-8)
+
+
+def test_coarse_levels_give_the_finest_one_its_start(monkeypatch):
+    """Potentials grow fourfold from a level to the next; with that, a third of the rounds is left (measured)."""
+    first, second = np.zeros((2, 64, 64))
+    first[8:16, 8:16], second[32:48, 32:48] = np.random.default_rng(0).random((8, 8)), 1.0
+    rounds = []
+    for levels in (True, False):
+        if not levels:
+            monkeypatch.setattr(Grid, "coarser", lambda self: None)
+        heard = []
+        distance(
+            first,
+            second,
+            Grid((64, 64), 2.0),
+            debias=False,
+            tolerance=1e-2,
+            monitor=lambda *now, to=heard: to.append(now[0]),
+        )
+        rounds.append(heard.count(64 * 64))
+    assert rounds[0] < 0.6 * rounds[1]
 
 
 def test_reflecting_walls_are_as_far_as_open_ones():

@@ -63,6 +63,99 @@ def test_by_line_reaches_where_scalings_do_not():
     np.testing.assert_allclose(by_line[0], expected, rtol=1e-9)
 
 
+def kernel_of(grid):
+    """The kernel as a matrix between all cells, (n, n)."""
+    cells = np.eye(grid.cells).reshape(grid.cells, *grid.shape)
+    return grid.apply(cells).reshape(grid.cells, -1)
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, (1,), (7, 1), (1, 5, 1)])
+@pytest.mark.parametrize("sigma", [0.4, 1.3, 6.0, 40.0])
+def test_reflecting_walls_turn_all_heat_back(shape, sigma):
+    """SciPy mirrors the grid about its walls as often as 40 deviations need."""
+    columns = np.random.default_rng(7).random((2, *shape))
+    expected = [gaussian_filter(c, sigma, mode="reflect", truncate=40) for c in columns]
+    np.testing.assert_allclose(Grid(shape, sigma, "reflecting").apply(columns), expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("shape", [(1,), (2,), (17,), (6, 5), (3, 1, 4)])
+@pytest.mark.parametrize("sigma", [0.02, 0.3, 1.0, 5.0, 300.0])
+def test_the_reflecting_kernel_is_a_symmetric_stochastic_matrix(shape, sigma):
+    """Rows sum to one to rounding, at any sigma; a very large one makes everything even."""
+    kernel = kernel_of(Grid(shape, sigma, "reflecting"))
+    np.testing.assert_allclose(kernel.sum(axis=1), 1.0, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(kernel, kernel.T, rtol=0, atol=1e-15)
+    assert (kernel >= 0).all()
+    if sigma == 300.0:
+        np.testing.assert_allclose(kernel, 1.0 / len(kernel), atol=1e-13)
+    if sigma == 0.02:
+        np.testing.assert_array_equal(kernel, np.eye(len(kernel)))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_walls_keep_constants_and_mass(shape):
+    walls, space = (Grid(shape, 3.0, boundary) for boundary in ("reflecting", "open"))
+    np.testing.assert_allclose(walls.apply(np.full(shape, 2.5)), 2.5, rtol=1e-13)
+    density = np.random.default_rng(8).random(shape)
+    assert walls.apply(density).sum() == pytest.approx(density.sum(), rel=1e-13)
+    assert space.apply(density).sum() < 0.95 * density.sum()
+
+
+@pytest.mark.parametrize("boundary", ["open", "reflecting"])
+def test_two_blurs_are_one_wider_blur(boundary):
+    """Of variance twice as large, up to what a grid cannot tell at these deviations."""
+    density = np.random.default_rng(9).random((40, 36))
+    once = Grid((40, 36), np.sqrt(2.0) * 1.5, boundary).apply(density)
+    half = Grid((40, 36), 1.5, boundary)
+    twice = half.apply(half.apply(density))
+    inner = (slice(16, 24), slice(16, 20)) if boundary == "open" else ...
+    np.testing.assert_allclose(twice[inner], once[inner], atol=1e-8)
+
+
+def test_both_boundaries_are_the_same_far_inside():
+    density = np.zeros((60, 50))
+    density[25:35, 20:30] = 1.0
+    one, other = (Grid((60, 50), 1.5, boundary).apply(density) for boundary in ("open", "reflecting"))
+    np.testing.assert_allclose(one, other, atol=1e-15)
+
+
+def test_levels_keep_their_boundary():
+    coarse = Grid((32, 16), 1.5, "reflecting").coarser()
+    assert coarse.boundary == "reflecting"
+    np.testing.assert_allclose(coarse.apply(np.ones((16, 8))), 1.0)
+    with pytest.raises(ValueError, match="boundary"):
+        Grid((8, 8), 1.0, "periodic")
+
+
+@pytest.mark.parametrize("shape", [(5,), (3, 4), (2, 3, 4)])
+def test_positions_are_the_centers_of_cells_in_cells(shape):
+    positions = Grid(shape, 1.0).positions
+    assert positions.shape == (*shape, len(shape))
+    for cell in np.ndindex(*shape):
+        np.testing.assert_array_equal(positions[cell], np.array(cell) + 0.5)
+
+
+@pytest.mark.parametrize("shape", [(50,), (20, 80), (8, 16, 64)])
+def test_the_unit_length_turns_gamma_into_squared_cells(shape):
+    """A grid of any shape has unit volume, and sigma^2 is half of gamma."""
+    grid = Grid(shape, 2.5)
+    assert grid.gamma * grid.unit_length**2 == pytest.approx(2 * 2.5**2)
+    assert np.prod(np.array(shape) / grid.unit_length) == pytest.approx(1.0)
+    assert grid.weights * grid.cells == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("method", ["log_apply", "log_apply_far"])
+@pytest.mark.parametrize("height", [-9000.0, 0.0, 5500.0, 9000.0])
+def test_nothing_stays_nothing_however_large_the_rest(method, height):
+    """A cell beyond the reach of the kernel has no result, not one that large scalings elsewhere have lifted."""
+    logs = np.full((1, 200), LOG_NOTHING)
+    logs[0, :5] = height
+    result = np.empty_like(logs)
+    getattr(Grid((200,), 1.0), method)(logs, result)
+    assert (result[0, 60:] == LOG_NOTHING).all()
+    assert (result[0, :5] > height - 2).all()
+
+
 def test_kernel_keeps_constants_and_is_symmetric():
     grid = Grid((40, 40), 1.5)
     assert grid.apply(np.ones((40, 40)))[20, 20] == pytest.approx(1.0, abs=1e-12)

@@ -27,7 +27,10 @@ def core(density):
 @pytest.mark.parametrize("sigma", [1.2, 2.5])
 @pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
 def test_maps_of_gaussians_are_linear(shape, means, covariances, sigma):
-    """x -> m1 + A (x - m0), with the closed form's A; measured: 8e-6 cells, 3e-4 on the smallest grid, which cuts tails."""
+    """x -> m1 + A (x - m0), with the closed form's A.
+
+    Measured within 8e-6 cells, and 3e-4 in three dimensions, where the grid cuts off more of the tails.
+    """
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
     grid = Grid(shape, sigma)
     found = distance(*mus, grid, tolerance=1e-7)
@@ -41,7 +44,7 @@ def test_maps_of_gaussians_are_linear(shape, means, covariances, sigma):
 
 
 def test_narrow_kernels_give_the_optimal_map():
-    """The slope of the optimal map is 1.5; the entropic one has sigma^2 / (2 variance) less, and terms of fourth order."""
+    """The slope of the optimal map is 1.5; the entropic one has sigma^2 / (2 variance) less, up to the fourth order."""
     shape, means, (first, second) = PAIRS[0]
     grid = Grid(shape, 1.0)
     found = distance(gaussian(shape, means[0], first), gaussian(shape, means[1], second), grid, tolerance=1e-8)
@@ -60,9 +63,9 @@ def test_a_shifted_copy_is_shifted_and_blurred():
     images = transport_map(found.log_w, grid)
     mass = first / first.sum()
     own, moved = ((mass[..., None] * m).sum(axis=(0, 1)) for m in (grid.positions, images))
-    np.testing.assert_allclose(moved - own, [11, 9], atol=1e-6)
-    # A plan as wide as the kernel: no cell's image is further from its own place than its spread.
-    assert np.abs(images - grid.positions - [11, 9])[first > 0].max() < 1.5
+    np.testing.assert_allclose(moved - own, [11, 9], atol=1e-7)
+    # The plan is as wide as the kernel, and near an edge lopsided.
+    assert np.abs(images - grid.positions - [11, 9])[first > 0].max() < 1.0
 
 
 def test_from_an_input_to_the_barycenter():
@@ -76,7 +79,7 @@ def test_from_an_input_to_the_barycenter():
         images = transport_map(log_v, grid)[:, 0]
         slope = gaussians.map_slope(np.eye(1) * spread, variance, 1.5)[0, 0]
         expected = 42 + slope * (np.arange(90) + 0.5 - mean)
-        np.testing.assert_allclose(images[core(mu)], expected[core(mu)], atol=1e-3)
+        np.testing.assert_allclose(images[core(mu)], expected[core(mu)], atol=1e-4)
 
 
 @pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray, lambda v: v[..., ::-1]])
@@ -128,7 +131,7 @@ def test_what_no_mass_reaches_keeps_its_own_value():
     np.testing.assert_allclose(transport_map(nothing, grid)[:20], 5.5)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40, deadline=None, derandomize=True)
 @given(
     shape=st.lists(st.integers(1, 12), min_size=1, max_size=3),
     sigma=st.floats(0.03, 30.0),
