@@ -156,8 +156,10 @@ class Environment:
         missing = system.missing_for_cholmod(interpreter.has_headers)
         if missing:
             lines = system.install_lines(system.CHOLMOD_APT, system.CHOLMOD_DNF)
-            _say(f"  leaving out scikit-sparse, which speeds up large meshes: {' and '.join(missing)} not found.")
-            _say(f"  cholespy is used instead. To have it, run this line and delete {self.shown}:\n{lines}")
+            _say(f"  leaving out scikit-sparse, which stands in for cholespy: {' and '.join(missing)} not found.")
+            _say(
+                f"  cholespy is used where it has a wheel. To have it, run this line and delete {self.shown}:\n{lines}"
+            )
             return
         _say("  compiling scikit-sparse, which speeds up large meshes (about a minute)")
         log = self.folder / "scikit-sparse.log"
