@@ -71,7 +71,7 @@ def test_first_start_sets_up_and_the_second_does_nothing(environment, steps, cap
     said = capsys.readouterr().out
     assert "This happens once" in said
     assert "minutes" in said
-    assert "cholespy is used instead" in said
+    assert "stands in for cholespy" in said
     environment.prepare()
     assert steps == ["venv", "pip"]
     assert capsys.readouterr().out == ""

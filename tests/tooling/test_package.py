@@ -38,6 +38,7 @@ WHEELS = (
     "scipy-1.17.1-cp313-cp313-macosx_12_0_arm64.whl",
     "scipy-1.17.1-cp313-cp313-manylinux_2_27_x86_64.manylinux_2_28_x86_64.whl",
     "scipy-1.17.1-cp313-cp313-win_amd64.whl",
+    "threadpoolctl-3.8.0-py3-none-any.whl",
 )
 
 
@@ -103,7 +104,7 @@ def test_every_platform_and_python_has_its_wheel_of_each_package(project):
     pins = re.findall(r"^([\w-]+)==(\S+)((?: \\\n +--hash=sha256:\w{64})+)$", listed, flags=re.MULTILINE)
     assert {(name.replace("-", "_"), version) for name, version, _ in pins} == {tuple(w.split("-")[:2]) for w in WHEELS}
     for name, _, hashes in pins:
-        is_plain_python = name == "lazy-loader"
+        is_plain_python = name in ("lazy-loader", "threadpoolctl")
         assert len(hashes.split("--hash=")) - 1 == (
             1 if is_plain_python else len(package.PLATFORMS) * len(package.PYTHONS)
         )
