@@ -105,6 +105,7 @@ def _parser(program: str) -> ArgumentParser:
     demo.add_argument("--out", type=Path, default=Path("out"), help="the folder to write to (%(default)s)")
     demo.add_argument("--frames", type=int, default=24, help="frames from each shape to the next (%(default)s)")
     demo.add_argument("--resolution", type=int, default=96, help="cells along the longest side (%(default)s)")
+    _add_workers(demo)
     demo.add_argument("--json", action="store_true", help="print the records of the solver as JSON")
     demo.set_defaults(run=_demo)
     return parser
@@ -154,6 +155,11 @@ def _add_solver_options(parser: ArgumentParser) -> None:
     group.add_argument(
         "--tolerance", type=float, default=0.01, help="marginal error at which a blend is done (%(default)s)"
     )
+    _add_workers(parser)
+
+
+def _add_workers(parser: ArgumentParser) -> None:
+    parser.add_argument("--workers", type=int, metavar="N", help="threads that compute frames (one per processor)")
 
 
 def _add_output_options(parser: ArgumentParser) -> None:
@@ -192,7 +198,7 @@ def _morph(options: Namespace) -> dict[str, object]:
         source = parse_source(text)
         inputs += import_objects(source.path, [source.object_name] if source.object_name else None)
     stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
-    collection, records = _baked(inputs, blends, settings, stored)
+    collection, records = _baked(inputs, blends, settings, stored, options.workers)
     save_blend(target)
     written = [target]
     if options.render:
@@ -213,7 +219,8 @@ def _demo(options: Namespace) -> dict[str, object]:
     inputs = [obj for name in _DEMO_SHAPES for obj in import_objects(folder / f"{name}.ply", None)]
     for obj in inputs:
         obj.data.shade_smooth()
-    collection, records = _baked(inputs, blends, settings, {"layout": "PATH", "frames": options.frames})
+    stored = {"layout": "PATH", "frames": options.frames}
+    collection, records = _baked(inputs, blends, settings, stored, options.workers)
     target = save_blend(options.out / "morph.blend")
     sheet, movie = _rendered(collection, target, animated=True)
     print(
@@ -225,7 +232,11 @@ def _demo(options: Namespace) -> dict[str, object]:
 
 
 def _baked(
-    inputs: list[bpy.types.Object], blends: list[Blend], settings: MorphSettings, stored: dict[str, object]
+    inputs: list[bpy.types.Object],
+    blends: list[Blend],
+    settings: MorphSettings,
+    stored: dict[str, object],
+    workers: int | None,
 ) -> tuple[bpy.types.Collection, list[dict[str, object]]]:
     for index, obj in enumerate(inputs):
         if not any(obj.data.materials):
@@ -234,7 +245,7 @@ def _baked(
     job = MorphJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
     with ProgressBar("Morphing") as bar:
         try:
-            for step in job.steps():
+            for step in job.steps(workers=workers):
                 job.write(step)
                 bar.show(step.fraction, step.message)
         except BaseException:

@@ -112,6 +112,7 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         (["{in}/cube.obj", "{in}/ball.ply", "--frames", "1"], 3, "2 frames"),
         (["{in}/cube.obj", "{in}/ball.ply", "--export", "{in}/mesh.xyz"], 3, ".obj"),
         (["{in}/cube.obj", "{in}/ball.ply", "--entropy-limit", "much"], 2, "max, off or a number"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--workers", "0"], 3, "at least one worker"),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
         ([], 2, "SHAPE"),
     ],

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import Cancelled
+from ..errors import Cancelled, InputError
 from ..geometry.mesh import TriangleMesh
 from ..transport import Inputs
 from .blending import MorphFrame, MorphProblem, solve_blends
@@ -58,6 +58,7 @@ def morph(
     settings: MorphSettings,
     check: Callable[[], None] | None = None,
     *,
+    workers: int | None = None,
     executor: Executor | None = None,
 ) -> Iterator[MorphStep]:
     """Make the blends of the shapes, one after the other.
@@ -75,9 +76,11 @@ def morph(
     check : callable, optional
         Called between iterations, in whatever thread computes; what it raises (:class:`.errors.Cancelled`) ends the
         job at once.
+    workers : int, optional
+        Threads that compute short runs of blends side by side; by default one per processor.
     executor : concurrent.futures.Executor, optional
-        Where to compute short runs of blends, several at once, instead of in one thread per processor: other processes
-        or machines. `check` is then called between runs. The frames are the same wherever they are computed.
+        Where to compute the runs instead, in other processes or on other machines; `check` is then called between runs.
+        The frames are the same wherever they are computed.
 
     Yields
     ------
@@ -89,6 +92,8 @@ def morph(
     InputError, ResourceError
         Before the first frame, where the inputs or the settings cannot work.
     """
+    if workers is not None and workers < 1:
+        raise InputError("There must be at least one worker.")
     yield MorphStep(0.0, "Laying out the grid")
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
     densities = []
@@ -100,7 +105,7 @@ def morph(
     del densities, filled
     with ExitStack() as stack:
         if executor is None:
-            frames = _in_threads(problem, blends, check, stack)
+            frames = _in_threads(problem, blends, check, workers, stack)
         else:
             frames = _elsewhere(problem, blends, check, executor)
         for done, frame in enumerate(frames, start=1):
@@ -109,7 +114,11 @@ def morph(
 
 
 def _in_threads(
-    problem: MorphProblem, blends: Sequence[Blend], check: Callable[[], None] | None, stack: ExitStack
+    problem: MorphProblem,
+    blends: Sequence[Blend],
+    check: Callable[[], None] | None,
+    workers: int | None,
+    stack: ExitStack,
 ) -> Iterator[MorphFrame]:
     """Solve runs of blends in threads, which stop between two iterations once nobody waits for them any more."""
     abandoned = threading.Event()
@@ -120,7 +129,7 @@ def _in_threads(
         if check is not None:
             check()
 
-    executor = stack.enter_context(frame_workers())
+    executor = stack.enter_context(frame_workers(workers))
     # Set before the threads are waited for.
     stack.callback(abandoned.set)
     for future in [executor.submit(solve_blends, problem, run, check_both) for run in _runs(blends)]:

@@ -61,9 +61,9 @@ class MorphJob:
         self._settings = settings
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame)
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[MorphStep]:
-        """Return the generator that computes; it touches nothing of Blender."""
-        return morph(self._shapes, self._names, self._blends, self._settings, check)
+    def steps(self, check: Callable[[], None] | None = None, workers: int | None = None) -> Iterator[MorphStep]:
+        """Return the generator that computes, in `workers` threads; it touches nothing of Blender."""
+        return morph(self._shapes, self._names, self._blends, self._settings, check, workers=workers)
 
     def write(self, step: MorphStep) -> None:
         """Put a finished frame into the scene."""

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import multiprocessing
 import os
 import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -115,6 +117,34 @@ def test_progress_never_goes_back_and_ends_at_one():
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
     assert all(step.message for step in steps)
+
+
+def test_frames_are_the_same_wherever_they_are_computed():
+    shapes, blends = [ball(), box()], path_blends(2, 6)
+
+    def vertices(**where):
+        steps = morph(shapes, ["a", "b"], blends, QUICK, **where)
+        return [step.frame.mesh.vertices for step in steps if step.frame and step.frame.mesh is not None]
+
+    expected = vertices(workers=1)
+    assert len(expected) == 5
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as processes:
+        for found in (vertices(workers=3), vertices(executor=processes)):
+            for one, other in zip(found, expected, strict=True):
+                np.testing.assert_array_equal(one, other)
+
+
+def test_a_check_that_raises_ends_a_job_in_other_processes():
+    def check():
+        raise Cancelled("enough")
+
+    with ThreadPoolExecutor(1) as elsewhere, pytest.raises(Cancelled):
+        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, check, executor=elsewhere))
+
+
+def test_no_workers_are_refused():
+    with pytest.raises(InputError, match="at least one worker"):
+        list(morph([ball(), box()], ["a", "b"], path_blends(2, 2), QUICK, workers=0))
 
 
 def test_a_check_that_raises_ends_the_job():
