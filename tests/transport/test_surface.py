@@ -301,7 +301,7 @@ def test_where_not_even_the_dense_kernel_reaches():
     surface = strip(150, 1e-9)
     x = surface.positions[:, 0]
     first, second = (x < 3).astype(float), (x > 147).astype(float)
-    logs = np.where(x < 3, 5000.0, LOG_NOTHING)
+    logs = np.where(x < 3, 5000.0, LOG_NOTHING + 0.7)
     out = np.empty_like(logs)
     surface.log_apply_far(logs[None], out[None])
     assert (out[x > 147] == LOG_NOTHING).all()
@@ -358,6 +358,18 @@ def _triangle():
 def test_what_is_no_mesh_is_refused(vertices, faces):
     with pytest.raises(InputError):
         Surface(vertices, faces)
+
+
+def test_what_lies_on_unused_vertices_does_not_count():
+    mesh = MESHES["loose ends"]
+    surface = Surface(mesh.vertices, mesh.faces, 0.02)
+    plain = two_densities(surface)
+    used = surface.weights > 0
+    loaded = [np.where(used, density, value) for density, value in zip(plain, (1e9, np.nan), strict=True)]
+    assert distance(*loaded, surface).value == distance(*plain, surface).value > 0
+    blends = [barycenter(pair, [1, 2], surface).density for pair in (plain, loaded)]
+    np.testing.assert_array_equal(blends[1], blends[0])
+    assert (blends[0][~used] == 0).all()
 
 
 @pytest.fixture(scope="module")

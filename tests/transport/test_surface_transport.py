@@ -114,6 +114,26 @@ def test_distance_has_no_direction_and_its_matrix_agrees():
     assert (lengths[:, :, None] <= lengths[:, None, :] + lengths.T[None] + 1e-9).all()  # the triangle inequality
 
 
+def test_converged_means_the_plans_to_themselves_too():
+    """Between caps four rounds are enough, from a cap to itself they are not."""
+    surface = sphere(3, 0.0145)
+    ends = cap(surface, 0.0), cap(surface, 1.0)
+    found = distance(*ends, surface, max_iterations=6)
+    assert found.iterations < 6
+    assert not found.converged
+    assert found.marginal_error > 1e-5
+    assert distance(*ends, surface, max_iterations=6, debias=False).converged
+
+
+def test_the_marginal_error_enters_the_divergence_squared():
+    """1e-2 of it leaves 4e-4 of the divergence; 9e-4 without the mass term of the plans to themselves."""
+    surface = sphere(3, 0.0145)
+    ends = cap(surface, 0.0), cap(surface, 0.25)
+    loose, tight = (distance(*ends, surface, tolerance=tolerance) for tolerance in (1e-2, 1e-8))
+    assert loose.marginal_error > 1e-3
+    assert loose.divergence == pytest.approx(tight.divergence, rel=6e-4)
+
+
 def dense_kernel(surface):
     """H as a matrix, by numpy's dense solver."""
     stiffness = surface.laplacian.matrix.toarray()
