@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .domain import LOG_NOTHING, KernelTooNarrowError, Multiscale, total_mass
 from .inputs import Level
+from .pieces import PieceMasses
 from .region import Region
 from .sharpening import sharpening_exponent
 
@@ -159,6 +160,8 @@ class BregmanIteration:
         self.far = False
         self._inputs = inputs.regions
         self._log_mus = inputs.log_mus
+        first = inputs.regions[0].scatter(np.exp(inputs.log_mus[0]), 0.0) if self.domain.pieces is not None else None
+        self._pieces = None if first is None else PieceMasses.of(first, self.domain)
         self._relaxation = self.domain.relaxation if sharpness == 0 else 1.0
         self._enter(start)
 
@@ -211,10 +214,17 @@ class BregmanIteration:
         for alpha, log_kw in zip(self.alphas, self._log_kw, strict=True):
             np.multiply(log_kw, alpha, out=self._spare)
             self._log_mu += self._spare
+        self._balance()
         if self.entropy_limit is not None:
-            self.exponent = sharpening_exponent(self._log_mu, self.entropy_limit, self.weights)
+            self.exponent = sharpening_exponent(self._log_mu, self.entropy_limit, self.weights, self._pieces)
             self._relaxation = _BOUNDED_STEP / self.exponent
             self._log_mu *= self.exponent
+            self._balance()
+
+    def _balance(self) -> None:
+        """Give every connected piece its mass, where there are several."""
+        if self._pieces is not None:
+            self._log_mu[...] = self._pieces.balanced(self._log_mu, self.weights)
 
     def _normalize(self) -> None:
         """Fill the density, of mass 1; remember the logarithm of the mass before."""
@@ -312,8 +322,13 @@ class BregmanIteration:
         expected = self.sharpness * self.log_debias + (1.0 - 1.0 / self.exponent) * self._log_mu
         if self.entropy_limit is not None:
             expected -= self._log_mass
-        residual = np.abs(np.tensordot(self.alphas, self.log_v, 1) - expected)
-        return float(residual[self.density > self.density.max() * 1e-12].max())
+        residual = np.tensordot(self.alphas, self.log_v, 1) - expected
+        if self._pieces is not None:
+            # Every piece has a constant of its own, which changes no plan.
+            mass = self.density * self.weights
+            means = self._pieces.sums(residual * mass) / np.maximum(self._pieces.sums(mass), np.finfo(float).tiny)
+            residual -= means[self._pieces.labels]
+        return float(np.abs(residual)[self.density > self.density.max() * 1e-12].max())
 
     def _transfer(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]

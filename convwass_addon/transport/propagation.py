@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .checks import check_distribution, check_distributions, check_solver
 from .domain import LOG_NOTHING, Domain
 from .graph import PropagationGraph
+from .pieces import PieceMasses
 from .relaxation import AdaptiveRelaxation
 from .sharpening import entropy, sharpening_exponent
 from .sinkhorn import KernelInLogarithms, Monitor, log_density, marginal_errors
@@ -200,6 +201,7 @@ class PropagationIteration:
         self.densities = np.ones((graph.size, *domain.shape))
         for vertex, density in given.items():
             self.densities[vertex] = density
+        self._pieces = PieceMasses.of(next(iter(given.values())), domain)
         self._log_given = {vertex: log_density(density) for vertex, density in given.items()}
         ends = len(graph.vertex_of_end)
         self.log_scalings = np.zeros((ends, *domain.shape)) if log_scalings is None else log_scalings.copy()
@@ -278,9 +280,13 @@ class PropagationIteration:
         weights = self.graph.weight_of_end[own]
         log_mu = np.tensordot(weights / weights.sum(), log_hs, 1)
         exponent = 1.0
+        if self._pieces is not None:
+            log_mu = self._pieces.balanced(log_mu, self.domain.weights)
         if np.isfinite(self.limits[vertex]):
-            exponent = sharpening_exponent(log_mu, self.limits[vertex], self.domain.weights)
+            exponent = sharpening_exponent(log_mu, self.limits[vertex], self.domain.weights, self._pieces)
             log_mu *= exponent
+            if self._pieces is not None:
+                log_mu = self._pieces.balanced(log_mu, self.domain.weights)
         top = float(log_mu.max())
         density = np.exp(log_mu - top)
         mass = float((density * self.domain.weights).sum())

@@ -7,11 +7,46 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .pieces import PieceMasses
+
 # Densities below exp(-60) of the largest carry no entropy that float64 could show.
 _DEPTH = 60.0
 _STEPS = 50
 # Less is the rounding of an even density, and a step over it would leave the range of float64.
 _LEAST_VARIANCE = 1e-200
+
+
+class _Moments:
+    """Entropy of mu^beta and variance of ln mu under it."""
+
+    def __init__(self, log_density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> None:
+        keep = log_density > log_density.max() - _DEPTH
+        self.logs = log_density[keep] - log_density.max()
+        self.area = np.broadcast_to(weights, log_density.shape)[keep]
+
+    def entropy_and_variance(self, beta: float) -> tuple[float, float]:
+        mass = self.area * np.exp(beta * self.logs)
+        total = mass.sum()
+        mean = (mass * self.logs).sum() / total
+        return float(np.log(total) - beta * mean), float((mass * self.logs**2).sum() / total - mean**2)
+
+
+class _PieceMoments:
+    """The same where every piece keeps its mass."""
+
+    def __init__(self, log_density: NDArray[np.float64], weights: NDArray[np.float64], pieces: PieceMasses) -> None:
+        logs = log_density - pieces.tops(log_density)[pieces.labels]
+        keep = (logs > -_DEPTH) & (pieces.masses[pieces.labels] > 0) & (weights > 0)
+        self.logs, self.area = logs[keep], weights[keep]
+        self.pieces = PieceMasses(pieces.labels[keep], pieces.masses)
+        self.holds = self.pieces.sums(self.area) > 0
+
+    def entropy_and_variance(self, beta: float) -> tuple[float, float]:
+        mass = self.area * np.exp(beta * self.logs)
+        first, second, third = (self.pieces.sums(mass * self.logs**k)[self.holds] for k in range(3))
+        shares, means = self.pieces.masses[self.holds], second / first
+        found = shares @ (np.log(first) - beta * means - np.log(shares))
+        return float(found), float(shares @ (third / first - means**2))
 
 
 def entropy(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:
@@ -21,7 +56,12 @@ def entropy(density: NDArray[np.float64], weights: float | NDArray[np.float64]) 
     return -float((mass[positive] * np.log(density[positive])).sum())
 
 
-def sharpening_exponent(log_density: NDArray[np.float64], limit: float, weights: float | NDArray[np.float64]) -> float:
+def sharpening_exponent(
+    log_density: NDArray[np.float64],
+    limit: float,
+    weights: float | NDArray[np.float64],
+    pieces: PieceMasses | None = None,
+) -> float:
     """Exponent beta >= 1 for which mu^beta, normalized, has entropy `limit`.
 
     Parameters
@@ -32,6 +72,8 @@ def sharpening_exponent(log_density: NDArray[np.float64], limit: float, weights:
         Largest entropy allowed, in nats.
     weights : float or ndarray
         Area weights of the domain.
+    pieces : PieceMasses, optional
+        The masses that connected pieces keep; by default all mass may go anywhere.
 
     Returns
     -------
@@ -41,24 +83,19 @@ def sharpening_exponent(log_density: NDArray[np.float64], limit: float, weights:
     Notes
     -----
     With p the normalized mu^beta and q = ln mu, dH/dbeta = -beta Var_p(q): Newton's method on a monotone function,
-    kept inside a bracket.
+    kept inside a bracket. On pieces that keep their masses M, H = sum M (ln Z - beta mean(q) - ln M) over the pieces,
+    and their variances add up with the weights M.
     """
-    keep = log_density > log_density.max() - _DEPTH
-    logs = log_density[keep] - log_density.max()
-    area = np.broadcast_to(weights, log_density.shape)[keep]
+    moments = _Moments(log_density, weights) if pieces is None else _PieceMoments(log_density, weights, pieces)
     low, high, beta = 1.0, np.inf, 1.0
     for _ in range(_STEPS):
-        density = np.exp(beta * logs)
-        mass = area * density
-        total = mass.sum()
-        mean = (mass * logs).sum() / total
-        excess = np.log(total) - beta * mean - limit
+        found, variance = moments.entropy_and_variance(beta)
+        excess = found - limit
         if beta == 1.0 and excess <= 0:
             return 1.0
         if abs(excess) < 1e-9:
             break
         low, high = (beta, high) if excess > 0 else (low, beta)
-        variance = (mass * logs**2).sum() / total - mean**2
         step = beta + excess / (beta * variance) if variance > _LEAST_VARIANCE else np.inf
         if not low < step < high:
             step = 2.0 * low if np.isinf(high) else 0.5 * (low + high)
