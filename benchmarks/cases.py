@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cases of the benchmark, one per process: ``python -m benchmarks.cases CASE OPTIONS`` prints one line of JSON."""
+"""The morph's cases, one per process: ``python -m benchmarks.cases CASE OPTIONS`` prints one line of JSON."""
 
 from __future__ import annotations
 
 import json
+import os
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,15 +18,17 @@ from typing import TypeVar
 import bpy
 import numpy as np
 
-from convwass_addon.applications import morph as morph_module
+from convwass_addon.applications import blending
 from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph import MorphSettings
+from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.volumes import Lattice, voxelize
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.job import MorphJob
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.transport import barycenter
+
+from .processes import peak_megabytes
 
 T = TypeVar("T")
 
@@ -33,17 +37,19 @@ ASSETS = Path(__file__).resolve().parent.parent / "assets" / "shapes"
 
 
 class Stopwatch:
-    """CPU seconds by stage."""
+    """CPU seconds by stage, summed over threads."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
+        self._lock = threading.Lock()
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Add the time of the block to a stage."""
-        start = time.process_time()
+        start = time.thread_time()
         yield
-        self.seconds[name] = self.seconds.get(name, 0.0) + time.process_time() - start
+        with self._lock:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.thread_time() - start
 
     def timed(self, name: str, function: Callable[..., T]) -> Callable[..., T]:
         """Return the function with its time added to a stage."""
@@ -90,8 +96,8 @@ def path(cells: int, frames: int) -> dict[str, object]:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         settings = MorphSettings(resolution=cells)
         job = MorphJob(bpy.context.scene, depsgraph, inputs, blends, settings, {"layout": "PATH", "frames": frames}, 1)
-    morph_module.barycenter = watch.timed("solve", morph_module.barycenter)
-    morph_module.surface_enclosing = watch.timed("surface", morph_module.surface_enclosing)
+    blending.barycenter = watch.timed("solve", blending.barycenter)
+    blending.surface_enclosing = watch.timed("surface", blending.surface_enclosing)
     steps = job.steps()
     with watch.stage("voxelize"):
         next(steps)
@@ -111,16 +117,8 @@ def path(cells: int, frames: int) -> dict[str, object]:
     }
 
 
-def peak_megabytes() -> float:
-    """Largest resident memory of this process so far; Blender itself takes about 300 of it."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return float("nan")
-    scale = 1.0 if sys.platform == "darwin" else 1024.0
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale / 1e6
-
-
 if __name__ == "__main__":
     case, options = sys.argv[1:]
-    print(json.dumps({"single": single, "path": path}[case](**json.loads(options))))
+    print(json.dumps({"single": single, "path": path}[case](**json.loads(options))), flush=True)
+    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    os._exit(0)
