@@ -23,7 +23,8 @@ _START_SECONDS = 20.0
 
 _TIMES = """
 CPU seconds per distance between random densities: mean of {trials} trials, of a single one where all pairs of vertices
-are too many. A star: more than {limit:.0f} s, or too many pairs.
+are too many, of as many as there was time for where a peer takes long.
+A star: more than {limit:.0f} s, or too many pairs.
 
 paths     once per mesh: all pairs of distances along edges (SciPy, Dijkstra), which the next three need
 LP        exact transport (POT, emd2)
