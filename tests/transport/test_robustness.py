@@ -139,7 +139,7 @@ def test_barycenters(problem, sharpness, limit):
     # The error of d is known from the second round on.
     assert np.isfinite(found.debias_error) or found.iterations[-1] == 1
     assert found.converged == (max(found.marginal_error, found.debias_error) < problem.tolerance)
-    # Beyond 36 sigma the kernel has no entries, and results near the end of float64's range may lack their largest term.
+    # Beyond 36 sigma the kernel has no entries, and results near the end of float64 may lack their largest term.
     if found.converged and max(problem.grid.shape) <= 36 * problem.grid.sigma:
         last = found.levels[-1]
         log_v = last.region.scatter(last.log_v, LOG_NOTHING)
