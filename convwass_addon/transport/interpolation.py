@@ -170,6 +170,11 @@ def bisect(
         Distributions or parameters that make no sense; the message names the argument.
     KernelTooNarrowError
         gamma is too small for numerics of any kind to get from one distribution to the other.
+
+    Notes
+    -----
+    A bound makes one bump of what the blur of a level joins: distributions of several peaks need a gamma that keeps the
+    peaks apart, or no bound. Where two ways are equally long, frames may not converge, and say so.
     """
     ends = _ends(mu0, mu1, domain)
     check_entropy_limit(entropy_limit)
