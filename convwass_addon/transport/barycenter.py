@@ -8,7 +8,7 @@ Sinkhorn barycenters"), and with the entropy bound of Algorithm 3.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -21,6 +21,7 @@ from .domain import LOG_NOTHING, Domain
 from .inputs import Inputs, Level
 from .region import Region
 from .sharpening import entropy
+from .sinkhorn import Monitor
 
 # Coarser levels are solved to this share of the tolerance: they cost little, and what they leave is what the finest
 # level is slowest to mend.
@@ -28,8 +29,6 @@ _COARSE_TOLERANCE = 0.3
 # A region is widened by so many cells while more than this share of the tolerance lies at its rim.
 _RIM_SHARE = 0.1
 _RIM_CELLS = 3
-# Called once per iteration with the cells of the level, the iteration and the larger error; raise to stop.
-Monitor = Callable[[int, int, float], None]
 
 
 @dataclass(frozen=True)

@@ -11,23 +11,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, KernelTooNarrowError, Multiscale, total_mass
+from .domain import FALL_OF_GAMMA, LOG_NOTHING, RELEVANT, KernelTooNarrowError, Multiscale, total_mass
 from .inputs import Level
 from .pieces import PieceMasses
 from .region import Region
-from .sharpening import sharpening_exponent
+from .sharpening import BOUNDED_STEP, sharpening_exponent
 
 # The debiasing density spans a few orders of magnitude where there is mass; elsewhere it does not matter.
 _DEBIAS_RANGE = 700.0
-# Where the density is below exp(-600), v and d are quotients of roundings and must not leak into their neighborhood.
-_RELEVANT = 600.0
 # Over-relaxation of v, which helps the plain barycenter on grids, is given up once a round leaves more than this share
 # of the error.
 _STALLED = 0.95
-# The exponent of an entropy bound amplifies every step; full steps would jump between two solutions for ever.
-_BOUNDED_STEP = 0.7
-# From a level to the next finer one, of the same sigma in cells.
-_FALL_OF_GAMMA = 4.0
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
 # finer levels, beyond a margin.
 _NEGLIGIBLE_SHARE = 0.1
@@ -70,7 +64,7 @@ class Potentials:
         level to the next, so ln v grows by four; ln d stays.
         """
         finer = domain.prolong(self.region.scatter(self.columns, 0.0), region)
-        return Potentials(region, np.maximum(_FALL_OF_GAMMA * finer[:-1], LOG_NOTHING), finer[-1])
+        return Potentials(region, np.maximum(FALL_OF_GAMMA * finer[:-1], LOG_NOTHING), finer[-1])
 
     def corrected(
         self, domain: Multiscale, region: Region, coarse: Potentials, coarse_before: Potentials
@@ -88,7 +82,7 @@ class Potentials:
         steps = domain.prolong(coarse.region.scatter(moved, 0.0), region)
         own = self.region.transferred(self.columns, region, LOG_NOTHING)
         kept = (own > LOG_NOTHING / 2).all(axis=0)
-        log_v = np.maximum(own[:-1] + _FALL_OF_GAMMA * steps[:-1], LOG_NOTHING)
+        log_v = np.maximum(own[:-1] + FALL_OF_GAMMA * steps[:-1], LOG_NOTHING)
         return Potentials(
             region,
             np.where(kept, log_v, fresh.log_v),
@@ -217,7 +211,7 @@ class BregmanIteration:
         self._balance()
         if self.entropy_limit is not None:
             self.exponent = sharpening_exponent(self._log_mu, self.entropy_limit, self.weights, self._pieces)
-            self._relaxation = _BOUNDED_STEP / self.exponent
+            self._relaxation = BOUNDED_STEP / self.exponent
             self._log_mu *= self.exponent
             self._balance()
 
@@ -235,7 +229,7 @@ class BregmanIteration:
         self.density /= total
         self._log_mass_before = self._log_mass if self.entropy_limit is not None else 0.0
         self._log_mass = shift + float(np.log(total))
-        self._relevant = self._log_mu > self._log_mass - _RELEVANT
+        self._relevant = self._log_mu > self._log_mass - RELEVANT
 
     def _marginal_error(self, index: int) -> float:
         """Sum of a |v_i H(a w_i) - mu|; the mass of v_i H(a w_i) is that of mu_i in every round."""

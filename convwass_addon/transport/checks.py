@@ -53,6 +53,18 @@ def check_distribution(mu: ArrayLike, domain: Domain, name: str) -> NDArray[np.f
     return density
 
 
+def check_pair(mu0: ArrayLike, mu1: ArrayLike, domain: Domain) -> NDArray[np.float64]:
+    """Return two distributions, called mu0 and mu1, as float64 of shape (2, *domain.shape), each of mass 1.
+
+    Raises
+    ------
+    ValueError
+        As :func:`check_distributions`.
+    """
+    pair = np.stack([check_distribution(mu0, domain, "mu0"), check_distribution(mu1, domain, "mu1")])
+    return check_distributions(pair, domain, "mu")
+
+
 def _normalize(density: NDArray[np.float64], domain: Domain, name: str) -> None:
     if not np.isfinite(density).all():
         raise ValueError(f"{name} has values that are not numbers")

@@ -14,6 +14,7 @@ from .barycenter import Barycenter, barycenter
 from .checks import check_distribution, check_distributions, check_sharpness, check_solver
 from .distance import Distance, distance
 from .domain import Domain
+from .inputs import Inputs
 from .sinkhorn import Monitor, balance, self_balance
 
 # How much heavier the constraint that weights sum to one is than the quadratic form, in nonnegative least squares.
@@ -204,7 +205,7 @@ class _Search:
         max_iterations: int,
         monitor: Monitor | None,
     ) -> None:
-        self.target, self.family, self.domain = target, family, domain
+        self.target, self.inputs, self.domain = target, Inputs.of(family, domain), domain
         self.limits = {"tolerance": tolerance, "max_iterations": max_iterations, "monitor": monitor}
         self.sharpness = sharpness
         self.evaluations = 0
@@ -235,7 +236,7 @@ class _Search:
         return np.array(slopes)
 
     def _barycenter(self, weights: NDArray[np.float64]) -> Barycenter:
-        return barycenter(self.family, weights, self.domain, sharpness=self.sharpness, **self.limits)
+        return barycenter(self.inputs, weights, self.domain, sharpness=self.sharpness, **self.limits)
 
 
 def _checked(mu: ArrayLike, mus: ArrayLike, domain: Domain) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

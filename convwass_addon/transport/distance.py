@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import check_distribution, check_distributions, check_solver
-from .domain import Domain
+from .checks import check_distributions, check_pair, check_solver
+from .domain import FALL_OF_GAMMA, Domain
 from .region import Region
 from .sinkhorn import Monitor, Scalings, balance, self_balance
 
@@ -136,8 +136,7 @@ def distance(
     KernelTooNarrowError
         gamma is too small for numerics of any kind to get from one distribution to the other.
     """
-    pair = np.stack([check_distribution(mu0, domain, "mu0"), check_distribution(mu1, domain, "mu1")])
-    pair = check_distributions(pair, domain, "mu")
+    pair = check_pair(mu0, mu1, domain)
     check_solver(tolerance, max_iterations)
     solved, iterations = _coarse_to_fine(pair[:1], pair[1:], domain, tolerance, max_iterations, monitor)
     entropic = float(_entropic_values(solved, pair[:1], pair[1:], domain)[0])
@@ -197,8 +196,8 @@ def _coarse_to_fine(
         coarse, before = _coarse_to_fine(
             domain.restrict(mus), domain.restrict(nus), coarser, loose, max_iterations, monitor
         )
-        # The potential is -gamma log H(a w), and gamma falls by four from a level to the next.
-        start = 4.0 * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
+        # The potential is -gamma log H(a w).
+        start = FALL_OF_GAMMA * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
     solved = balance(
         mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, monitor=monitor
     )

@@ -19,6 +19,10 @@ LOG_NOTHING = -1e4
 HEADROOM = 600.0
 # Scalings below this would only produce subnormal products, which are many times slower.
 NEGLIGIBLE = 1e-290
+# From a level to the next finer one, of the same sigma in cells, gamma falls by this, and potentials over gamma grow.
+FALL_OF_GAMMA = 4.0
+# Densities below exp(-600) are quotients of roundings: scalings there must not leak into their neighborhood.
+RELEVANT = 600.0
 
 
 class KernelTooNarrowError(ArithmeticError):

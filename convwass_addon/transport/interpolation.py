@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .barycenter import barycenter
-from .checks import check_distribution, check_distributions, check_entropy_limit, check_sharpness, check_solver
+from .checks import check_entropy_limit, check_pair, check_sharpness, check_solver
 from .distance import distance
 from .domain import Domain
+from .inputs import Inputs
 from .propagation import Propagation, propagate
 from .sharpening import entropy
 from .sinkhorn import Monitor
@@ -90,12 +92,13 @@ def interpolate(
     KernelTooNarrowError
         gamma is too small for numerics of any kind to get from one distribution to the other.
     """
-    ends = _ends(mu0, mu1, domain)
+    ends = check_pair(mu0, mu1, domain)
     instants = _instants(times)
     check_sharpness(sharpness)
     check_entropy_limit(entropy_limit)
     check_solver(tolerance, max_iterations)
     shares = _shares(instants, ends, domain, max_iterations, monitor)
+    inputs = Inputs.of(ends, domain)
     frames: list[_Frame] = []
     before = None
     for t, share in zip(instants, shares, strict=True):
@@ -103,7 +106,7 @@ def interpolate(
             frames.append(_Frame(ends[int(t)], 0.0, True, 0, "scaling"))
             continue
         before = barycenter(
-            ends,
+            inputs,
             [1.0 - share, share],
             domain,
             sharpness=sharpness,
@@ -122,7 +125,7 @@ def interpolate(
         marginal_errors=np.array([frame.error for frame in frames]),
         converged=np.array([frame.converged for frame in frames]),
         iterations=tuple(frame.iterations for frame in frames),
-        numerics=next((frame.numerics for frame in frames if frame.numerics != "scaling"), "scaling"),
+        numerics=_furthest(frames),
     )
 
 
@@ -176,7 +179,7 @@ def bisect(
     A bound makes one bump of what the blur of a level joins: distributions of several peaks need a gamma that keeps the
     peaks apart, or no bound. Where two ways are equally long, frames may not converge, and say so.
     """
-    ends = _ends(mu0, mu1, domain)
+    ends = check_pair(mu0, mu1, domain)
     check_entropy_limit(entropy_limit)
     check_solver(tolerance, max_iterations)
     if levels < 1 or levels != int(levels):
@@ -184,18 +187,16 @@ def bisect(
     wanted = None if times is None else _instants(times)
     solver = _Midpoints(domain, entropy_limit, tolerance, max_iterations, monitor)
     path = _Path(np.array([0.0, 1.0]), ends, np.zeros(2), np.ones(2, bool))
-    iterations, numerics = [], "scaling"
+    solves: list[Propagation] = []
     for _ in range(levels):
         middles = 0.5 * (path.times[:-1] + path.times[1:])
         path, solved = solver.inserted(path, middles)
-        iterations.append(solved.iterations)
-        numerics = solved.numerics if solved.numerics != "scaling" else numerics
+        solves.append(solved)
     if wanted is not None:
         missing = np.setdiff1d(wanted, path.times)
         if len(missing):
             path, solved = solver.inserted(path, missing)
-            iterations.append(solved.iterations)
-            numerics = solved.numerics if solved.numerics != "scaling" else numerics
+            solves.append(solved)
         path = path.selected(np.searchsorted(path.times, wanted))
     return Interpolation(
         times=path.times,
@@ -203,8 +204,8 @@ def bisect(
         entropies=np.array([entropy(mu, domain.weights) for mu in path.densities]),
         marginal_errors=path.errors,
         converged=path.converged,
-        iterations=tuple(iterations),
-        numerics=numerics,
+        iterations=tuple(solved.iterations for solved in solves),
+        numerics=_furthest(solves),
     )
 
 
@@ -294,9 +295,9 @@ def _shares(
     return done / (done + left)
 
 
-def _ends(mu0: ArrayLike, mu1: ArrayLike, domain: Domain) -> NDArray[np.float64]:
-    ends = np.stack([check_distribution(mu0, domain, "mu0"), check_distribution(mu1, domain, "mu1")])
-    return check_distributions(ends, domain, "mu")
+def _furthest(solves: Sequence[_Frame | Propagation]) -> str:
+    """Numerics of the first solve that needed other than scalings."""
+    return next((solved.numerics for solved in solves if solved.numerics != "scaling"), "scaling")
 
 
 def _instants(times: ArrayLike) -> NDArray[np.float64]:

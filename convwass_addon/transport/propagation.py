@@ -12,17 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .checks import check_distribution, check_distributions, check_solver
-from .domain import LOG_NOTHING, Domain
+from .domain import LOG_NOTHING, RELEVANT, Domain
 from .graph import PropagationGraph
 from .pieces import PieceMasses
 from .relaxation import AdaptiveRelaxation
-from .sharpening import entropy, sharpening_exponent
+from .sharpening import BOUNDED_STEP, entropy, sharpening_exponent
 from .sinkhorn import KernelInLogarithms, Monitor, log_density, marginal_errors
-
-# Densities below exp(-600) are quotients of roundings and must not leak into their neighborhood.
-_RELEVANT = 600.0
-# The exponent of an entropy bound amplifies every step; full steps would jump between two solutions for ever.
-_BOUNDED_STEP = 0.7
 
 
 @dataclass(frozen=True)
@@ -271,7 +266,7 @@ class PropagationIteration:
         before = self.log_scalings[ends]
         steps = factors.reshape(-1, *[1] * (full.ndim - 1)) * (full - before)
         moved = np.where(before <= LOG_NOTHING / 2, full, before + steps)
-        self.log_scalings[ends] = np.where(log_mu > log_mu.max() - _RELEVANT, moved, LOG_NOTHING)
+        self.log_scalings[ends] = np.where(log_mu > log_mu.max() - RELEVANT, moved, LOG_NOTHING)
 
     def _estimate(
         self, vertex: int, own: NDArray[np.int64], log_hs: NDArray[np.float64]
@@ -294,4 +289,4 @@ class PropagationIteration:
         if not np.isfinite(self.limits[vertex]):
             return log_mu, 1.0
         # The exponent would raise a mass other than 1 to its power in every sweep.
-        return log_mu - (top + np.log(mass)), _BOUNDED_STEP / exponent
+        return log_mu - (top + np.log(mass)), BOUNDED_STEP / exponent

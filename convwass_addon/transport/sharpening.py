@@ -12,6 +12,9 @@ from .pieces import PieceMasses
 # Densities below exp(-60) of the largest carry no entropy that float64 could show.
 _DEPTH = 60.0
 _STEPS = 50
+# The share of a solver's step under a bound, over the exponent, which amplifies every step; full steps would jump
+# between two solutions for ever.
+BOUNDED_STEP = 0.7
 # Less is the rounding of an even density, and a step over it would leave the range of float64.
 _LEAST_VARIANCE = 1e-200
 
