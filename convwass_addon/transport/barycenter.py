@@ -23,9 +23,9 @@ from .region import Region
 from .sharpening import entropy
 from .sinkhorn import Monitor
 
-# Coarser levels are solved to this share of the tolerance: they cost little, and what they leave is what the finest
-# level is slowest to mend.
-_COARSE_TOLERANCE = 0.3
+# Coarser levels are solved to this share of the tolerance: what they leave is what the finest level is slowest to mend,
+# but more than this changes nothing in its rounds.
+_COARSE_TOLERANCE = 0.5
 # A region is widened by so many cells while more than this share of the tolerance lies at its rim.
 _RIM_SHARE = 0.1
 _RIM_CELLS = 3
@@ -50,7 +50,7 @@ class Barycenter:
     marginal_error : float
         The largest sum of a |v_i H(a w_i) - mu| over the inputs.
     debias_error : float
-        Sum of a |d H(a d) - mu| one round before the end; 0 without sharpness.
+        Sum of a |d H(a d) - mu|; 0 without sharpness.
     mass_error : float
         |a^T mu - 1| before the density was normalized.
     invariant_error : float
@@ -216,11 +216,11 @@ class _Problem:
                 start = before[depth]
                 if depth:
                     start = start.corrected(domain, region, levels[-1], before[depth - 1])
-                start = start.for_weights(self.alphas, self.sharpness)
             elif depth:
                 start = levels[-1].prolonged(domain, region)
             else:
                 start = Potentials.flat(len(self.alphas), domain.shape)
+            start = start.for_weights(self.alphas, self.sharpness)
             tolerance = self.tolerance * (1.0 if level is self.ladder[-1] else _COARSE_TOLERANCE)
             state, count = self._solve(level, limit, start, tolerance)
             levels.append(state.potentials())

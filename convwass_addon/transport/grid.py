@@ -12,12 +12,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import blas
+from scipy.ndimage import map_coordinates
 
 from .domain import HEADROOM, NEGLIGIBLE, floored_log
 from .region import Region, through_whole_arrays
 
 # A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.
 _NARROWEST, _WIDEST = 1e-3, 1e4
+# Where fewer of a box's cells are wanted, each is interpolated by itself.
+_FEW = 0.1
 
 
 class Grid:
@@ -206,7 +209,13 @@ class Grid:
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
         """Interpolate columns of the coarser grid, (k, *shape / 2), linearly to a region of this one, (k, len)."""
-        result = np.empty((len(columns), len(region)))
+        result = np.empty((len(columns), len(region)), columns.dtype)
+        if len(region) < _FEW * prod(span.stop - span.start for span in region.box):
+            # The center of cell i lies at (i - 1/2) / 2 among those of the coarser cells.
+            places = np.stack(np.unravel_index(region.index, self.shape)) / 2.0 - 0.25
+            for values, target in zip(columns, result, strict=True):
+                map_coordinates(values, places, target, order=1, mode="nearest")
+            return result
         for values, target in zip(columns, result, strict=True):
             for axis, span in enumerate(region.box):
                 # A neighbor more on both sides: beyond the outer cells of the grid values are constant.
@@ -285,11 +294,11 @@ def _double(values: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
     """Double the cells of one axis by linear interpolation between cell centers, constant beyond the outer ones."""
     shape = list(values.shape)
     shape[axis] *= 2
-    doubled = np.empty(shape)
+    doubled = np.empty(shape, values.dtype)
     values, target = np.moveaxis(values, axis, 0), np.moveaxis(doubled, axis, 0)
     np.multiply(values, 0.75, out=target[0::2])
     target[1::2] = target[0::2]
-    quarter = 0.25 * values
+    quarter = values.dtype.type(0.25) * values
     target[2::2] += quarter[:-1]
     target[0] += quarter[0]
     target[1:-1:2] += quarter[1:]

@@ -222,11 +222,13 @@ def test_barycenters_against_a_dense_solver(ring, count, sharpness):
 
 
 def test_full_sharpness_against_a_dense_solver(ring):
-    """Debiased without rest the iteration creeps: both after the same hundred rounds."""
-    mus, weights = ragged(ring, 2), np.array([0.4, 0.6])
-    found = barycenter(mus, weights, ring, sharpness=1.0, tolerance=1e-12, max_iterations=100)
-    assert not found.converged
-    np.testing.assert_allclose(found.density, dense_barycenter(ring, mus, weights, 1.0, 100), rtol=1e-7)
+    """Debiasing without rest takes for ever to bring out detail finer than the kernel, so there is none."""
+    mus, weights = ring.apply(ring.apply(ragged(ring, 2))), np.array([0.4, 0.6])
+    mus /= (mus @ ring.weights)[:, None]
+    found = barycenter(mus, weights, ring, sharpness=1.0, tolerance=1e-12, max_iterations=3000)
+    expected = dense_barycenter(ring, mus, weights, 1.0, 3000)
+    np.testing.assert_allclose(found.density, expected, rtol=5e-3)
+    np.testing.assert_allclose(ring.apply(found.density), ring.apply(expected), rtol=1e-5)
 
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
