@@ -56,7 +56,7 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
         raise InputError(
             f"No surface at level {level:.4g}: the densities lie between 0 and {float(density.max()):.4g}."
         )
-    low, high = _bounding_box(density > level)
+    low, high = bounding_box(density > level)
     # One more cell on every side belongs to the surface's cubes; beyond the grid it is zero.
     box = np.zeros(high - low + 2)
     source = tuple(slice(max(a - 1, 0), min(b + 1, n)) for a, b, n in zip(low, high, density.shape, strict=True))
@@ -124,7 +124,8 @@ def _excess(density: NDArray[np.float64], level: float) -> NDArray[np.float32]:
     return np.where(is_inside, inside, np.minimum(excess, -_CLEARANCE * highest))
 
 
-def _bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first cell along each axis, (3,), and the one after the last, (3,), of those that are True."""
     spans = []
     for axis in range(3):
         along = np.flatnonzero(inside.any(axis=tuple(a for a in range(3) if a != axis)))

@@ -1,0 +1,266 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mend what transport tears: crumbs are dropped, bubbles filled, narrow gaps bridged, false handles cut or filled.
+
+The level set of a blend follows every wrinkle of its density. Where a density next to the level would give another
+topology, and the shapes have that one, it is raised or lowered a little around the cell that decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, label
+from scipy.spatial import cKDTree
+
+from .edges import vertex_components
+from .isosurface import LevelSurface, bounding_box, surface_enclosing
+from .saddles import saddles
+
+# Pieces of a smaller share of the volume are crumbs.
+_CRUMB_SHARE = 5e-3
+# A gap is narrow where the density in it does not fall below this share of the level; a handle is false where the level
+# is within the other of the density of its thinnest place, or of that in its hole.
+_DEEPEST_GAP = 0.3
+_FALSE_HANDLE = 0.6
+# Steps of the search for the level at which two pieces meet, and how often a surface is taken anew at most.
+_BISECTED = 8
+_ATTEMPTS = 24
+# Density over the level where cells are raised, and where they are lowered, and the least radius of it, in cells.
+_RAISED, _LOWERED = 1.1, 0.85
+# The surface between cells may pass a saddle of the cells that lies closer to the level than this.
+_SLACK = 0.95
+_RADIUS = 1.5
+
+
+@dataclass(frozen=True)
+class Connectivity:
+    """How a solid hangs together.
+
+    Attributes
+    ----------
+    pieces, handles, bubbles : int
+        Parts apart from each other, holes through them, and hollows inside them.
+    """
+
+    pieces: int
+    handles: int
+    bubbles: int
+
+    @classmethod
+    def of(cls, surface: LevelSurface) -> Connectivity:
+        """Count what a closed surface has; every vertex belongs to triangles, every edge to two of them."""
+        mesh = surface.mesh
+        pieces = vertex_components(mesh)[mesh.faces[:, 0]]
+        volumes = np.bincount(pieces, weights=mesh.face_volumes)
+        # Edges are three halves of the triangles.
+        euler = len(mesh.vertices) - len(mesh.faces) // 2
+        bubbles = int((volumes < 0).sum())
+        return cls(len(volumes) - bubbles, len(volumes) - euler // 2, bubbles)
+
+    def or_more(self, other: Connectivity) -> Connectivity:
+        """Return the larger number of each kind."""
+        return Connectivity(
+            max(self.pieces, other.pieces), max(self.handles, other.handles), max(self.bubbles, other.bubbles)
+        )
+
+
+@dataclass(frozen=True)
+class Mending:
+    """A surface and what was done to get it.
+
+    Attributes
+    ----------
+    surface : LevelSurface
+        Encloses the volume.
+    found : Connectivity
+        What it has.
+    crumbs, filled, bridged, unhandled : int
+        Pieces too small to matter that were dropped, bubbles that were filled, gaps that were bridged, handles that
+        were cut or filled.
+    """
+
+    surface: LevelSurface
+    found: Connectivity
+    crumbs: int
+    filled: int
+    bridged: int
+    unhandled: int
+
+
+def mended_surface(density: NDArray[np.floating], volume: float, most: Connectivity) -> Mending:
+    """Surface that encloses a volume, with no more pieces, handles and bubbles than asked for.
+
+    Only small changes are made. What would take more stays as it is: the record tells.
+
+    Parameters
+    ----------
+    density : (nx, ny, nz)
+        What to take the surface of.
+    volume : float
+        In cells.
+    most : Connectivity
+        As many as the shapes have that are blended.
+
+    Raises
+    ------
+    InputError
+        As :func:`surface_enclosing` does.
+    """
+    density = np.asarray(density, dtype=np.float64)
+    # What is thinner than the deepest gap plays no part.
+    box, low = _box_of_interest(density, volume)
+    work = _Work(density[box], volume)
+    work.join_pieces(most.pieces)
+    work.remove_handles(most.handles)
+    work.fill_bubbles(most.bubbles)
+    surface = LevelSurface(work.surface.mesh.moved(low), work.surface.level)
+    return Mending(surface, work.found, work.crumbs, work.filled, work.bridged, work.unhandled)
+
+
+class _Work:
+    """A density that is changed step by step, and its surface."""
+
+    def __init__(self, density: NDArray[np.float64], volume: float) -> None:
+        self.volume = volume
+        self.crumbs = self.filled = self.bridged = self.unhandled = 0
+        self._take(density)
+
+    def _take(self, density: NDArray[np.float64]) -> None:
+        self.density = density
+        self.surface = surface_enclosing(density, self.volume)
+        self.found = Connectivity.of(self.surface)
+
+    def join_pieces(self, most: int) -> None:
+        """Drop crumbs and bridge gaps, the densest gap first."""
+        for _ in range(_ATTEMPTS):
+            if self.found.pieces <= most:
+                return
+            level, density = self.surface.level, self.density
+            labels, count = label(density > level)
+            small = np.bincount(labels.ravel())[1:] < _CRUMB_SHARE * self.volume
+            if small.any():
+                density = _without(density, np.append(False, small)[labels], level)
+                labels[np.append(False, small)[labels]] = 0
+            gaps = count - int(small.sum()) > most
+            bridged = _bridged(density, labels, level) if gaps else None
+            if bridged is None and not small.any():
+                return
+            self._take(density if bridged is None else bridged)
+            self.crumbs += int(small.sum())
+            self.bridged += bridged is not None
+
+    def remove_handles(self, most: int) -> None:
+        """Cut or fill handles, those that take the smallest change first."""
+        attempts = 0
+        progress = True
+        while self.found.handles > most and progress:
+            progress = False
+            for changed in _without_a_saddle(self.density, self.surface.level):
+                if attempts == _ATTEMPTS:
+                    return
+                attempts += 1
+                trial = _Work(changed, self.volume)
+                fewer = self.found.handles - trial.found.handles
+                if fewer > 0 and trial.found.pieces <= self.found.pieces:
+                    self.density, self.surface, self.found = trial.density, trial.surface, trial.found
+                    self.unhandled += fewer
+                    progress = True
+                    break
+
+    def fill_bubbles(self, most: int) -> None:
+        """Fill the smallest hollows."""
+        for _ in range(_ATTEMPTS):
+            if self.found.bubbles <= most:
+                break
+            # Outside is what hangs together with a rim around the grid.
+            hollow, count = label(np.pad(self.density <= self.surface.level, 1, constant_values=True))
+            sizes = np.bincount(hollow.ravel(), minlength=count + 1).astype(float)
+            sizes[[0, hollow[0, 0, 0]]] = np.inf
+            smallest = hollow[1:-1, 1:-1, 1:-1] == np.argmin(sizes)
+            if not np.isfinite(sizes.min()):
+                break
+            self._take(np.where(smallest, np.maximum(self.density, _RAISED * self.surface.level), self.density))
+            self.filled += 1
+
+
+def _box_of_interest(density: NDArray[np.float64], volume: float) -> tuple[tuple[slice, ...], NDArray[np.int64]]:
+    """Return the box that holds all that mending may look at, and its low corner."""
+    positive = density[density > 0]
+    rank = max(len(positive) - 1 - int(volume), 0)
+    level = np.partition(positive, rank)[rank] if len(positive) else 0.0
+    if level <= 0.0:
+        return (slice(None),) * 3, np.zeros(3, np.int64)
+    low, high = bounding_box(density > _DEEPEST_GAP / 2 * level)
+    low, high = np.maximum(low - 1, 0), np.minimum(high + 1, density.shape)
+    return tuple(slice(a, b) for a, b in zip(low, high, strict=True)), low
+
+
+def _without(density: NDArray[np.float64], crumbs: NDArray[np.bool_], level: float) -> NDArray[np.float64]:
+    """Press crumbs down to half of the level, so that a slightly lower level does not bring them back."""
+    around = binary_dilation(crumbs) & ((density <= level) | crumbs)
+    return np.where(around, np.minimum(density, level / 2), density)
+
+
+def _bridged(density: NDArray[np.float64], labels: NDArray[np.int32], level: float) -> NDArray[np.float64] | None:
+    """Give the first two pieces that meet as the level falls a neck; None where all gaps are too deep."""
+    inside = labels > 0
+    pieces = _pieces_above(density, inside, level)
+    low, high = _DEEPEST_GAP, 1.0
+    if _pieces_above(density, inside, low * level) == pieces:
+        return None
+    for _ in range(_BISECTED):
+        middle = (low + high) / 2
+        low, high = (low, middle) if _pieces_above(density, inside, middle * level) == pieces else (middle, high)
+    place, gap = _meeting_place(density, labels, low * level, high * level)
+    return _changed(density, place, _RAISED * level, _RADIUS + gap / 2)
+
+
+def _pieces_above(density: NDArray[np.float64], inside: NDArray[np.bool_], level: float) -> int:
+    """Count the pieces above a lower level that hold something of the inside."""
+    merged, count = label(density > level)
+    return count if count <= 1 else int((np.bincount(merged[inside], minlength=count + 1) > 0).sum())
+
+
+def _meeting_place(
+    density: NDArray[np.float64], labels: NDArray[np.int32], low: float, high: float
+) -> tuple[tuple[int, ...], float]:
+    """Find the cell between two levels through which two pieces meet first, and how wide their gap is there."""
+    merged, _ = label(density > low)
+    parts, _ = label(density > high)
+    inside = labels > 0
+    homes = {int(part): int(merged[parts == part][0]) for part in np.unique(parts[inside])}
+    home = next(h for h in homes.values() if list(homes.values()).count(h) > 1)
+    met = [part for part, its_home in homes.items() if its_home == home][:2]
+    candidates = np.argwhere((merged == home) & (density <= high))
+    to_parts = [_distances(candidates, np.argwhere(parts == part)) for part in met]
+    chosen = int(np.argmin(to_parts[0] + to_parts[1]))
+    place = candidates[chosen : chosen + 1]
+    gap = sum(float(_distances(place, np.argwhere((parts == part) & inside))[0]) for part in met)
+    return tuple(int(i) for i in place[0]), gap
+
+
+def _distances(cells: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the distance from each cell to the nearest of the others."""
+    return cKDTree(others).query(cells)[0]
+
+
+def _without_a_saddle(density: NDArray[np.float64], level: float) -> Iterator[NDArray[np.float64]]:
+    """Yield densities in which one saddle near the level lies on its other side, the nearest first."""
+    above = saddles(density, level * _SLACK, level / _FALSE_HANDLE).bridges
+    below = saddles(density, level * _FALSE_HANDLE, level / _SLACK).lids
+    wanted = [_LOWERED * level] * len(above) + [_RAISED * level] * len(below)
+    cells = np.concatenate([above, below])
+    order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)))
+    for index in order:
+        yield _changed(density, tuple(int(i) for i in cells[index]), wanted[index], _RADIUS)
+
+
+def _changed(density: NDArray[np.float64], place: tuple[int, ...], wanted: float, radius: float) -> NDArray[np.float64]:
+    """Change the density smoothly around a cell so that it has the value wanted there."""
+    axes = np.ogrid[tuple(slice(0, n) for n in density.shape)]
+    squared = sum((axis - at) ** 2 for axis, at in zip(axes, place, strict=True))
+    return density * (1.0 + (wanted / density[place] - 1.0) * np.exp(-squared / (2.0 * radius**2)))

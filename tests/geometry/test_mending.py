@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from scipy.ndimage import gaussian_filter
+
+from convwass_addon.errors import InputError
+from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
+from convwass_addon.geometry.mending import Connectivity, mended_surface
+from convwass_addon.geometry.saddles import saddles
+
+SHAPE = (40, 32, 28)
+CELLS = np.stack(np.meshgrid(*[np.arange(n) + 0.5 for n in SHAPE], indexing="ij"), axis=-1)
+ONE = Connectivity(1, 0, 0)
+
+
+def ramp(distance):
+    """Density 1 inside a solid, with a soft border: about half where the signed distance is zero."""
+    return 1.0 / (1.0 + np.exp(2.0 * distance))
+
+
+def ball(center, radius):
+    return ramp(np.linalg.norm(CELLS - center, axis=-1) - radius)
+
+
+def rod(start, end, radius):
+    start, end = np.array(start, float), np.array(end, float)
+    along = np.clip(((CELLS - start) @ (end - start)) / ((end - start) @ (end - start)), 0, 1)
+    return ramp(np.linalg.norm(CELLS - start - along[..., None] * (end - start), axis=-1) - radius)
+
+
+def ring(center, radius, tube):
+    x, y, z = np.moveaxis(CELLS - center, -1, 0)
+    return ramp(np.hypot(np.hypot(x, y) - radius, z) - tube)
+
+
+def found(density, volume):
+    return Connectivity.of(surface_enclosing(density, volume))
+
+
+def half(density):
+    """Volume of the set that is half as dense as the densest cell."""
+    return surface_at_level(density, density.max() / 2).mesh.volume
+
+
+def test_connectivity_of_known_solids():
+    assert Connectivity.of(surface_at_level(ball((20, 16, 14), 8), 0.5)) == Connectivity(1, 0, 0)
+    assert Connectivity.of(surface_at_level(ring((20, 16, 14), 9, 3), 0.5)) == Connectivity(1, 1, 0)
+    shell = ball((20, 16, 14), 10) - ball((20, 16, 14), 5)
+    assert Connectivity.of(surface_at_level(shell, 0.5)) == Connectivity(1, 0, 1)
+    two = np.maximum(ball((10, 16, 14), 5), ring((28, 16, 14), 6, 2))
+    assert Connectivity.of(surface_at_level(two, 0.5)) == Connectivity(2, 1, 0)
+    assert Connectivity(2, 1, 0).or_more(Connectivity(1, 3, 1)) == Connectivity(2, 3, 1)
+
+
+def test_what_is_whole_is_left_alone():
+    density = ball((20, 16, 14), 8)
+    mended = mended_surface(density, 1800.0, ONE)
+    plain = surface_enclosing(density, 1800.0)
+    np.testing.assert_array_equal(mended.surface.mesh.vertices, plain.mesh.vertices)
+    assert (mended.crumbs, mended.filled, mended.bridged, mended.unhandled) == (0, 0, 0, 0)
+    assert mended.found == ONE
+
+
+def test_a_narrow_gap_is_bridged_and_a_deep_one_is_not():
+    near = ball((12, 16, 14), 6) + ball((25.6, 16, 14), 6)
+    volume = half(near)
+    assert found(near, volume).pieces == 2
+    mended = mended_surface(near, volume, ONE)
+    assert mended.found == ONE
+    assert mended.bridged == 1
+    assert mended.surface.mesh.volume == pytest.approx(volume, rel=5e-3)
+    # The neck stands between the balls, and nothing else changes by more than the volume that it takes.
+    assert len(mended.surface.mesh.vertices[np.abs(mended.surface.mesh.vertices[:, 0] - 18.8) < 0.5])
+    far = ball((10, 16, 14), 5) + ball((30, 16, 14), 5)
+    left = mended_surface(far, half(far), ONE)
+    assert left.found.pieces == 2
+    assert left.bridged == 0
+
+
+def test_pieces_that_the_shapes_have_are_kept():
+    near = ball((12, 16, 14), 6) + ball((25.6, 16, 14), 6)
+    mended = mended_surface(near, half(near), Connectivity(2, 0, 0))
+    assert mended.found.pieces == 2
+    assert mended.bridged == 0
+
+
+def test_three_pieces_in_a_row_become_one():
+    row = ball((8, 16, 14), 4) + ball((17.6, 16, 14), 4) + ball((27.2, 16, 14), 4)
+    volume = half(row)
+    assert found(row, volume).pieces == 3
+    assert mended_surface(row, volume, ONE).found == ONE
+    assert mended_surface(row, volume, Connectivity(2, 0, 0)).found.pieces == 2
+
+
+def test_crumbs_are_dropped():
+    density = ball((14, 16, 14), 9) + 0.9 * ball((34, 16, 14), 1.6)
+    volume = half(density)
+    assert found(density, volume).pieces == 2
+    mended = mended_surface(density, volume, ONE)
+    assert mended.found == ONE
+    assert mended.crumbs == 1
+    assert mended.surface.mesh.bounds[1][0] < 25
+    assert mended.surface.mesh.volume == pytest.approx(volume, rel=5e-3)
+
+
+def test_a_shallow_hole_is_filled_and_a_real_one_kept():
+    disc = ramp(np.maximum(np.hypot(CELLS[..., 0] - 20, CELLS[..., 1] - 16) - 10, np.abs(CELLS[..., 2] - 14) - 3))
+    shallow = disc - 0.6 * rod((20, 16, 0), (20, 16, 28), 2.0)
+    volume = half(disc)
+    assert found(shallow, volume).handles == 1
+    mended = mended_surface(shallow, volume, ONE)
+    assert mended.found == ONE
+    assert mended.unhandled == 1
+    torus = ring((20, 16, 14), 9, 3)
+    assert mended_surface(torus, half(torus), ONE).found.handles == 1
+    assert mended_surface(shallow, volume, Connectivity(1, 1, 0)).found.handles == 1
+
+
+def test_a_thin_bridge_that_closes_a_handle_is_cut():
+    arch = np.maximum.reduce(
+        [rod((8, 16, 5), (8, 16, 22), 3), rod((32, 16, 5), (32, 16, 22), 3), rod((8, 16, 22), (32, 16, 22), 3)]
+    )
+    density = np.maximum(arch, 0.75 * rod((8, 16.5, 8.5), (32, 16.5, 8.5), 1.5))
+    level = 0.5
+    volume = surface_at_level(density, level).mesh.volume
+    assert found(density, volume).handles == 1
+    mended = mended_surface(density, volume, ONE)
+    assert mended.found == ONE
+    assert mended.unhandled == 1
+
+
+def test_bubbles_are_filled():
+    density = ball((20, 16, 14), 9) - 0.8 * ball((24, 16, 14), 2.5) - 0.8 * ball((16, 16, 14), 2.0)
+    volume = half(density)
+    assert found(density, volume).bubbles == 2
+    mended = mended_surface(density, volume, ONE)
+    assert mended.found == ONE
+    assert mended.filled == 2
+    assert mended_surface(density, volume, Connectivity(1, 0, 1)).found.bubbles == 1
+
+
+def test_saddles_of_two_bumps_and_of_a_ring():
+    bumps = ball((12, 16.5, 14.5), 6) + ball((27, 16.5, 14.5), 6)
+    # The density falls from both to the middle between them.
+    there = saddles(bumps, 0.5 * bumps[19, 16, 14], 1.5 * bumps[19, 16, 14])
+    assert any(np.abs(place - [19, 16, 14]).max() <= 1 for place in there.bridges)
+    hole = ring((20.5, 16.5, 14.5), 7, 3)
+    low = hole[20, 16, 14]
+    assert any(np.abs(place - [20, 16, 14]).max() <= 1 for place in saddles(hole, 0.5 * low, 1.5 * low).lids)
+
+
+def test_a_smooth_slope_has_no_saddles():
+    slope = np.exp(-np.linalg.norm(CELLS - [20.3, 16.2, 14.4], axis=-1) / 5)
+    there = saddles(slope, slope.min(), 0.8 * slope.max())
+    assert len(there.bridges) == len(there.lids) == 0
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.integers(0, 2**31 - 1), st.floats(1.0, 3.0))
+def test_noise_gets_no_worse_and_keeps_its_volume(seed, width):
+    rng = np.random.default_rng(seed)
+    density = gaussian_filter(rng.random((20, 18, 16)) * (rng.random((20, 18, 16)) < 0.3), width)
+    volume = 0.2 * density.size
+    before = found(density, volume)
+    kept = density.copy()
+    mended = mended_surface(density, volume, ONE)
+    np.testing.assert_array_equal(density, kept)
+    assert mended.found.pieces <= before.pieces
+    assert mended.surface.mesh.volume == pytest.approx(volume, rel=0.02)
+    assert mended.found == Connectivity.of(mended.surface)
+
+
+def test_a_volume_that_does_not_fit_is_refused():
+    with pytest.raises(InputError, match="cannot enclose"):
+        mended_surface(ball((20, 16, 14), 8), 1e9, ONE)
