@@ -68,12 +68,21 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
     return LevelSurface(TriangleMesh.from_arrays(vertices + (low - 1) + 0.5, faces), level)
 
 
-def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurface:
+def surface_enclosing(density: NDArray[np.floating], volume: float, near: float | None = None) -> LevelSurface:
     """Surface of a level of `density` that encloses `volume` cells, as measured on the surface itself.
 
     Counting cells gives the level to about a cell's width; the remaining difference is taken out by counting a
     corrected number. Where many cells have one value that does not lead there, and the level itself is bisected. Where
     the enclosed volume jumps past the wanted one, the nearest that was found is returned.
+
+    Parameters
+    ----------
+    density : (nx, ny, nz)
+        Not negative.
+    volume : float
+        In cells.
+    near : float, optional
+        A level to try first, such as that of a density that differs little.
 
     Raises
     ------
@@ -87,7 +96,8 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
     # The level that leaves n cells above it, by n; the last one leaves all of them.
     levels = np.append(np.sort(density[density > 0], axis=None)[::-1], 0.0)
     counts = np.arange(positive + 1) + 0.5
-    count, too_full, too_empty = volume, 0.0, float(levels[0])
+    too_full, too_empty = 0.0, float(levels[0])
+    count = volume if near is None else float(np.clip((density > near).sum(), counts[0], counts[-1]))
     nearest = None
     for step in range(_COUNTED + _BISECTED):
         level = float(np.interp(count, counts, levels))
@@ -104,6 +114,15 @@ def surface_enclosing(density: NDArray[np.floating], volume: float) -> LevelSurf
             break
         count = float(np.clip(count - excess, counts[0], counts[-1]))
     return nearest
+
+
+def euler_number_in(window: NDArray[np.float64], level: float) -> int:
+    """Vertices - edges + faces of the surface at a level within a part of a grid, cut open at the part's walls."""
+    if not float(window.min()) < level < float(window.max()):
+        return 0
+    vertices, faces, _, _ = marching_cubes(_excess(window, level), 0.0)
+    ends = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
+    return len(vertices) - len(np.unique(ends[:, 0] * len(vertices) + ends[:, 1])) + len(faces)
 
 
 def _excess(density: NDArray[np.float64], level: float) -> NDArray[np.float32]:

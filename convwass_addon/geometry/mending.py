@@ -8,7 +8,6 @@ topology, and the shapes have that one, it is raised or lowered a little around 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +16,7 @@ from scipy.ndimage import binary_dilation, label
 from scipy.spatial import cKDTree
 
 from .edges import vertex_components
-from .isosurface import LevelSurface, bounding_box, surface_enclosing
+from .isosurface import LevelSurface, bounding_box, euler_number_in, surface_enclosing
 from .saddles import saddles
 
 # Pieces of a smaller share of the volume are crumbs.
@@ -25,15 +24,18 @@ _CRUMB_SHARE = 5e-3
 # A gap is narrow where the density in it does not fall below this share of the level; a handle is false where the level
 # is within the other of the density of its thinnest place, or of that in its hole.
 _DEEPEST_GAP = 0.3
-_FALSE_HANDLE = 0.6
+_FALSE_HANDLE = 0.5
 # Steps of the search for the level at which two pieces meet, and how often a surface is taken anew at most.
 _BISECTED = 8
 _ATTEMPTS = 24
-# Density over the level where cells are raised, and where they are lowered, and the least radius of it, in cells.
+# Density over the level where cells are raised, and where they are lowered, and the radii of it in cells.
 _RAISED, _LOWERED = 1.1, 0.85
 # The surface between cells may pass a saddle of the cells that lies closer to the level than this.
 _SLACK = 0.95
-_RADIUS = 1.5
+_RADIUS, _WIDER = 1.5, 2.25
+# How far a change reaches, in radii, and how often handles are looked for.
+_REACH = 4.0
+_ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -127,11 +129,11 @@ class _Work:
     def __init__(self, density: NDArray[np.float64], volume: float) -> None:
         self.volume = volume
         self.crumbs = self.filled = self.bridged = self.unhandled = 0
-        self._take(density)
+        self._take(density, None)
 
-    def _take(self, density: NDArray[np.float64]) -> None:
+    def _take(self, density: NDArray[np.float64], near: float | None) -> None:
         self.density = density
-        self.surface = surface_enclosing(density, self.volume)
+        self.surface = surface_enclosing(density, self.volume, near)
         self.found = Connectivity.of(self.surface)
 
     def join_pieces(self, most: int) -> None:
@@ -149,27 +151,26 @@ class _Work:
             bridged = _bridged(density, labels, level) if gaps else None
             if bridged is None and not small.any():
                 return
-            self._take(density if bridged is None else bridged)
+            self._take(density if bridged is None else bridged, level)
             self.crumbs += int(small.sum())
             self.bridged += bridged is not None
 
     def remove_handles(self, most: int) -> None:
         """Cut or fill handles, those that take the smallest change first."""
-        attempts = 0
-        progress = True
-        while self.found.handles > most and progress:
-            progress = False
-            for changed in _without_a_saddle(self.density, self.surface.level):
-                if attempts == _ATTEMPTS:
-                    return
-                attempts += 1
-                trial = _Work(changed, self.volume)
-                fewer = self.found.handles - trial.found.handles
-                if fewer > 0 and trial.found.pieces <= self.found.pieces:
-                    self.density, self.surface, self.found = trial.density, trial.surface, trial.found
-                    self.unhandled += fewer
-                    progress = True
-                    break
+        best, crumbs, bridged = (self.density, self.surface, self.found), self.crumbs, self.bridged
+        for _ in range(_ROUNDS):
+            excess = self.found.handles - most
+            changed = _with_fewer_handles(self.density, self.surface.level, excess) if excess > 0 else None
+            if changed is None:
+                break
+            self._take(changed, self.surface.level)
+            # The level moves a little, and what hung on by a thread may come off.
+            self.join_pieces(best[2].pieces)
+            if self.found.handles < best[2].handles and self.found.pieces <= best[2].pieces:
+                self.unhandled += best[2].handles - self.found.handles
+                best, crumbs, bridged = (self.density, self.surface, self.found), self.crumbs, self.bridged
+        self.density, self.surface, self.found = best
+        self.crumbs, self.bridged = crumbs, bridged
 
     def fill_bubbles(self, most: int) -> None:
         """Fill the smallest hollows."""
@@ -183,7 +184,8 @@ class _Work:
             smallest = hollow[1:-1, 1:-1, 1:-1] == np.argmin(sizes)
             if not np.isfinite(sizes.min()):
                 break
-            self._take(np.where(smallest, np.maximum(self.density, _RAISED * self.surface.level), self.density))
+            level = self.surface.level
+            self._take(np.where(smallest, np.maximum(self.density, _RAISED * level), self.density), level)
             self.filled += 1
 
 
@@ -248,19 +250,55 @@ def _distances(cells: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[n
     return cKDTree(others).query(cells)[0]
 
 
-def _without_a_saddle(density: NDArray[np.float64], level: float) -> Iterator[NDArray[np.float64]]:
-    """Yield densities in which one saddle near the level lies on its other side, the nearest first."""
-    above = saddles(density, level * _SLACK, level / _FALSE_HANDLE).bridges
-    below = saddles(density, level * _FALSE_HANDLE, level / _SLACK).lids
-    wanted = [_LOWERED * level] * len(above) + [_RAISED * level] * len(below)
-    cells = np.concatenate([above, below])
-    order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)))
-    for index in order:
-        yield _changed(density, tuple(int(i) for i in cells[index]), wanted[index], _RADIUS)
+def _with_fewer_handles(density: NDArray[np.float64], level: float, excess: int) -> NDArray[np.float64] | None:
+    """Move saddles near the level to its other side until so many handles have gone; None where that removes none."""
+    density, left = density.copy(), excess
+    pieces = _count_pieces(density, level)
+    for place, wanted in _saddles_near(density, level):
+        for radius in (_RADIUS, _WIDER):
+            spans, change = _bump(density, place, wanted, radius)
+            kept = density[spans].copy()
+            before = euler_number_in(kept, level)
+            density[spans] *= change
+            gained = euler_number_in(density[spans], level) - before
+            # Cutting a piece in two changes the Euler number as cutting a handle does.
+            if gained > 0 and _count_pieces(density, level) <= pieces:
+                left -= gained // 2
+                break
+            density[spans] = kept
+        if left <= 0:
+            break
+    return density if left < excess else None
+
+
+def _saddles_near(density: NDArray[np.float64], level: float) -> list[tuple[tuple[int, ...], float]]:
+    """Return the saddles that may be false, the nearest to the level first, and the densities to give them."""
+    found = saddles(density, level * _FALSE_HANDLE, level / _FALSE_HANDLE)
+    cells = np.concatenate([found.bridges, found.lids])
+    wanted = np.repeat([_LOWERED * level, _RAISED * level], [len(found.bridges), len(found.lids)])
+    above = density[tuple(cells.T)] / level
+    wrong = np.where(wanted < level, above > _SLACK, above < 1.0 / _SLACK)
+    order = np.argsort(np.where(wrong, np.abs(np.log(above)), np.inf))[: np.count_nonzero(wrong)]
+    return [(tuple(int(i) for i in cells[index]), float(wanted[index])) for index in order]
+
+
+def _count_pieces(density: NDArray[np.float64], level: float) -> int:
+    return label(density > level)[1]
 
 
 def _changed(density: NDArray[np.float64], place: tuple[int, ...], wanted: float, radius: float) -> NDArray[np.float64]:
     """Change the density smoothly around a cell so that it has the value wanted there."""
-    axes = np.ogrid[tuple(slice(0, n) for n in density.shape)]
-    squared = sum((axis - at) ** 2 for axis, at in zip(axes, place, strict=True))
-    return density * (1.0 + (wanted / density[place] - 1.0) * np.exp(-squared / (2.0 * radius**2)))
+    spans, change = _bump(density, place, wanted, radius)
+    changed = density.copy()
+    changed[spans] *= change
+    return changed
+
+
+def _bump(
+    density: NDArray[np.float64], place: tuple[int, ...], wanted: float, radius: float
+) -> tuple[tuple[slice, ...], NDArray[np.float64]]:
+    """Return the box around a cell that such a change reaches, and by what to multiply the density there."""
+    reach = int(np.ceil(_REACH * radius))
+    spans = tuple(slice(max(at - reach, 0), min(at + reach + 1, n)) for at, n in zip(place, density.shape, strict=True))
+    squared = sum((axis - at) ** 2 for axis, at in zip(np.ogrid[spans], place, strict=True))
+    return spans, 1.0 + (wanted / density[place] - 1.0) * np.exp(-squared / (2.0 * radius**2))

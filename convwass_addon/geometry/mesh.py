@@ -58,7 +58,9 @@ class TriangleMesh:
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """Smallest and largest coordinates over the vertices that faces use, (2, 3)."""
-        used = self.vertices[np.unique(self.faces)]
+        in_use = np.zeros(len(self.vertices), bool)
+        in_use[self.faces] = True
+        used = self.vertices[in_use]
         return np.stack([used.min(axis=0), used.max(axis=0)])
 
     @cached_property

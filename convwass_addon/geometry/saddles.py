@@ -53,30 +53,27 @@ def saddles(density: NDArray[np.float64], low: float, high: float) -> Saddles:
     """
     inner = density[1:-1, 1:-1, 1:-1]
     cells = np.argwhere((inner > low) & (inner <= high)) + 1
-    around = cells[:, None] + _OFFSETS
-    own, near = density[tuple(cells.T)][:, None], density[tuple(np.moveaxis(around, 2, 0))]
+    around = _OFFSETS[:, None] + cells
+    own, near = density[tuple(cells.T)], density[tuple(np.moveaxis(around, 2, 0))]
     # Of equal cells the later one counts as denser, so that every set of them has an order.
-    denser = (near > own) | ((near == own) & _LATER)
+    denser = (near > own) | ((near == own) & _LATER[:, None])
     joined = _components(denser, denser, _TOUCH)
-    others = ~denser & _IN_REACH
-    parted = _components(others, others & _FACES, _ABUT)
+    others = ~denser & _IN_REACH[:, None]
+    parted = _components(others, others & _FACES[:, None], _ABUT)
     return Saddles(cells[joined > 1], cells[parted > 1])
 
 
 def _components(
     present: NDArray[np.bool_], counted: NDArray[np.bool_], adjacent: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Count the connected groups of `present` neighbors, (n, 26), that hold one that is `counted`."""
-    nothing = present.shape[1]
-    labels = np.where(present, np.arange(nothing), nothing)
+    """Count the connected groups of `present` neighbors, (26, n), that hold one that is `counted`."""
+    nothing = len(present)
+    labels = np.where(present, np.arange(nothing, dtype=np.int8)[:, None], np.int8(nothing))
     for _ in range(_ROUNDS):
         before = labels.copy()
         for neighbor in range(nothing):
-            reached = labels[:, adjacent[neighbor]].min(axis=1)
-            labels[:, neighbor] = np.where(present[:, neighbor], reached, nothing)
+            labels[neighbor] = np.where(present[neighbor], labels[adjacent[neighbor]].min(axis=0), nothing)
         if np.array_equal(before, labels):
             break
-    found = np.zeros((len(present), nothing + 1), bool)
-    rows, columns = np.nonzero(counted)
-    found[rows, labels[rows, columns]] = True
-    return found[:, :nothing].sum(axis=1)
+    # The first of a group's neighbors keeps its own name.
+    return sum((counted & (labels == name)).any(axis=0).astype(np.int64) for name in range(nothing))
