@@ -51,8 +51,10 @@ class Barycenter:
         The largest sum of a |v_i H(a w_i) - mu| over the inputs.
     debias_error : float
         Sum of a |d H(a d) - mu|; 0 without sharpness.
+    mass : float
+        Of mu before it was normalized: about 1, or what is left of it where mass may vanish.
     mass_error : float
-        |a^T mu - 1| before the density was normalized.
+        How far that is from 1; 0 where mass may vanish.
     invariant_error : float
         Largest |sum_i alpha_i ln v_i - s ln d - (1 - 1 / beta) ln mu| where the density is not negligible; zero in
         exact arithmetic.
@@ -73,6 +75,7 @@ class Barycenter:
     iterations: tuple[int, ...]
     marginal_error: float
     debias_error: float
+    mass: float
     mass_error: float
     invariant_error: float
     converged: bool
@@ -92,7 +95,7 @@ class Barycenter:
 
     def record(self) -> dict[str, object]:
         """Return the figures, without the arrays, ready for JSON."""
-        names = ("sharpness", "iterations", "marginal_error", "debias_error", "mass_error", "invariant_error")
+        names = ("sharpness", "iterations", "marginal_error", "debias_error", "mass", "mass_error", "invariant_error")
         others = ("converged", "numerics", "entropy", "sharpening_exponent")
         found = {name: getattr(self, name) for name in (*names, *others)}
         # An error that was never measured, because the solve ended before, is no number of JSON's.
@@ -107,6 +110,7 @@ def barycenter(
     sharpness: float = 0.0,
     entropy_limit: Literal["max"] | float | None = None,
     tightening: int = 0,
+    reach: float | None = None,
     initial: Barycenter | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
@@ -132,6 +136,9 @@ def barycenter(
     tightening : int
         How many looser bounds lead to the limit, from the entropy of the unbounded barycenter (end of section 6.1);
         0 applies the limit from the start.
+    reach : float, optional
+        How far mass goes, in units of the domain (cells), before it rather vanishes in one place and grows in another;
+        by default all of it travels. Not together with an entropy limit.
     initial : Barycenter, optional
         The barycenter of the same inputs with similar weights on the same domain, to start from. It is used where the
         same inputs have weight.
@@ -170,9 +177,14 @@ def barycenter(
         raise ValueError(f'numerics must be "automatic" or "scaling", got {numerics!r}')
     if initial is not None and initial.density.shape != tuple(domain.shape):
         raise ValueError(f"initial must be a barycenter on a domain of shape {tuple(domain.shape)}")
+    if reach is not None and not (np.isfinite(reach) and reach > 0):
+        raise ValueError(f"reach must be a positive length, got {reach}")
+    if reach is not None and entropy_limit is not None:
+        raise ValueError("entropy_limit holds a mass of 1 together, so there can be no reach")
     active = np.flatnonzero(alphas)
     ladder = tuple(level.chosen(active) for level in inputs.levels)
-    problem = _Problem(ladder, alphas[active], sharpness, tolerance, max_iterations, numerics, monitor)
+    length = None if reach is None else float(reach) / domain.unit_length
+    problem = _Problem(ladder, alphas[active], sharpness, length, tolerance, max_iterations, numerics, monitor)
     limit = float(inputs.entropies[active].max()) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
     solved = problem.coarse_to_fine(None if tightening else limit, initial.levels if usable else ())
@@ -199,6 +211,7 @@ class _Problem:
     ladder: tuple[Level, ...]
     alphas: NDArray[np.float64]
     sharpness: float
+    reach: float | None
     tolerance: float
     max_iterations: int
     numerics: Literal["automatic", "scaling"]
@@ -220,7 +233,8 @@ class _Problem:
                 start = levels[-1].prolonged(domain, region)
             else:
                 start = Potentials.flat(len(self.alphas), domain.shape)
-            start = start.for_weights(self.alphas, self.sharpness)
+            if self.reach is None:
+                start = start.for_weights(self.alphas, self.sharpness)
             tolerance = self.tolerance * (1.0 if level is self.ladder[-1] else _COARSE_TOLERANCE)
             state, count = self._solve(level, limit, start, tolerance)
             levels.append(state.potentials())
@@ -241,7 +255,7 @@ class _Problem:
     ) -> tuple[BregmanIteration, int]:
         """Iterate on one domain until the marginals agree."""
         cells = int(np.prod(level.domain.shape))
-        state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics)
+        state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics, self.reach)
         for iteration in range(1, self.max_iterations + 1):
             state.step()
             if self.monitor is not None:
@@ -263,6 +277,7 @@ def _finished(solved: _Solved, alphas: NDArray[np.float64], sharpness: float, to
         iterations=solved.iterations,
         marginal_error=state.marginal_error,
         debias_error=state.debias_error,
+        mass=state.mass,
         mass_error=state.mass_error(),
         invariant_error=state.invariant_error(),
         converged=state.error < tolerance,

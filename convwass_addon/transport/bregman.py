@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .domain import FALL_OF_GAMMA, LOG_NOTHING, RELEVANT, KernelTooNarrowError, Multiscale, total_mass
+from .fidelity import fidelity
 from .inputs import Level
 from .pieces import PieceMasses
 from .region import Region
@@ -21,7 +22,7 @@ from .sharpening import BOUNDED_STEP, sharpening_exponent
 _DEBIAS_RANGE = 700.0
 # Over-relaxation of v, which helps on grids, is given up once a round leaves more than this share of the error.
 _STALLED = 0.95
-# Share of the step that d takes. Where the error of ln d varies on the scale of the kernel, whole steps would overshoot;
+# Share of the step that d takes. Where the error of ln d varies slowly against the kernel, whole steps would overshoot;
 # where it varies faster, each leaves 1 - (1 - s) of it. Between them this leaves least, on shapes and on noise.
 _DEBIAS_STEP = 0.7
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
@@ -121,6 +122,8 @@ class BregmanIteration:
     the delay would let errors of d ring. mu is normalized to mass 1 inside the round, because the root in d otherwise
     makes the total mass swing for a dozen rounds; v keeps the mass before that, which goes to 1.
 
+    Where mass may vanish and grow, every update has an exponent: :class:`.fidelity.Unbalanced`.
+
     v_i, d and mu are kept on the region of the start, w_i where mu_i has mass: the rest of the domain costs nothing.
 
     Parameters
@@ -137,6 +140,8 @@ class BregmanIteration:
         Copied.
     numerics : "automatic" or "scaling"
         Whether to go on in the log domain where scalings of float64 do not reach, or to raise.
+    reach : float or None
+        How far mass goes before it rather fades, in lengths of the domain; with None all mass travels.
     """
 
     def __init__(
@@ -147,19 +152,24 @@ class BregmanIteration:
         entropy_limit: float | None,
         start: Potentials,
         numerics: Literal["automatic", "scaling"] = "automatic",
+        reach: float | None = None,
     ) -> None:
         self.domain = inputs.domain
+        self.fidelity = fidelity(reach, inputs.domain.gamma)
+        self.balanced = reach is None
         self.numerics = numerics
         self.alphas = alphas
         self.sharpness = sharpness
         self.entropy_limit = entropy_limit
         self.exponent = 1.0
         self.far = False
+        self._arrived = np.ones(len(alphas))
         self._inputs = inputs.regions
         self._log_mus = inputs.log_mus
         first = inputs.regions[0].scatter(np.exp(inputs.log_mus[0]), 0.0) if self.domain.pieces is not None else None
         self._pieces = None if first is None else PieceMasses.of(first, self.domain)
-        self._relaxation = self.domain.relaxation
+        # Exponents below 1 converge by themselves, and steps beyond would leave the invariant.
+        self._relaxation = self.domain.relaxation if self.balanced else 1.0
         self._enter(start)
 
     def _enter(self, start: Potentials) -> None:
@@ -191,6 +201,8 @@ class BregmanIteration:
         if self.marginal_error > _STALLED * before:
             self._relaxation = min(self._relaxation, 1.0)
         self._project_on_common()
+        if not self.balanced:
+            self._settle_constants()
         if self.sharpness:
             self._prepare_debias()
 
@@ -204,16 +216,16 @@ class BregmanIteration:
                 raise KernelTooNarrowError(f"gamma = {self.domain.gamma:.3g} is too small for scalings of float64")
             self.far = True
             log_kv = self._transfer(self.log_v, here, self._inputs)
-        log_w = [log_mu - logs for log_mu, logs in zip(self._log_mus, log_kv, strict=True)]
+        exponent = self.fidelity.exponent
+        log_w = [exponent * (log_mu - logs) for log_mu, logs in zip(self._log_mus, log_kv, strict=True)]
         for log_kw, logs in zip(self._log_kw, self._transfer(log_w, self._inputs, here), strict=True):
             log_kw[...] = logs
 
     def _geometric_mean(self) -> None:
-        """Take ln mu = beta (s ln d + sum_i alpha_i ln H(a w_i)), not yet normalized."""
-        np.multiply(self.log_debias, self.sharpness, out=self._log_mu)
-        for alpha, log_kw in zip(self.alphas, self._log_kw, strict=True):
-            np.multiply(log_kw, alpha, out=self._spare)
-            self._log_mu += self._spare
+        """Take ln mu = beta (s ln d + sum_i alpha_i ln H(a w_i)), or its unbalanced form, not yet normalized."""
+        self.fidelity.log_mean(self._log_kw, self.alphas, self._log_mu)
+        np.multiply(self.log_debias, self.sharpness / self.fidelity.exponent, out=self._spare)
+        self._log_mu += self._spare
         self._balance()
         if self.entropy_limit is not None:
             self.exponent = sharpening_exponent(self._log_mu, self.entropy_limit, self.weights, self._pieces)
@@ -223,7 +235,7 @@ class BregmanIteration:
 
     def _balance(self) -> None:
         """Give every connected piece its mass, where there are several."""
-        if self._pieces is not None:
+        if self._pieces is not None and self.balanced:
             self._log_mu[...] = self._pieces.balanced(self._log_mu, self.weights)
 
     def _normalize(self) -> None:
@@ -238,10 +250,17 @@ class BregmanIteration:
         self._relevant = self._log_mu > self._log_mass - RELEVANT
 
     def _marginal_error(self, index: int) -> float:
-        """Sum of a |v_i H(a w_i) - mu|; the mass of v_i H(a w_i) is that of mu_i in every round."""
-        np.add(self.log_v[index], self._log_kw[index], out=self._spare)
+        """Sum of a |v_i H(a w_i) - mu|; the mass of v_i H(a w_i) is that of mu_i in every round.
+
+        Unbalanced it is v_i^(1 / e) H(a w_i), per mass.
+        """
+        np.divide(self.log_v[index], self.fidelity.exponent, out=self._spare)
+        self._spare += self._log_kw[index]
+        if not self.balanced:
+            self._spare -= self._log_mass
         np.minimum(self._spare, 50.0, out=self._spare)
         np.exp(self._spare, out=self._spare)
+        self._arrived[index] = total_mass(self._spare, self.weights)
         self._spare -= self.density
         np.abs(self._spare, out=self._spare)
         return total_mass(self._spare, self.weights)
@@ -249,14 +268,17 @@ class BregmanIteration:
     def _prepare_debias(self) -> None:
         """Measure how far d H(a d) is from mu, and prepare the step of ln d towards it."""
         (step,) = self._transfer([self.log_debias], [self.region], [self.region])
-        step += self.log_debias
+        exponent = self.fidelity.exponent
+        step += self.log_debias / exponent
+        if not self.balanced:
+            step -= self._log_mass
         np.exp(np.minimum(step, 50.0, out=self._spare), out=self._spare)
         self._spare -= self.density
         np.abs(self._spare, out=self._spare)
         self.debias_error = total_mass(self._spare, self.weights)
         np.subtract(self._log_mu, step, out=step)
         step -= self._log_mass
-        step *= _DEBIAS_STEP
+        step *= _DEBIAS_STEP * exponent
         step += self.log_debias
         np.clip(step, -_DEBIAS_RANGE, _DEBIAS_RANGE, out=step)
         np.copyto(step, -_DEBIAS_RANGE, where=~self._relevant)
@@ -275,6 +297,9 @@ class BregmanIteration:
         irrelevant = ~self._relevant
         for log_v, log_kw in zip(self.log_v, self._log_kw, strict=True):
             np.subtract(self._log_mu, log_kw, out=self._spare)
+            if not self.balanced:
+                self._spare *= self.fidelity.exponent
+                np.copyto(self._spare, LOG_NOTHING, where=log_kw <= LOG_NOTHING / 2)
             if self.entropy_limit is not None:
                 # The exponent would raise a mass other than 1 to its power in every round.
                 self._spare -= self._log_mass
@@ -286,12 +311,28 @@ class BregmanIteration:
                 log_v += self._relaxation * (self._spare - log_v)
             np.copyto(log_v, LOG_NOTHING, where=irrelevant)
 
+    def _settle_constants(self) -> None:
+        """Multiply every v_i by the constant for which as much arrives as should.
+
+        With v_i times c, and w_i with it, v_i^(1 / e) H(a w_i) is c^(1 / e - e) times what it was. Left to themselves
+        the constants would go there by a factor of e^2 in a round, which for long reaches is next to nothing. Half of
+        the way, because what lies too far apart to exchange mass has constants of its own.
+        """
+        exponent = self.fidelity.exponent
+        shifts = -0.5 * np.log(np.maximum(self._arrived, np.finfo(float).tiny)) / (1.0 / exponent - exponent)
+        there = self._relevant & (self.log_v > LOG_NOTHING / 2)
+        self.log_v += np.where(there, shifts[:, None], 0.0)
+        off = self.fidelity.mean_of_scalings(self.log_v, self.alphas) - self.sharpness * self.log_debias
+        self.log_v -= np.where(there, off, 0.0)
+
     def potentials(self) -> Potentials:
         """Return the state, to continue from or to prolong.
 
         A constant may move from one v_i to the others without changing anything; here every ln v_i has the same mean
         under mu, because a constant would grow fourfold with every finer level.
         """
+        if not self.balanced:
+            return Potentials(self.region, np.maximum(self.log_v, LOG_NOTHING), self.log_debias)
         mass = self.density * self.weights
         means = np.array([float((log_v * mass).sum()) for log_v in self.log_v])
         for log_v, mean in zip(self.log_v, means, strict=True):
@@ -324,8 +365,18 @@ class BregmanIteration:
         """The larger of the marginal error and the error of d: a stale d holds mu back while the marginals agree."""
         return max(self.marginal_error, self.debias_error)
 
+    @property
+    def mass(self) -> float:
+        """Mass of mu before normalizing."""
+        return float(np.exp(min(self._log_mass, 700.0)))
+
     def mass_error(self) -> float:
-        """Return |a^T mu - 1| before normalizing; with an entropy bound, how far the mass moved in the last round."""
+        """Return |a^T mu - 1| before normalizing; with an entropy bound, how far the mass moved in the last round.
+
+        Unbalanced there is no mass that mu should have, and the error is 0.
+        """
+        if not self.balanced:
+            return 0.0
         return float(abs(np.expm1(min(self._log_mass - self._log_mass_before, 700.0))))
 
     def invariant_error(self) -> float:
@@ -333,8 +384,8 @@ class BregmanIteration:
         expected = self.sharpness * self.log_debias + (1.0 - 1.0 / self.exponent) * self._log_mu
         if self.entropy_limit is not None:
             expected -= self._log_mass
-        residual = np.tensordot(self.alphas, self.log_v, 1) - expected
-        if self._pieces is not None:
+        residual = self.fidelity.mean_of_scalings(self.log_v, self.alphas) - expected
+        if self._pieces is not None and self.balanced:
             # Every piece has a constant of its own, which changes no plan.
             mass = self.density * self.weights
             means = self._pieces.sums(residual * mass) / np.maximum(self._pieces.sums(mass), np.finfo(float).tiny)
