@@ -94,7 +94,7 @@ def cases():
     yield barycenter, "weights", [0, 0, 0], "must not all be zero"
     yield barycenter, "numerics", "exact", 'must be "automatic" or "scaling", got \'exact\''
     for wrong in (0.0, -1.0, np.nan, np.inf):
-        yield barycenter, "reach", wrong, f"reach must be a positive length, got {wrong}"
+        yield barycenter, "reach", wrong, f"must be a positive length, got {wrong}"
     yield barycenter, "tightening", -1, "must be zero or a positive whole number, got -1"
     yield barycenter, "tightening", 1.5, "must be zero or a positive whole number, got 1.5"
     yield (
