@@ -12,7 +12,9 @@ import pytest
 from convwass_addon import transport
 from convwass_addon.transport import (
     Grid,
+    Inputs,
     barycenter,
+    barycenter_between,
     barycentric_coordinates,
     bisect,
     distance,
@@ -31,11 +33,15 @@ ONE_NEGATIVE = MU - 1.5 * (np.arange(30).reshape(6, 5) == 7)
 WEIGHTS = [0.2, 0.3, 0.5]
 LINE = [[0, 1], [1, 2]]
 ENDS = {0: MU, 2: MU}
+PREPARED = Inputs.of(MUS, GRID)
+SOLVED = barycenter(PREPARED, WEIGHTS, GRID)
+ELSEWHERE = barycenter(np.ones((3, 5, 6)), WEIGHTS, Grid((5, 6), 1.0))
 
 # What every function accepts; a case changes one argument.
 GOOD = {
     Grid: {"shape": (6, 5), "sigma": 1.0},
     barycenter: {"mus": MUS, "weights": WEIGHTS, "domain": GRID},
+    barycenter_between: {"first": SOLVED, "second": SOLVED, "share": 0.5, "inputs": PREPARED},
     barycentric_coordinates: {"mu": MU, "mus": MUS, "domain": GRID},
     nearest_barycenter: {"mu": MU, "mus": MUS, "domain": GRID},
     distance: {"mu0": MU, "mu1": MU, "domain": GRID},
@@ -56,7 +62,7 @@ DENSITIES = [
     (0 * MU, "has no mass"),
 ]
 SOLVERS = [barycenter, barycentric_coordinates, nearest_barycenter, distance, distance_matrix, interpolate, bisect]
-SOLVERS += [propagate]
+SOLVERS += [propagate, barycenter_between]
 RATHER = {
     "tolerance": [(0.0, "must be positive, got 0.0"), (-1e-3, "must be positive"), (np.nan, "must be positive")],
     "max_iterations": [(0, "must be at least 1, got 0"), (-1, "must be at least 1")],
@@ -94,15 +100,16 @@ def cases():
     yield barycenter, "weights", [0, 0, 0], "must not all be zero"
     yield barycenter, "numerics", "exact", 'must be "automatic" or "scaling", got \'exact\''
     for wrong in (0.0, -1.0, np.nan, np.inf):
-        yield barycenter, "reach", wrong, f"must be a positive length, got {wrong}"
+        for solver in (barycenter, barycenter_between):
+            yield solver, "reach", wrong, f"must be a positive length, got {wrong}"
+    for name in ("first", "second"):
+        yield barycenter_between, name, ELSEWHERE, "must be a barycenter of these inputs"
+    yield barycenter_between, "second", barycenter(PREPARED, [1, 1, 0], GRID), "must give weight to the inputs that"
+    for wrong in (-0.1, 1.1, np.nan):
+        yield barycenter_between, "share", wrong, f"must lie between 0 and 1, got {wrong}"
     yield barycenter, "tightening", -1, "must be zero or a positive whole number, got -1"
     yield barycenter, "tightening", 1.5, "must be zero or a positive whole number, got 1.5"
-    yield (
-        barycenter,
-        "initial",
-        barycenter(np.ones((3, 5, 6)), WEIGHTS, Grid((5, 6), 1.0)),
-        (r"must be a barycenter on a domain of shape \(6, 5\)"),
-    )
+    yield barycenter, "initial", ELSEWHERE, r"must be a barycenter on a domain of shape \(6, 5\)"
     yield nearest_barycenter, "max_evaluations", 0, "must be at least 1, got 0"
     for solver in (interpolate, bisect):
         yield solver, "times", [0.2, 1.01], "must lie between 0 and 1"
@@ -171,7 +178,7 @@ def test_without_the_mistake_nothing_is_wrong(function):
 
 def test_no_argument_was_forgotten():
     """All but domains and callbacks, and flags that have no wrong value."""
-    unchecked = {"domain", "monitor", "debias", "size"}
+    unchecked = {"domain", "inputs", "monitor", "debias", "size"}
     tried = {(function, argument) for function, argument, *_ in CASES}
     for function in GOOD:
         for argument in set(inspect.signature(function).parameters) - unchecked:
