@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast and how large: ``python -m benchmarks [morph | table1] [OPTIONS]``; without a name, all of it.
+"""How fast, how large and how good: ``python -m benchmarks [NAME] [OPTIONS]``; without a name, all of it.
 
 Every case runs in a process of its own, one after the other, with one BLAS thread, so that CPU seconds and peak memory
 are its own. CPU seconds, not wall seconds: a busy machine stretches the latter.
@@ -10,18 +10,21 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
-from . import morph, table1
+from . import morph, peers, quality, table1
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks that the command line asks for."""
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
-    names = parser.add_subparsers(title="benchmarks", metavar="morph | table1")
+    names = parser.add_subparsers(title="benchmarks", metavar="morph | quality | table1 | peers")
     _add_morph(names.add_parser("morph", help=morph.__doc__))
+    _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
+    _add_peers(names.add_parser("peers", help=peers.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
-    for chosen in [arguments] if arguments else [["morph"], ["table1"]]:
+    for chosen in [arguments] if arguments else [["morph"], ["quality"], ["table1"], ["peers"]]:
         options = parser.parse_args(chosen)
         options.run(options)
     return 0
@@ -35,12 +38,27 @@ def _add_morph(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=lambda options: morph.main(options.resolutions, options.frames))
 
 
+def _add_quality(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--cells", type=int, default=64, help="cells along the longest side (%(default)s)")
+    parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
+    parser.set_defaults(run=lambda options: quality.main(options.cells, options.meshes))
+
+
 def _add_table1(parser: argparse.ArgumentParser) -> None:
     sizes = ",".join(map(str, table1.SIZES))
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
     parser.add_argument("--trials", type=int, default=5, help="random pairs of densities per mesh (%(default)s)")
     parser.add_argument("--limit", type=float, default=60.0, help="most seconds per distance (%(default)s)")
     parser.set_defaults(run=lambda options: table1.main(options.sizes, options.trials, options.limit))
+
+
+def _add_peers(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--resolutions", type=_numbers, default="64,100", help="cells along the longest side (%(default)s)"
+    )
+    parser.add_argument("--side", type=int, default=256, help="cells along a side of the images (%(default)s)")
+    parser.add_argument("--limit", type=float, default=300.0, help="most CPU seconds per run of a peer (%(default)s)")
+    parser.set_defaults(run=lambda options: peers.main(options.resolutions, options.side, options.limit))
 
 
 def _numbers(text: str) -> list[int]:

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,39 +18,48 @@ from typing import TypeVar
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from convwass_addon.applications import blending
 from convwass_addon.applications.layouts import path_blends
 from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.volumes import Lattice, voxelize
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.job import MorphJob
-from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.transport import barycenter
+from convwass_addon.transport import Grid, Inputs, barycenter
 
+from .blends import ASSETS, Pair
 from .processes import peak_megabytes
 
 T = TypeVar("T")
 
 SHAPES = ("horse", "bird")
-ASSETS = Path(__file__).resolve().parent.parent / "assets" / "shapes"
 
 
 class Stopwatch:
-    """CPU seconds by stage, summed over threads."""
+    """CPU seconds by stage, summed over threads, which threads these were, and when each began and ended."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
+        self.threads: dict[str, set[int]] = {}
+        self._first: dict[str, float] = {}
+        self._last: dict[str, float] = {}
         self._lock = threading.Lock()
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Add the time of the block to a stage."""
-        start = time.thread_time()
+        start, begun = time.thread_time(), time.perf_counter()
         yield
         with self._lock:
+            self.threads.setdefault(name, set()).add(threading.get_ident())
+            self._first[name] = min(begun, self._first.get(name, begun))
+            self._last[name] = time.perf_counter()
             self.seconds[name] = self.seconds.get(name, 0.0) + time.thread_time() - start
+
+    def span(self, name: str) -> float:
+        """Return the wall seconds from the first beginning of a stage to its last end."""
+        return self._last[name] - self._first[name]
 
     def timed(self, name: str, function: Callable[..., T]) -> Callable[..., T]:
         """Return the function with its time added to a stage."""
@@ -68,22 +78,34 @@ def read_shapes() -> list[bpy.types.Object]:
 
 
 def single(cells: int, blur: float | None, sharpness: float) -> dict[str, object]:
-    """Solve one barycenter from a cold start."""
-    inputs = read_shapes()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+    """Solve one barycenter from a cold start; then once more, to count the memory."""
     sigma = cells / 40 if blur is None else blur
-    lattice = Lattice.around(shapes, cells, sigma)
-    densities = np.stack(list(voxelize(shapes, SHAPES, lattice, 0.0)))
+    pair = Pair.read([ASSETS / f"{name}.ply" for name in SHAPES], cells, sigma)
+    domain = pair.lattice.grid(sigma)
     start = time.process_time()
-    found = barycenter(densities, [0.5, 0.5], lattice.grid(sigma), sharpness=sharpness)
-    return {
+    found = barycenter(pair.densities, [0.5, 0.5], domain, sharpness=sharpness)
+    report = {
         "cpu": time.process_time() - start,
         "iterations": found.iterations,
         "error": found.marginal_error,
         "numerics": found.numerics,
         "peak": peak_megabytes(),
     }
+    # Counting takes time, and a kernel that has been used has its scratch arrays already.
+    del found
+    held = _bytes_at_peak(pair.densities, pair.lattice.grid(sigma), sharpness)
+    return {**report, "bytes_per_cell": held / domain.cells}
+
+
+def _bytes_at_peak(densities: NDArray[np.float32], domain: Grid, sharpness: float) -> int:
+    """Count what NumPy holds at the peak of preparing two shapes and solving one barycenter, the shapes included."""
+    tracemalloc.start()
+    inputs = Inputs.of(densities, domain)
+    # While the inputs are made, the shapes as they were voxelized are there too; afterwards a morph drops them.
+    preparing = tracemalloc.get_traced_memory()[1] + densities.nbytes
+    tracemalloc.reset_peak()
+    barycenter(inputs, [0.5, 0.5], domain, sharpness=sharpness)
+    return max(preparing, tracemalloc.get_traced_memory()[1])
 
 
 def path(cells: int, frames: int) -> dict[str, object]:
@@ -111,14 +133,18 @@ def path(cells: int, frames: int) -> dict[str, object]:
         save_blend(Path(folder) / "morph.blend")
     return {
         **watch.seconds,
+        "solve_wall": watch.span("solve"),
+        "workers": len(watch.threads["solve"]),
         "cpu": time.process_time() - cpu,
         "wall": time.perf_counter() - wall,
         "peak": peak_megabytes(),
     }
 
 
+CASES = {"single": single, "path": path}
+
 if __name__ == "__main__":
     case, options = sys.argv[1:]
-    print(json.dumps({"single": single, "path": path}[case](**json.loads(options))), flush=True)
+    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
     # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
     os._exit(0)

@@ -13,6 +13,18 @@ SINGLE = (
     ("debiased, blur 1 cell", {"blur": 1.0, "sharpness": 1.0}),
 )
 
+_SINGLE = """One cold barycenter, horse and bird, t = 0.5, to 1 % marginal error
+
+peak MB     largest resident memory of the process; Blender itself takes about 300 of it
+bytes/cell  what NumPy holds at the peak, over the cells of the grid: shapes, inputs and barycenter (tracemalloc)
+"""
+
+_PATH = """
+A morph from horse to bird, {frames} frames, from meshes to .blend, CPU s by stage
+
+solve wall  wall s from the start of the first solve to the end of the last
+"""
+
 
 def main(resolutions: list[int], frames: int) -> None:
     """Run all cases and print two tables.
@@ -24,25 +36,28 @@ def main(resolutions: list[int], frames: int) -> None:
     frames : int
         Of the morph.
     """
-    print("One cold barycenter, horse and bird, t = 0.5, to 1 % marginal error\n")
-    print(f"{'cells':>6}  {'case':30} {'CPU s':>7} {'iterations':>16} {'error':>7} {'numerics':>20} {'peak MB':>8}")
+    print(_SINGLE)
+    print(
+        f"{'cells':>6}  {'case':30} {'CPU s':>7} {'iterations':>16} {'error':>7} {'numerics':>20} {'peak MB':>8} "
+        f"{'bytes/cell':>10}"
+    )
     for cells in resolutions:
         for name, case in SINGLE:
             found = measured(_CASES, "single", cells=cells, **case)
             print(
                 f"{cells:6}  {name:30} {found['cpu']:7.2f} {found['iterations']!s:>16} {found['error']:7.4f} "
-                f"{found['numerics']:>20} {found['peak']:8.0f}",
+                f"{found['numerics']:>20} {found['peak']:8.0f} {found['bytes_per_cell']:10.0f}",
                 flush=True,
             )
-    print(f"\nA morph from horse to bird, {frames} frames, from meshes to .blend, CPU s by stage\n")
+    print(_PATH.format(frames=frames))
     names = f"{'read':>6} {'voxelize':>9} {'solve':>8} {'surface':>8} {'write':>7} {'all':>7}"
-    print(f"{'cells':>6} {names} {'wall s':>7} {'peak MB':>8}")
+    print(f"{'cells':>6} {names} {'solve wall':>10} {'wall s':>7} {'workers':>7} {'peak MB':>8}")
     for cells in resolutions:
         found = measured(_CASES, "path", cells=cells, frames=frames)
         stages = [found[name] for name in ("read", "voxelize", "solve", "surface", "write", "cpu")]
         read, voxelize, solve, surface, write, cpu = stages
         print(
             f"{cells:6} {read:6.2f} {voxelize:9.2f} {solve:8.2f} {surface:8.2f} {write:7.2f} {cpu:7.2f} "
-            f"{found['wall']:7.2f} {found['peak']:8.0f}",
+            f"{found['solve_wall']:10.2f} {found['wall']:7.2f} {found['workers']:7} {found['peak']:8.0f}",
             flush=True,
         )

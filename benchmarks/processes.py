@@ -16,13 +16,16 @@ PROJECT = Path(__file__).resolve().parent.parent
 def measured(module: str, case: str, **options: object) -> dict[str, object]:
     """Run one case in a fresh process and return what it reports, or end with its message."""
     try:
-        done = subprocess.run(_command(module, case, options), check=True, **_surroundings())
+        command = _command(sys.executable, module, case, options)
+        done = subprocess.run(command, check=True, **_surroundings())
     except subprocess.CalledProcessError as error:
         sys.exit(f"benchmark {case} {options} failed:\n{error.stderr}")
     return json.loads(done.stdout.strip().splitlines()[-1])
 
 
-def reports(module: str, case: str, limit: float, **options: object) -> list[dict[str, object]]:
+def reports(
+    module: str, case: str, limit: float, *, program: str | Path = sys.executable, **options: object
+) -> list[dict[str, object]]:
     """Return the lines that a case has printed within `limit` seconds, or before it ran out of memory.
 
     Parameters
@@ -31,10 +34,12 @@ def reports(module: str, case: str, limit: float, **options: object) -> list[dic
         As on the command line: ``python -m MODULE CASE OPTIONS``.
     limit : float
         Wall seconds.
+    program : str or Path
+        The Python to run it with.
     options
         Given to the case.
     """
-    command = _command(module, case, options)
+    command = _command(program, module, case, options)
     try:
         done = subprocess.run(command, timeout=limit, check=False, **_surroundings())
     except subprocess.TimeoutExpired as expired:
@@ -57,8 +62,8 @@ def peak_megabytes() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale / 1e6
 
 
-def _command(module: str, case: str, options: dict[str, object]) -> list[str]:
-    return [sys.executable, "-m", module, case, json.dumps(options)]
+def _command(program: str | Path, module: str, case: str, options: dict[str, object]) -> list[str]:
+    return [str(program), "-m", module, case, json.dumps(options)]
 
 
 def _surroundings() -> dict[str, object]:

@@ -5,14 +5,20 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 
+from .applications.cluster import cluster_workers
+from .applications.frame_cache import FrameCache
 from .applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from .applications.morph import MorphStep
 from .applications.morph_settings import MorphSettings
 from .bridge.animation import render_animation
 from .bridge.contact_sheet import render_contact_sheet
@@ -39,12 +45,25 @@ examples:
   morph scene.blend:Cube scene.blend:Suzanne --frames 48
   morph a.obj b.obj c.obj d.obj --layout grid --steps 5 --out sheet.blend --render
   morph a.obj b.obj c.obj --weights 0.2,0.3,0.5 --export blend.ply
+  morph a.obj b.obj --frames 240 --cache /shared/frames --frames-range 0-119
+  morph a.obj b.obj --frames 240 --cache /shared/frames --scheduler tcp://192.168.1.10:8786
 
 """
 
 # Colors of shapes that bring no material.
 _PALETTE = ((0.55, 0.09, 0.035, 1.0), (0.72, 0.30, 0.02, 1.0), (0.02, 0.13, 0.40, 1.0), (0.08, 0.24, 0.06, 1.0))
+_WORKERS = {"type": int, "metavar": "N", "help": "threads that compute frames (one per processor)"}
 _DEMO_SHAPES = ("horse", "double_torus", "bird")
+
+
+@dataclass(frozen=True)
+class _Computing:
+    """Where frames are computed, where they are kept, and which of them are wanted (all)."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+    cache: FrameCache | None = None
+    wanted: range | None = None
 
 
 def main(arguments: Sequence[str], program: str = "blender --command convwass") -> int:
@@ -80,7 +99,9 @@ def main(arguments: Sequence[str], program: str = "blender --command convwass") 
         print(f"convwass: {error}", file=sys.stderr)
         return 4 if isinstance(error, ResourceError) else 3 if isinstance(error, InputError) else 1
     except KeyboardInterrupt:
-        print("convwass: interrupted; nothing was saved", file=sys.stderr)
+        kept = getattr(options, "cache", None)
+        left = f"finished frames are kept in {kept}" if kept else "nothing was saved"
+        print(f"convwass: interrupted; {left}", file=sys.stderr)
         return 130
     return 0
 
@@ -94,6 +115,7 @@ def _parser(program: str) -> ArgumentParser:
     morph.add_argument("--out", type=Path, default=Path("morph.blend"), help="the .blend to write (%(default)s)")
     _add_layout_options(morph)
     _add_solver_options(morph)
+    _add_computing_options(morph)
     _add_output_options(morph)
     morph.set_defaults(run=_morph)
     demo = verbs.add_parser(
@@ -105,7 +127,7 @@ def _parser(program: str) -> ArgumentParser:
     demo.add_argument("--out", type=Path, default=Path("out"), help="the folder to write to (%(default)s)")
     demo.add_argument("--frames", type=int, default=24, help="frames from each shape to the next (%(default)s)")
     demo.add_argument("--resolution", type=int, default=96, help="cells along the longest side (%(default)s)")
-    _add_workers(demo)
+    demo.add_argument("--workers", **_WORKERS)
     demo.add_argument("--json", action="store_true", help="print the records of the solver as JSON")
     demo.set_defaults(run=_demo)
     return parser
@@ -153,13 +175,50 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         "--thickness", type=float, default=0.0, help="thickness for shapes without volume, such as planes (none)"
     )
     group.add_argument(
+        "--locality",
+        type=float,
+        default=0.0,
+        help="0: all mass travels; up to 1: parts shrink here and grow there instead of going far (%(default)s)",
+    )
+    group.add_argument(
+        "--no-thin-parts",
+        action="store_true",
+        help="take one level for thick and thin parts; thin ones get thinner or vanish",
+    )
+    group.add_argument(
+        "--no-mend", action="store_true", help="leave crumbs, gaps and handles that the shapes do not have as they come"
+    )
+    group.add_argument(
+        "--parts",
+        choices=("none", "vertex-groups", "materials"),
+        default="none",
+        help="parts of the same name on all shapes travel together: head to head (%(default)s)",
+    )
+    group.add_argument(
         "--tolerance", type=float, default=0.01, help="marginal error at which a blend is done (%(default)s)"
     )
-    _add_workers(parser)
 
 
-def _add_workers(parser: ArgumentParser) -> None:
-    parser.add_argument("--workers", type=int, metavar="N", help="threads that compute frames (one per processor)")
+def _add_computing_options(parser: ArgumentParser) -> None:
+    group = parser.add_argument_group("where it is computed")
+    group.add_argument("--workers", **_WORKERS)
+    group.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="compute frames on the workers of a Dask cluster instead, such as tcp://HOST:8786",
+    )
+    group.add_argument(
+        "--cache",
+        type=Path,
+        metavar="FOLDER",
+        help="keep finished frames there, and compute only those that are missing; several machines may share it",
+    )
+    group.add_argument(
+        "--frames-range",
+        type=_frame_range,
+        metavar="A-B",
+        help="path: only put these frames into the cache and write no .blend; the first shape is frame 0",
+    )
 
 
 def _add_output_options(parser: ArgumentParser) -> None:
@@ -186,19 +245,28 @@ def _morph(options: Namespace) -> dict[str, object]:
         entropy_limit=options.entropy_limit,
         level=options.level,
         thickness=options.thickness,
+        locality=options.locality,
+        thin_parts=not options.no_thin_parts,
+        mend=not options.no_mend,
+        parts=options.parts,
         tolerance=options.tolerance,
     )
     blends = _blends(options, len(options.shapes))
     # Everything that can be refused is refused before the work begins.
-    target = checked_target(options.out.with_suffix(".blend"))
+    target = options.out.with_suffix(".blend")
+    if options.frames_range is None:
+        target = checked_target(target)
     export_format = _export_format(options.export) if options.export else None
+    computing = _computing(options, blends)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = []
     for text in options.shapes:
         source = parse_source(text)
         inputs += import_objects(source.path, [source.object_name] if source.object_name else None)
     stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
-    collection, records = _baked(inputs, blends, settings, stored, options.workers)
+    if computing.wanted is not None:
+        return _cached(inputs, blends, settings, stored, computing)
+    collection, records = _baked(inputs, blends, settings, stored, computing)
     save_blend(target)
     written = [target]
     if options.render:
@@ -220,7 +288,7 @@ def _demo(options: Namespace) -> dict[str, object]:
     for obj in inputs:
         obj.data.shade_smooth()
     stored = {"layout": "PATH", "frames": options.frames}
-    collection, records = _baked(inputs, blends, settings, stored, options.workers)
+    collection, records = _baked(inputs, blends, settings, stored, _Computing(options.workers))
     target = save_blend(options.out / "morph.blend")
     sheet, movie = _rendered(collection, target, animated=True)
     print(
@@ -236,25 +304,76 @@ def _baked(
     blends: list[Blend],
     settings: MorphSettings,
     stored: dict[str, object],
-    workers: int | None,
+    computing: _Computing,
 ) -> tuple[bpy.types.Collection, list[dict[str, object]]]:
+    job = _job(inputs, blends, settings, stored)
+    try:
+        _run(job, computing, job.write)
+    except BaseException:
+        job.discard()
+        raise
+    slack = sum(not record.get("converged", True) for record in job.records)
+    if slack:
+        print(f"convwass: {slack} blends are less exact than asked for; more --blur helps", file=sys.stderr)
+    for notice in job.notices:
+        print(f"convwass: {notice}", file=sys.stderr)
+    return job.finish(hide_inputs=True), job.records
+
+
+def _cached(
+    inputs: list[bpy.types.Object],
+    blends: list[Blend],
+    settings: MorphSettings,
+    stored: dict[str, object],
+    computing: _Computing,
+) -> dict[str, object]:
+    """Put some frames into the cache and nothing into the scene."""
+    job = _job(inputs, blends, settings, stored)
+    frames, records = [], []
+
+    def note(step: MorphStep) -> None:
+        if step.frame is not None:
+            frames.append(step.frame.blend.frame)
+            records.append(step.frame.record)
+
+    try:
+        _run(job, computing, note)
+    finally:
+        job.discard()
+    folder = computing.cache.folder
+    print(
+        f"convwass: frames {frames[0]}-{frames[-1]} of {blends[-1].frame} are in {folder}; the same command without "
+        "--frames-range makes the .blend once all are",
+        file=sys.stderr,
+    )
+    return {
+        "settings": settings.as_dict(),
+        "range": [frames[0], frames[-1]],
+        "frames": records,
+        "written": [str(folder)],
+    }
+
+
+def _job(
+    inputs: list[bpy.types.Object], blends: list[Blend], settings: MorphSettings, stored: dict[str, object]
+) -> MorphJob:
     for index, obj in enumerate(inputs):
         if not any(obj.data.materials):
             obj.color = _PALETTE[index % len(_PALETTE)]
     scene = bpy.context.scene
-    job = MorphJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
-    with ProgressBar("Morphing") as bar:
-        try:
-            for step in job.steps(workers=workers):
-                job.write(step)
-                bar.show(step.fraction, step.message)
-        except BaseException:
-            job.discard()
-            raise
-    slack = sum(not record.get("converged", True) for record in job.records)
-    if slack:
-        print(f"convwass: {slack} blends are less exact than asked for; more --blur helps", file=sys.stderr)
-    return job.finish(hide_inputs=True), job.records
+    return MorphJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
+
+
+def _run(job: MorphJob, computing: _Computing, take: Callable[[MorphStep], None]) -> None:
+    """Do all steps of a job, wherever its frames are computed, and hand them on."""
+    cluster = cluster_workers(computing.scheduler) if computing.scheduler else nullcontext()
+    with cluster as executor, ProgressBar("Morphing") as bar:
+        steps = job.steps(workers=computing.workers, executor=executor, cache=computing.cache, wanted=computing.wanted)
+        for step in steps:
+            take(step)
+            bar.show(step.fraction, step.message)
+    for notice in computing.cache.notices if computing.cache else ():
+        print(f"convwass: {notice}", file=sys.stderr)
 
 
 def _rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> list[Path]:
@@ -290,6 +409,24 @@ def _blends(options: Namespace, count: int) -> list[Blend]:
     return makers[options.layout]()
 
 
+def _computing(options: Namespace, blends: list[Blend]) -> _Computing:
+    wanted = options.frames_range
+    if options.workers is not None and options.scheduler:
+        raise InputError("--workers are threads of this machine and --scheduler means others; choose one of them.")
+    if wanted is not None:
+        last = blends[-1].frame
+        if last is None:
+            raise InputError("--frames-range is for a path; sheets and single blends have no frames.")
+        if wanted[-1] > last:
+            raise InputError(f"--frames-range {wanted[0]}-{wanted[-1]}: the path has the frames 0-{last}.")
+        if options.cache is None:
+            raise InputError("--frames-range needs --cache FOLDER, which is all that it writes to.")
+        if options.render or options.export:
+            raise InputError("--frames-range writes no scene; leave --render and --export to the run without it.")
+    cache = FrameCache(options.cache) if options.cache is not None else None
+    return _Computing(options.workers, options.scheduler, cache, wanted)
+
+
 def _export_format(path: Path) -> str:
     checked_target(path)
     if path.suffix.lower() not in _suffixes():
@@ -306,6 +443,14 @@ def _numbers(text: str) -> list[float]:
         return [float(part) for part in text.split(",")]
     except ValueError:
         raise ArgumentTypeError(f"{text!r} is not a list of numbers such as 0.2,0.3,0.5") from None
+
+
+def _frame_range(text: str) -> range:
+    found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text, re.ASCII)
+    first, last = (int(number) for number in (found[1], found[2] or found[1])) if found else (1, 0)
+    if first > last:
+        raise ArgumentTypeError(f"{text!r} is not a range of frames such as 0-23, or a frame such as 7")
+    return range(first, last + 1)
 
 
 def _entropy_limit(text: str) -> str | float | None:

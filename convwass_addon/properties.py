@@ -108,6 +108,34 @@ class MorphProperties:
         soft_max=1.0,
         subtype="DISTANCE",
     )
+    parts: EnumProperty(
+        name="Parts",
+        description="Which parts of the shapes travel together: those of the same name on all shapes",
+        items=(
+            ("none", "None", "The shapes travel as wholes"),
+            ("vertex-groups", "Vertex Groups", "Every face belongs to the vertex group with the most weight on it"),
+            ("materials", "Materials", "Every face belongs to its material"),
+        ),
+    )
+    locality: FloatProperty(
+        name="Locality",
+        description="At 0 all mass travels; towards 1 it goes less and less far, and parts shrink in one place and grow "
+        "in another",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    thin_parts: BoolProperty(
+        name="Keep Thin Parts",
+        description="Thin parts keep their volume where one density for all would make them thinner or lose them",
+        default=True,
+    )
+    mend: BoolProperty(
+        name="Mend",
+        description="Drop crumbs, bridge narrow gaps and close false holes, as far as the shapes themselves have none",
+        default=True,
+    )
     hide_inputs: BoolProperty(
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
     )
@@ -129,6 +157,10 @@ class MorphProperties:
             entropy_limit={"OFF": None, "MAX": "max", "NUMBER": self.entropy_bound}[self.entropy_limit],
             level=self.level,
             thickness=self.thickness,
+            locality=self.locality,
+            thin_parts=self.thin_parts,
+            mend=self.mend,
+            parts=self.parts,
         )
 
     def sorted_shapes(self, objects: list[bpy.types.Object]) -> list[bpy.types.Object]:
@@ -142,7 +174,8 @@ class MorphProperties:
 
     def take_stored(self, stored: dict[str, object]) -> None:
         """Take over what a baked morph was asked for."""
-        for name in ("layout", "frames", "steps", "order", "reverse", "resolution", "level", "thickness"):
+        shared = ("resolution", "level", "thickness", "parts", "locality", "thin_parts", "mend")
+        for name in ("layout", "frames", "steps", "order", "reverse", *shared):
             if name in stored:
                 setattr(self, name, stored[name])
         for name in ("blur", "sharpness"):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of what the transport functions compute, after figures 2 to 6 of Solomon et al. 2015.
+"""Pictures of what the transport functions compute, after figures 2 to 6 of Solomon et al. 2015, and of parts.
 
 ``python docs/figures.py [NAME ...]`` writes docs/pictures/NAME.png, all of them by default, with the Python of the
 project's environment and matplotlib.
@@ -17,15 +17,20 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 from numpy.typing import NDArray
 from PIL import Image
-from renderer import Shape, read_shape, rendered
+from renderer import Shape, read_mesh, read_shape, rendered
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.layouts import path_blends
+from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.parts import FaceLabels
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.transport import (
     Grid,
     Surface,
@@ -52,6 +57,10 @@ _DENSITY = LinearSegmentedColormap.from_list(
     "density", ["#eeebe6", "#f9d9b4", *matplotlib.colormaps["magma_r"](np.linspace(0.22, 0.80, 7))]
 )
 _DISTANCE = matplotlib.colormaps["viridis_r"]
+
+# Which part of the horse becomes which of the bird; colors of these, and clay for what is in none.
+_PARTS = ("head", "tail", "left limbs", "right limbs", "body")
+_PART_COLORS = np.array([to_rgb(name) for name in ("#c8553d", "#4a7fb5", "#5a9e6f", "#d9a441", "#a39a94", "#eeebe6")])
 
 
 @dataclass(frozen=True)
@@ -243,6 +252,58 @@ def interpolations() -> Figure:
     return canvas.figure
 
 
+def parts() -> Figure:
+    """Morph a horse into a bird without and with parts that travel together."""
+    names = ("horse", "bird")
+    meshes = [read_mesh(PROJECT / "assets" / "shapes" / f"{name}.ply") for name in names]
+    labels = [
+        FaceLabels(_PARTS, split(mesh)) for mesh, split in zip(meshes, (_parts_of_horse, _parts_of_bird), strict=True)
+    ]
+    turn = Rotation.from_euler("zx", [-20, -75], degrees=True).as_matrix()
+    settings = MorphSettings(resolution=96)
+    canvas = Canvas(_WIDTH, 760)
+    for row, chosen in enumerate((None, labels)):
+        steps = morph(meshes, names, path_blends(2, 4), settings, labels=chosen)
+        for column, frame in enumerate(step.frame for step in steps if step.frame):
+            mesh = meshes[frame.blend.source] if frame.mesh is None else frame.mesh
+            own = labels[frame.blend.source].faces if frame.mesh is None and chosen else np.full(len(mesh.faces), -1)
+            place = (160 + column * 320, 570 - row * 375)
+            canvas.centered(place, _part_image(mesh, own, turn))
+            canvas.text(place[0], place[1] - 172, f"t = {frame.blend.weights[1]:g}")
+            _say(chosen is not None, frame.blend.weights, frame.record.get("volume"), frame.record.get("overlap"))
+    return canvas.figure
+
+
+def _parts_of_horse(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Cut the horse into parts by planes."""
+    x, y, z = mesh.corners.mean(axis=1).T
+    is_head = (x > -0.1) & (z > 1.25) | (0.6 * x + 0.8 * z > 1.36) & (z > 0.9)
+    is_tail = (x < -0.6) & (z > 0.8) | (z > 0.42) & ((x < -0.7) | (x < -0.63) & (y > -0.07))
+    return np.select([is_head, is_tail, (z < 0.8) & (y > 0), z < 0.8], [0, 1, 2, 3], 4)
+
+
+def _parts_of_bird(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Cut the bird into parts by planes."""
+    x, y, z = mesh.corners.mean(axis=1).T
+    is_head = (x > 0.36) & (z > 0.58) & (np.abs(y) < 0.24) & (z < 1.0)
+    is_wing = (z > 0.46) & (np.abs(y) > 0.21) | (z > 1.0)
+    is_tail = (x < -0.42) & (z < 0.42)
+    return np.select([is_head, is_tail, is_wing & (y > 0), is_wing], [0, 1, 2, 3], 4)
+
+
+def _part_image(mesh: TriangleMesh, labels: NDArray[np.int64], rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Draw a mesh in the colors of its parts, all meshes at one scale."""
+    # A vertex for every part that it belongs to, so that colors end at edges.
+    pairs, faces = np.unique(
+        np.stack([mesh.faces, np.repeat(labels[:, None], 3, axis=1)], -1).reshape(-1, 2), axis=0, return_inverse=True
+    )
+    shape = Shape(mesh.vertices[pairs[:, 0]] @ rotation.T, faces.reshape(-1, 3))
+    width = round(145 * float(np.ptp(shape.vertices[:, 0])))
+    return rendered(
+        shape, pairs[:, 1].astype(float), lambda values, _: _PART_COLORS[np.round(values).astype(int)], width
+    )
+
+
 class Canvas:
     """A white picture on which things are put by pixels, from its lower left corner."""
 
@@ -302,6 +363,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "barycenters": barycenters,
     "propagations": propagations,
     "interpolations": interpolations,
+    "parts": parts,
 }
 
 

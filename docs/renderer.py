@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from convwass_addon.geometry.mesh import TriangleMesh
+
 Shader = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 """Colors, (p, 3), of values, (p,), and of how much these change from a pixel to the next, (p,)."""
 
@@ -41,13 +43,19 @@ class Shape:
 
 
 def read_shape(path: Path, rotation: NDArray[np.float64]) -> Shape:
-    """Read one of the project's own sample shapes (binary PLY, triangles) and turn it."""
+    """Read one of the project's own sample shapes and turn it."""
+    mesh = read_mesh(path)
+    return posed(mesh.vertices, mesh.faces, rotation)
+
+
+def read_mesh(path: Path) -> TriangleMesh:
+    """Read one of the project's own sample shapes (binary PLY, triangles)."""
     header, body = path.read_bytes().split(b"end_header\n", 1)
     counts = [int(line.split()[2]) for line in header.decode().splitlines() if line.startswith("element")]
     vertices = np.frombuffer(body, "<f4", 3 * counts[0]).reshape(-1, 3).astype(np.float64)
     triangle = np.dtype([("corners", "u1"), ("vertices", "<i4", 3)])
     faces = np.frombuffer(body, triangle, counts[1], 12 * counts[0])["vertices"].astype(np.int64)
-    return posed(vertices, faces, rotation)
+    return TriangleMesh.from_arrays(vertices, faces)
 
 
 def posed(vertices: NDArray[np.float64], faces: NDArray[np.int64], rotation: NDArray[np.float64]) -> Shape:

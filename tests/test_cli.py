@@ -97,6 +97,7 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
+        (["{in}/cube.obj", "{in}/ball.ply", "--parts", "vertex-groups"], 3, "No part is on all shapes"),
         (["{in}/cube.obj", "{in}/missing.obj"], 3, "does not exist"),
         (["{in}/cube.obj", "{in}"], 3, "folder"),
         (["{in}/cube.obj"], 3, "two shapes"),
@@ -113,6 +114,25 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         (["{in}/cube.obj", "{in}/ball.ply", "--export", "{in}/mesh.xyz"], 3, ".obj"),
         (["{in}/cube.obj", "{in}/ball.ply", "--entropy-limit", "much"], 2, "max, off or a number"),
         (["{in}/cube.obj", "{in}/ball.ply", "--workers", "0"], 3, "at least one worker"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--workers", "2", "--scheduler", "tcp://a:1"], 3, "choose one of them"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--scheduler", "what://ever"], 3, "scheduler"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--cache", "{in}/cube.obj"], 3, "cannot be made"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "0-3"], 3, "needs --cache"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "0-25", "--cache", "{in}/frames"], 3, "frames 0-24"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "3-2", "--cache", "{in}/frames"], 2, "range of frames"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames-range=-1", "--cache", "{in}/frames"], 2, "range of frames"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "all", "--cache", "{in}/frames"], 2, "range of frames"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "٣", "--cache", "{in}/frames"], 2, "range of frames"),
+        (
+            ["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "0", "--cache", "{in}/frames", "--weights", "1,1"],
+            3,
+            "is for a path",
+        ),
+        (
+            ["{in}/cube.obj", "{in}/ball.ply", "--frames-range", "0", "--cache", "{in}/frames", "--render"],
+            3,
+            "leave --render",
+        ),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
         ([], 2, "SHAPE"),
     ],
@@ -142,6 +162,74 @@ def test_damaged_files_are_refused(shapes, tmp_path, capfd):
     assert "damaged.ply" in capfd.readouterr().err
 
 
+def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path, capfd):
+    out, cache = tmp_path / "morph.blend", tmp_path / "frames"
+    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--resolution", "16", "--frames", "10"]
+    words += ["--out", str(out), "--cache", str(cache), "--json"]
+    made = []
+    for wanted in ("5", "0-1", "8-10"):
+        capfd.readouterr()
+        assert cli.main([*words, "--frames-range", wanted]) == 0
+        printed, said = capfd.readouterr()
+        result = json.loads(printed)
+        first, last = result["range"]
+        assert f"frames {first}-{last} of 10 are in {cache}" in said
+        assert len(result["frames"]) == last - first + 1
+        assert result["written"] == [str(cache)]
+        made.append((first, last))
+    assert made == [(4, 7), (0, 3), (8, 10)]
+    assert not out.exists()
+    before = {path: path.stat().st_mtime_ns for path in cache.iterdir()}
+    assert len(before) == 11
+    assert cli.main(words) == 0
+    cached = json.loads(capfd.readouterr().out)["frames"]
+    assert {path: path.stat().st_mtime_ns for path in cache.iterdir()} == before
+    assert len(saved_frames(out)) == 11
+    capfd.readouterr()
+    assert cli.main([word for word in words if word not in ("--cache", str(cache))]) == 0
+    assert json.loads(capfd.readouterr().out)["frames"] == cached
+
+
+def test_frames_of_a_cluster_are_those_of_threads(shapes, tmp_path, capfd):
+    distributed = pytest.importorskip("distributed")
+    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--json"]
+    words += ["--out", str(tmp_path / "morph.blend")]
+    results = []
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
+    ) as cluster:
+        for where in (["--scheduler", cluster.scheduler_address], ["--workers", "1"]):
+            capfd.readouterr()
+            assert cli.main([*words, *where]) == 0
+            results.append(json.loads(capfd.readouterr().out))
+    assert results[0] == results[1]
+
+
+@pytest.mark.parametrize(("cache", "left"), [([], "nothing was saved"), (["--cache", "{at}"], "are kept in {at}")])
+def test_an_interrupt_says_what_is_left(shapes, tmp_path, capfd, monkeypatch, cache, left):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli.MorphJob, "write", interrupt)
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(tmp_path / "morph.blend")]
+    at = str(tmp_path / "frames")
+    assert cli.main(["morph", *words, *(word.format(at=at) for word in cache)]) == 130
+    assert left.format(at=at) in capfd.readouterr().err
+    assert not (tmp_path / "morph.blend").exists()
+
+
+def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):
+    cache = tmp_path / "frames"
+    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--resolution", "16", "--frames", "2"]
+    words += ["--out", str(tmp_path / "morph.blend"), "--cache", str(cache)]
+    assert cli.main(words) == 0
+    damaged = next(cache.iterdir())
+    damaged.write_bytes(b"nonsense")
+    capfd.readouterr()
+    assert cli.main(words) == 0
+    assert f"{damaged} cannot be used and is made again" in capfd.readouterr().err
+
+
 def test_help_names_every_option(capsys):
     assert cli.main(["morph", "--help"]) == 0
     text = capsys.readouterr().out
@@ -151,6 +239,9 @@ def test_help_names_every_option(capsys):
         "--sharpness",
         "--entropy-limit",
         "--level",
+        "--scheduler",
+        "--cache",
+        "--frames-range",
         "--render",
         "--export",
         "--json",

@@ -91,6 +91,10 @@ class Environment:
         }
         return {**kept, "BLENDER_USER_RESOURCES": str(self.folder / "blender-user")}
 
+    def declared(self) -> str:
+        """Hash of the dependencies that belong in here."""
+        return declared_hash(self.project / "pyproject.toml")
+
     def prepare(self, wanted: Iterable[str] = pythons.WANTED) -> None:
         """Make the environment, unless it is there and still right.
 
@@ -113,10 +117,10 @@ class Environment:
                 self._check_blender()
 
     def is_installed(self) -> bool:
-        """Tell whether all that ``pyproject.toml`` declares was installed here and has not been taken away since."""
+        """Tell whether all that is declared was installed here and has not been taken away since."""
         stamp = self._read_stamp()
         return (
-            stamp.declared == declared_hash(self.project / "pyproject.toml")
+            stamp.declared == self.declared()
             and stamp.folder == str(self.folder)
             and self.program.exists()
             and _base_exists(self.folder)
@@ -141,7 +145,7 @@ class Environment:
         self._install_cholmod(interpreter)
         self._write_stamp(
             Stamp(
-                declared=declared_hash(self.project / "pyproject.toml"),
+                declared=self.declared(),
                 folder=str(self.folder),
                 distributions=self._installed_records(),
             )

@@ -10,20 +10,20 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
-from ..geometry.isosurface import LevelSurface, surface_at_level, surface_enclosing
+from ..geometry.mending import Connectivity
 from ..geometry.mesh import TriangleMesh
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
 from .layouts import Blend
 from .morph_settings import MorphSettings
+from .parts import SplitShapes
+from .reading import connectivity_of, read_surface
 from .volumes import Lattice
 
 # By how much the automatic blur grows where it does not reach.
 _WIDEN = 1.25
-# Cells over which a density is averaged before its surface is read: less than the grid can show of a shape, and enough
-# for crumbs and false handles of a cell's size to vanish. The enclosed volume is chosen afterwards.
-_READING_BLUR = 0.7
+# Densities waver by this share about the value they should have; only what is above lies in two parts at once.
+_WAVER = 0.1
 
 
 @dataclass(frozen=True)
@@ -46,25 +46,64 @@ class MorphFrame:
 
 
 @dataclass(frozen=True)
+class MorphPart:
+    """What is transported by itself: a part of all shapes, or the whole shapes.
+
+    Attributes
+    ----------
+    name : str
+        What the record calls it.
+    inputs : Inputs
+        The part of every shape as a distribution.
+    volumes : (k,) float64
+        Its volume in every shape, in cells.
+    """
+
+    name: str
+    inputs: Inputs
+    volumes: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class MorphProblem:
     """What all blends of a morph have in common; can be sent to another process.
 
     Attributes
     ----------
-    inputs : Inputs
-        The shapes as distributions.
-    volumes : (k,) float64
-        Volumes of the shapes in cells.
+    parts : tuple of MorphPart
+        One, unless parts travel together.
     lattice : Lattice
-        Where their cells are.
+        Where the cells of the shapes are.
     settings : MorphSettings
         How to blend them.
+    connectivity : tuple of Connectivity
+        How every shape hangs together at this resolution.
+    notices : tuple of str
+        What the user should know about the parts.
     """
 
-    inputs: Inputs
-    volumes: NDArray[np.float64]
+    parts: tuple[MorphPart, ...]
     lattice: Lattice
     settings: MorphSettings
+    connectivity: tuple[Connectivity, ...]
+    notices: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
+        """Prepare voxelized shapes for many blends of them."""
+        grid = lattice.grid(settings.sigma)
+        parts = tuple(
+            MorphPart(name, Inputs.of(densities, grid), volumes)
+            for name, densities, volumes in zip(shapes.names, shapes.densities, shapes.volumes, strict=True)
+        )
+        wholes = (sum(own) for own in zip(*shapes.densities, strict=True))
+        connectivity = tuple(connectivity_of(whole, settings) for whole in wholes)
+        return cls(parts, lattice, settings, connectivity, shapes.notices)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volumes of the shapes in cells, (k,)."""
+        return np.sum([part.volumes for part in self.parts], axis=0)
 
 
 def solve_blends(
@@ -91,72 +130,171 @@ def solve_blends(
 
 
 class _Solver:
-    """Solves blend after blend on one grid, each started from what the ones before teach."""
+    """Solves blend after blend: the barycenters of all parts, and the surface of their sum.
+
+    A transport that sends every part to itself is block-diagonal, so the barycenter under it is the sum of the
+    barycenters of the parts.
+    """
 
     def __init__(
         self,
         problem: MorphProblem,
         check: Callable[[], None] | None,
     ) -> None:
-        self._inputs = problem.inputs
-        self._volumes = problem.volumes
+        self._problem = problem
+        self._lattice = problem.lattice
+        self._parts = [_PartSolver(part, problem, check) for part in problem.parts]
+
+    def frame(self, blend: Blend) -> MorphFrame:
+        volumes, cell = self._problem.volumes, self._lattice.spacing**3
+        if blend.source is not None:
+            record = {"weights": blend.weights, "input": blend.source, "volume": volumes[blend.source] * cell}
+            return MorphFrame(blend, None, record)
+        shares = np.array([float(np.dot(blend.weights, part.volumes)) for part in self._problem.parts])
+        solved = [part.solve(blend, limit) for part, limit in zip(self._parts, self._limits(shares), strict=True)]
+        merged = merged_parts([part.density for part in solved], shares)
+        sigma = max(part.sigma for part in self._parts)
+        shapes = [self._problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
+        reading = read_surface(merged.density, merged.volume, sigma, shapes, self._problem.settings)
+        mesh = self._lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
+        record = {
+            "weights": blend.weights,
+            **_summary(solved),
+            "sigma": sigma,
+            "cells": self._lattice.shape,
+            "level": reading.surface.level,
+            "volume": mesh.volume,
+            "volume_wanted": merged.volume * cell,
+            **reading.record,
+        }
+        return MorphFrame(blend, mesh, record | self._about_parts(shares, merged))
+
+    def _limits(self, shares: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
+        """Entropy bounds of the parts: densities of mass m in places of their own add up to m (H - ln m)."""
+        limit = self._problem.settings.entropy_limit
+        if limit is None or limit == "max":
+            return [limit] * len(shares)
+        return [limit + float(np.log(share)) for share in shares / shares.sum()]
+
+    def _about_parts(self, shares: NDArray[np.float64], merged: MergedParts) -> dict[str, object]:
+        if len(shares) == 1 and not self._problem.notices:
+            return {}
+        names = (part.name for part in self._problem.parts)
+        return {
+            "parts": dict(zip(names, (shares / shares.sum()).tolist(), strict=True)),
+            "overlap": merged.overlap,
+            "notice": " ".join(self._problem.notices),
+        }
+
+
+class _PartSolver:
+    """Solves one part of blend after blend, each started from what the ones before teach."""
+
+    def __init__(self, part: MorphPart, problem: MorphProblem, check: Callable[[], None] | None) -> None:
+        self._inputs = part.inputs
         self._lattice = problem.lattice
         self._settings = problem.settings
         self._check = check
         self._last: Barycenter | None = None
-        self._last_sigma = problem.settings.sigma
+        self.sigma = problem.settings.sigma
 
-    def frame(self, blend: Blend) -> MorphFrame:
-        if blend.source is not None:
-            volume = self._volumes[blend.source] * self._lattice.spacing**3
-            return MorphFrame(blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume})
-        solved = self._solve(blend)
-        surface = self._surface(solved, float(np.dot(blend.weights, self._volumes)))
-        mesh = self._lattice.to_scene(surface.mesh, np.array(blend.weights))
-        wanted = float(np.dot(blend.weights, self._volumes)) * self._lattice.spacing**3
-        record = {
-            "weights": blend.weights,
-            **solved.record(),
-            "sigma": self._last_sigma,
-            "cells": self._lattice.shape,
-            "level": surface.level,
-            "volume": mesh.volume,
-            "volume_wanted": wanted,
-        }
-        return MorphFrame(blend, mesh, record)
-
-    def _solve(self, blend: Blend) -> Barycenter:
+    def solve(self, blend: Blend, limit: Literal["max"] | float | None) -> Barycenter:
         """Solve with the blur of the settings; where that was left open, with the least that is needed above it."""
         if self._settings.blur is not None:
-            return self._solve_on(self._inputs, blend, "automatic")
+            return self._solve_on(self._inputs, blend, limit, "automatic")
         inputs, sigma = self._inputs, self._settings.sigma
         while True:
             try:
-                return self._solve_on(inputs, blend, "scaling")
+                return self._solve_on(inputs, blend, limit, "scaling")
             except KernelTooNarrowError:
                 # A frame close to one shape reaches farther to the other, and may need a wider kernel than the rest.
                 self._last = None
                 sigma *= _WIDEN
                 inputs = self._inputs.on(self._lattice.grid(sigma))
 
-    def _solve_on(self, inputs: Inputs, blend: Blend, numerics: Literal["automatic", "scaling"]) -> Barycenter:
+    def _solve_on(
+        self,
+        inputs: Inputs,
+        blend: Blend,
+        limit: Literal["max"] | float | None,
+        numerics: Literal["automatic", "scaling"],
+    ) -> Barycenter:
         sigma = inputs.domain.sigma
         solved = barycenter(
             inputs,
             blend.weights,
             inputs.domain,
             sharpness=self._settings.sharpness_at(blend.weights),
-            entropy_limit=self._settings.entropy_limit,
-            initial=self._last if sigma == self._last_sigma else None,
+            entropy_limit=limit,
+            reach=self._settings.reach,
+            initial=self._last if sigma == self.sigma else None,
             tolerance=self._settings.tolerance,
             max_iterations=self._settings.max_iterations,
             numerics=numerics,
             monitor=None if self._check is None else lambda *_: self._check(),
         )
-        self._last, self._last_sigma = solved, sigma
+        self._last, self.sigma = solved, sigma
         return solved
 
-    def _surface(self, solved: Barycenter, cells: float) -> LevelSurface:
-        if self._settings.level == "half-max":
-            return surface_at_level(solved.density, float(solved.density.max()) / 2)
-        return surface_enclosing(gaussian_filter(solved.density, _READING_BLUR), cells)
+
+@dataclass(frozen=True)
+class MergedParts:
+    """Barycenters of parts as one density.
+
+    Attributes
+    ----------
+    density : (nx, ny, nz) float64
+        In any unit.
+    volume : float
+        What its surface should enclose, in cells.
+    overlap : float
+        Volume that parts have in common, in cells.
+    """
+
+    density: NDArray[np.float64]
+    volume: float
+    overlap: float = 0.0
+
+
+def merged_parts(densities: Sequence[NDArray[np.float64]], volumes: NDArray[np.float64]) -> MergedParts:
+    """Add up the barycenters of parts; where several fill the same cells, these count once.
+
+    Otherwise a surface that is to enclose the volume of all would have to swell wherever one part passes through
+    another.
+
+    Parameters
+    ----------
+    densities : sequence of (nx, ny, nz) float64
+        Of mass 1 each; one alone is left as it is.
+    volumes : (p,) float64
+        Volumes of the parts in cells: what they weigh.
+    """
+    if len(densities) == 1:
+        return MergedParts(densities[0], float(volumes[0]))
+    # Times their volume in cells, so that a cell that is full of a part holds one.
+    cells = [density * (volume / density.size) for density, volume in zip(densities, volumes, strict=True)]
+    full = (1.0 + _WAVER) * max(1.0, _typical(cells))
+    total, separate = np.zeros_like(cells[0]), 0.0
+    for own in cells:
+        total += own
+        separate += float(np.minimum(own, full).sum())
+    np.minimum(total, full, out=total)
+    overlap = max(1.0 - float(total.sum()) / separate, 0.0) * float(volumes.sum())
+    return MergedParts(total, float(volumes.sum()) - overlap, overlap)
+
+
+def _typical(densities: Sequence[NDArray[np.float64]]) -> float:
+    """Density of which half of all mass has more: that inside the large parts, above one where they are compressed."""
+    values = np.concatenate([density[density > 0] for density in densities])
+    values.sort()
+    mass = np.cumsum(values)
+    return float(values[np.searchsorted(mass, 0.5 * mass[-1])])
+
+
+def _summary(parts: Sequence[Barycenter]) -> dict[str, object]:
+    """Figures of the worst of the parts; iterations of all."""
+    records = [part.record() for part in parts]
+    if len(records) == 1:
+        return records[0]
+    worst = max(records, key=lambda record: (not record["converged"], record["marginal_error"] or 0.0))
+    return {**worst, "iterations": tuple(map(sum, zip(*(part.iterations for part in parts), strict=True)))}

@@ -11,7 +11,7 @@ import sys
 from ..errors import ResourceError
 
 
-def check_memory(needed: int, resolution: int) -> None:
+def check_memory(needed: int, resolution: int, workers: int = 1) -> None:
     """Raise where a job needs more bytes than the machine has free.
 
     Parameters
@@ -20,6 +20,8 @@ def check_memory(needed: int, resolution: int) -> None:
         Bytes at the peak of the job.
     resolution : int
         Cells along the longest side, to say which resolution would fit.
+    workers : int
+        Threads that solve; where there are several, fewer are another way out.
 
     Raises
     ------
@@ -31,9 +33,10 @@ def check_memory(needed: int, resolution: int) -> None:
         return
     # Sides are rounded up and margins do not shrink, so a coarser grid takes a little more than its share.
     fitting = int(resolution * (0.7 * free / needed) ** (1.0 / 3.0))
+    fewer = "" if workers == 1 else f" Fewer workers than {workers} need less."
     raise ResourceError(
         f"Resolution {resolution} needs about {needed / 1e9:.1f} GB of memory and {free / 1e9:.1f} GB are free. "
-        f"Resolution {fitting} would fit."
+        f"Resolution {fitting} would fit.{fewer}"
     )
 
 

@@ -8,28 +8,24 @@ are barycenters, and a level set of each barycenter is the blended shape.
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator, Sequence
+import os
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass
 
-import numpy as np
-
-from ..errors import Cancelled, InputError
+from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
-from ..transport import Inputs
-from .blending import MorphFrame, MorphProblem, solve_blends
+from .blending import MorphFrame, MorphProblem
+from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
 from .morph_settings import MorphSettings
-from .volumes import Lattice, voxelize
-from .workers import frame_workers
+from .parts import FaceLabels, Matching, joined, matched, part_volumes, unparted
+from .runs import Run, SolvedRun, as_solved, runs_elsewhere, runs_in_threads, runs_of
+from .volumes import Lattice, fitting_workers, voxelize
 
 # Share of the progress that voxelizing takes.
 _VOXEL_SHARE = 0.08
-# Blends that are solved one after the other, each started from the one before: enough for the first, cold one not to
-# weigh much, and few enough for the first frames to be there soon.
-_RUN = 4
 
 
 @dataclass(frozen=True)
@@ -58,8 +54,11 @@ def morph(
     settings: MorphSettings,
     check: Callable[[], None] | None = None,
     *,
+    labels: Sequence[FaceLabels] | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
+    cache: FrameCache | None = None,
+    wanted: range | None = None,
 ) -> Iterator[MorphStep]:
     """Make the blends of the shapes, one after the other.
 
@@ -76,11 +75,19 @@ def morph(
     check : callable, optional
         Called between iterations, in whatever thread computes; what it raises (:class:`.errors.Cancelled`) ends the
         job at once.
+    labels : sequence of FaceLabels, optional
+        Parts of the shapes; those of the same name travel together.
     workers : int, optional
-        Threads that compute short runs of blends side by side; by default one per processor.
+        Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
     executor : concurrent.futures.Executor, optional
-        Where to compute the runs instead, in other processes or on other machines; `check` is then called between runs.
+        Where to compute the runs instead, in other processes or on other machines (:func:`.cluster.cluster_workers`);
+        `check` is then called by the one who waits for them, and runs that have begun are left to end by themselves.
         The frames are the same wherever they are computed.
+    cache : FrameCache, optional
+        Frames that are in it are not computed again, and those that are computed are put into it at once.
+    wanted : range, optional
+        Indices of blends to make; all of a run is made where one of its blends is wanted, so that frames do not depend
+        on how a morph was split.
 
     Yields
     ------
@@ -94,62 +101,54 @@ def morph(
     """
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
-    yield MorphStep(0.0, "Laying out the grid")
-    lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
-    densities = []
-    for index, filled in enumerate(voxelize(shapes, names, lattice, settings.thickness)):
-        densities.append(filled)
-        yield MorphStep(_VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
-    volumes = np.array([float(filled.sum(dtype=np.float64)) for filled in densities])
-    problem = MorphProblem(Inputs.of(densities, lattice.grid(settings.sigma)), volumes, lattice, settings)
-    del densities, filled
+    matching = unparted(len(shapes)) if labels is None else matched(labels, names)
+    runs = runs_of(blends, wanted)
+    store = None if cache is None else cache.of(shapes, names, labels, settings)
+    missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     with ExitStack() as stack:
-        if executor is None:
-            frames = _in_threads(problem, blends, check, workers, stack)
-        else:
-            frames = _elsewhere(problem, blends, check, executor)
-        for done, frame in enumerate(frames, start=1):
-            fraction = _VOXEL_SHARE + (1.0 - _VOXEL_SHARE) * done / len(blends)
-            yield MorphStep(fraction, f"Blend {done} of {len(blends)}", frame)
+        solved: Iterator[SolvedRun] = iter(())
+        if missing:
+            problem = yield from _prepared(shapes, names, matching, settings, min(workers or 1, len(missing)))
+            if executor is None:
+                most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
+                pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
+            else:
+                pending = stack.enter_context(runs_elsewhere(problem, missing, executor))
+            # Threads keep what they need of it.
+            del problem
+            solved = as_solved(pending, check)
+        total = sum(map(len, runs))
+        for done, frame in enumerate(_in_order(runs, missing, solved, store), start=1):
+            fraction = _VOXEL_SHARE + (1.0 - _VOXEL_SHARE) * done / total
+            yield MorphStep(fraction, f"Blend {done} of {total}", frame)
 
 
-def _in_threads(
-    problem: MorphProblem,
-    blends: Sequence[Blend],
-    check: Callable[[], None] | None,
-    workers: int | None,
-    stack: ExitStack,
+def _prepared(
+    shapes: Sequence[TriangleMesh], names: Sequence[str], matching: Matching, settings: MorphSettings, workers: int
+) -> Generator[MorphStep, None, MorphProblem]:
+    """Yield the steps of voxelizing the shapes, and return what all runs have in common."""
+    yield MorphStep(0.0, "Laying out the grid")
+    lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
+    volumes = []
+    for index, filled in enumerate(voxelize(shapes, names, lattice, settings.thickness)):
+        corners = lattice.to_cells(shapes[index], index)
+        volumes.append(part_volumes(filled, corners, matching.faces[index], matching.count))
+        yield MorphStep(_VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
+    return MorphProblem.of(joined(matching, volumes), lattice, settings)
+
+
+def _in_order(
+    runs: Sequence[Run], missing: dict[int, Run], solved: Iterator[SolvedRun], store: BakeCache | None
 ) -> Iterator[MorphFrame]:
-    """Solve runs of blends in threads, which stop between two iterations once nobody waits for them any more."""
-    abandoned = threading.Event()
-
-    def check_both() -> None:
-        if abandoned.is_set():
-            raise Cancelled("Cancelled.")
-        if check is not None:
-            check()
-
-    executor = stack.enter_context(frame_workers(workers))
-    # Set before the threads are waited for.
-    stack.callback(abandoned.set)
-    for future in [executor.submit(solve_blends, problem, run, check_both) for run in _runs(blends)]:
-        yield from future.result()
-
-
-def _elsewhere(
-    problem: MorphProblem, blends: Sequence[Blend], check: Callable[[], None] | None, executor: Executor
-) -> Iterator[MorphFrame]:
-    """Solve runs of blends wherever an executor of the caller's does, perhaps in other processes."""
-    futures = [executor.submit(solve_blends, problem, run) for run in _runs(blends)]
-    try:
-        for future in futures:
-            if check is not None:
-                check()
-            yield from future.result()
-    finally:
-        for future in futures:
-            future.cancel()
-
-
-def _runs(blends: Sequence[Blend]) -> list[Sequence[Blend]]:
-    return [blends[start : start + _RUN] for start in range(0, len(blends), _RUN)]
+    """Yield the frames of all runs in their order, from the cache or as they are solved, which may be in any order."""
+    ready: dict[int, list[MorphFrame]] = {}
+    for index, run in enumerate(runs):
+        if index not in missing:
+            yield from store.load(run)
+            continue
+        while index not in ready:
+            done = next(solved)
+            if store is not None:
+                store.save(run=runs[done.index], frames=done.frames)
+            ready[done.index] = done.frames
+        yield from ready.pop(index)

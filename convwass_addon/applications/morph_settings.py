@@ -17,6 +17,9 @@ _SHARPNESS = 0.75
 _CRISP_FROM = 0.85
 # Automatic blur: one cell, and no narrower than float64 carries across a grid.
 _CELLS_PER_BLUR = 80.0
+# Mass goes a quarter of the longest side at a locality of a half, and at least this many cells.
+_REACHES = 4.0
+_LEAST_REACH = 1.0
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,14 @@ class MorphSettings:
         Surface at the level that encloses the interpolated volume, or at half of the largest density.
     thickness : float
         Thickness in scene units given to shapes that enclose no volume; 0 refuses them.
+    parts : "none", "vertex-groups" or "materials"
+        What tells the parts of a shape: those of the same name on all shapes travel together.
+    locality : float
+        0: all mass travels; towards 1 it goes less and less far, and parts rather shrink here and grow there.
+    thin_parts : bool
+        Whether thin parts keep their volume where one level for all would take it from them.
+    mend : bool
+        Whether crumbs are dropped, narrow gaps bridged and false handles removed, as far as the shapes have none.
     tolerance : float
         Marginal error at which a blend is done.
     max_iterations : int
@@ -49,6 +60,10 @@ class MorphSettings:
     entropy_limit: Literal["max"] | float | None = None
     level: Literal["volume", "half-max"] = "volume"
     thickness: float = 0.0
+    parts: Literal["none", "vertex-groups", "materials"] = "none"
+    locality: float = 0.0
+    thin_parts: bool = True
+    mend: bool = True
     tolerance: float = 1e-2
     max_iterations: int = 200
 
@@ -68,6 +83,13 @@ class MorphSettings:
         _require(limit is None or limit == "max" or is_number, "The entropy limit must be 'max', a number, or off")
         _require(self.level in ("volume", "half-max"), "The level must be 'volume' or 'half-max'")
         _require(0 <= self.thickness < np.inf, "Thickness must be zero or positive")
+        _require(
+            self.parts in ("none", "vertex-groups", "materials"), "Parts must be 'none', 'vertex-groups' or 'materials'"
+        )
+        _require(0 <= self.locality <= 1, "Locality must lie between 0 and 1")
+        _require(
+            self.locality == 0 or limit is None, "An entropy limit needs all mass to travel; set the locality to 0"
+        )
         _require(0 < self.tolerance < 1, "The tolerance must lie between 0 and 1")
         _require(self.max_iterations >= 1, "There must be at least one iteration")
 
@@ -75,6 +97,13 @@ class MorphSettings:
     def sigma(self) -> float:
         """Blur in cells, with the automatic choice made."""
         return max(1.0, self.resolution / _CELLS_PER_BLUR) if self.blur is None else self.blur
+
+    @property
+    def reach(self) -> float | None:
+        """How far mass goes before it fades, in cells; None where all of it travels."""
+        if self.locality == 0:
+            return None
+        return max(self.resolution / _REACHES * (1.0 / self.locality - 1.0), _LEAST_REACH)
 
     def sharpness_at(self, weights: Sequence[float]) -> float:
         """Sharpness of the blend with these weights, with the automatic choice made."""

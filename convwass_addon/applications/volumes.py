@@ -17,7 +17,7 @@ from ..geometry.occupancy import occupancy
 from ..geometry.orientation import orient_outward
 from ..geometry.thicken import shell_occupancy
 from ..transport import Grid
-from .memory import check_memory
+from .memory import available_memory, check_memory
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 8
@@ -25,9 +25,12 @@ _MULTIPLE = 8
 _LEAST_CELLS = 20.0
 # Sheets are given at least this thickness, in cells: what survives a morph.
 _LEAST_THICKNESS = 2.0
-# Bytes per cell at the peak: what every job has, and what one more shape in a blend adds.
-_BYTES_PER_CELL = 130
-_BYTES_PER_SHAPE = 110
+# Most bytes per cell at the peak, measured, of every shape and of every thread that solves: for all cells of the grid,
+# for those that the largest shape fills, and for every further part.
+_BYTES_PER_SHAPE, _BYTES_PER_SHAPE_FILLED, _BYTES_PER_SHAPE_PART = 18, 80, 4
+_BYTES_PER_WORKER, _BYTES_PER_WORKER_FILLED, _BYTES_PER_WORKER_PART = 90, 330, 12
+# Thin shapes fill little of the grid; what the solver keeps of them does not fall below this.
+_LEAST_FILLED = 0.03
 
 
 @dataclass(frozen=True)
@@ -55,8 +58,21 @@ class Lattice:
     centers: NDArray[np.float64]
 
     @classmethod
-    def around(cls, shapes: Sequence[TriangleMesh], resolution: int, sigma: float) -> Lattice:
+    def around(
+        cls, shapes: Sequence[TriangleMesh], resolution: int, sigma: float, workers: int = 1, parts: int = 1
+    ) -> Lattice:
         """Lay a grid of `resolution` cells along its longest side around all the shapes.
+
+        Parameters
+        ----------
+        shapes : sequence of TriangleMesh
+            All of them.
+        resolution : int
+            Cells along the longest side.
+        sigma : float
+            Blur in cells.
+        workers, parts : int
+            How many threads will solve, and how many parts the shapes have: both take memory.
 
         Raises
         ------
@@ -75,9 +91,19 @@ class Lattice:
         spacing = float(extent.max()) / (resolution - 2 * margin)
         cells = np.ceil(extent / spacing + 2 * margin)
         cells = (np.ceil(cells / _MULTIPLE) * _MULTIPLE).astype(int)
-        check_memory(int(cells.prod()) * (_BYTES_PER_CELL + _BYTES_PER_SHAPE * len(shapes)), resolution)
         origin = (low + high) / 2 - cells * spacing / 2
-        return cls(tuple(int(n) for n in cells), spacing, origin, centers)
+        lattice = cls(tuple(int(n) for n in cells), spacing, origin, centers)
+        check_memory(lattice.memory(shapes, workers, parts), resolution, workers)
+        return lattice
+
+    def memory(self, shapes: Sequence[TriangleMesh], workers: int, parts: int) -> int:
+        """Bytes at the peak of a job with these shapes, threads that solve and parts of every shape."""
+        cells = float(np.prod(self.shape))
+        filled = max(abs(shape.volume) for shape in shapes) / (self.spacing**3 * cells)
+        filled = float(np.clip(filled, _LEAST_FILLED, 1.0))
+        of_shape = _BYTES_PER_SHAPE + _BYTES_PER_SHAPE_FILLED * filled + _BYTES_PER_SHAPE_PART * (parts - 1)
+        of_worker = _BYTES_PER_WORKER + _BYTES_PER_WORKER_FILLED * filled + _BYTES_PER_WORKER_PART * (parts - 1)
+        return int(cells * (len(shapes) * of_shape + workers * of_worker))
 
     def to_cells(self, mesh: TriangleMesh, index: int) -> NDArray[np.float64]:
         """Triangles of input `index` in cells, (m, 3, 3)."""
@@ -90,6 +116,14 @@ class Lattice:
     def grid(self, sigma: float) -> Grid:
         """Return the transport domain with a kernel of `sigma` cells."""
         return Grid(self.shape, sigma)
+
+
+def fitting_workers(lattice: Lattice, shapes: Sequence[TriangleMesh], parts: int, most: int) -> int:
+    """Return how many threads, up to `most`, can solve at once in the memory that there is; one at least."""
+    free = available_memory()
+    if free is None:
+        return most
+    return next((count for count in range(most, 1, -1) if lattice.memory(shapes, count, parts) <= free), 1)
 
 
 def voxelize(

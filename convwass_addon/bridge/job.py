@@ -5,15 +5,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 
 import bpy
 
+from ..applications.frame_cache import FrameCache
 from ..applications.layouts import Blend
 from ..applications.morph import MorphStep, morph
 from ..applications.morph_settings import MorphSettings
+from ..applications.parts import FaceLabels, matched
 from ..errors import InputError
 from .bake import MorphBake
-from .objects import triangle_mesh
+from .objects import labeled_mesh, triangle_mesh
 
 
 class MorphJob:
@@ -39,7 +42,7 @@ class MorphJob:
     Raises
     ------
     InputError
-        Inputs that have no faces, no size, or are no meshes.
+        Inputs that have no faces, no size, or are no meshes; no part that all of them have, where parts are asked for.
     """
 
     def __init__(
@@ -56,14 +59,45 @@ class MorphJob:
             raise InputError("A morph needs at least two shapes; select or name one more.")
         self.records: list[dict[str, object]] = []
         self._names = [obj.name for obj in inputs]
-        self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+        self._labels: list[FaceLabels] | None = None
+        if settings.parts == "none":
+            self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+        else:
+            read = [labeled_mesh(obj, depsgraph, settings.parts) for obj in inputs]
+            self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
+            # Refuse before anything is made.
+            matched(self._labels, self._names)
         self._blends = blends
         self._settings = settings
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame)
 
-    def steps(self, check: Callable[[], None] | None = None, workers: int | None = None) -> Iterator[MorphStep]:
-        """Return the generator that computes, in `workers` threads; it touches nothing of Blender."""
-        return morph(self._shapes, self._names, self._blends, self._settings, check, workers=workers)
+    def steps(
+        self,
+        check: Callable[[], None] | None = None,
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+        cache: FrameCache | None = None,
+        wanted: range | None = None,
+    ) -> Iterator[MorphStep]:
+        """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
+        return morph(
+            self._shapes,
+            self._names,
+            self._blends,
+            self._settings,
+            check,
+            labels=self._labels,
+            workers=workers,
+            executor=executor,
+            cache=cache,
+            wanted=wanted,
+        )
+
+    @property
+    def notices(self) -> list[str]:
+        """What the user should know about the parts, once frames are finished."""
+        return list(dict.fromkeys(record["notice"] for record in self.records if record.get("notice")))
 
     def write(self, step: MorphStep) -> None:
         """Put a finished frame into the scene."""

@@ -6,12 +6,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Literal
 
 import bpy
 import numpy as np
 
+from ..applications.parts import FaceLabels
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
+from .face_labels import LABELS
 
 FLATTENED = 1e-6
 """Ratio of the smallest to the largest scale at which an object counts as squashed; single precision leaves 1e-7."""
@@ -40,19 +44,51 @@ def triangle_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Tria
         Not a mesh, no faces, a scale of zero, or coordinates that are not numbers; the message names the object.
     """
     with _evaluated(obj, depsgraph) as evaluated:
-        matrix = _checked_matrix(evaluated)
-        mesh = evaluated.to_mesh()
         try:
-            vertices, faces = _arrays(mesh)
-            _check_faces(obj.name, mesh)
+            return _world_mesh(obj.name, evaluated, evaluated.to_mesh())
         finally:
             evaluated.to_mesh_clear()
-    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    try:
-        result = TriangleMesh.from_arrays(world, faces)
-    except InputError as error:
-        raise InputError(f"{obj.name}: {error} Delete those vertices, or the modifier that makes them.") from error
-    return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
+
+
+@dataclass(frozen=True)
+class LabeledMesh:
+    """A mesh in parts.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        World space.
+    labels : FaceLabels
+        The part of every triangle.
+    """
+
+    mesh: TriangleMesh
+    labels: FaceLabels
+
+
+def labeled_mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: Literal["vertex-groups", "materials"]
+) -> LabeledMesh:
+    """Read an object as `triangle_mesh` does, and which part every triangle belongs to, as modifiers leave it.
+
+    Parameters
+    ----------
+    obj, depsgraph
+        As for `triangle_mesh`.
+    kind : "vertex-groups" or "materials"
+        What tells the parts.
+
+    Raises
+    ------
+    InputError
+        As `triangle_mesh`.
+    """
+    with _evaluated(obj, depsgraph) as evaluated:
+        try:
+            mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+            return LabeledMesh(_world_mesh(obj.name, evaluated, mesh), LABELS[kind](evaluated, mesh))
+        finally:
+            evaluated.to_mesh_clear()
 
 
 def frozen_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
@@ -156,6 +192,19 @@ def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
             f"{evaluated.name} has a scale of zero, so it has no volume; give it another scale in Item > Transform."
         )
     return matrix
+
+
+def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> TriangleMesh:
+    """Check an evaluated object and its mesh, and bring the mesh to world space."""
+    matrix = _checked_matrix(evaluated)
+    vertices, faces = _arrays(mesh)
+    _check_faces(name, mesh)
+    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    try:
+        result = TriangleMesh.from_arrays(world, faces)
+    except InputError as error:
+        raise InputError(f"{name}: {error} Delete those vertices, or the modifier that makes them.") from error
+    return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
 
 
 def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ topology, and the shapes have that one, it is raised or lowered a little around 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,13 @@ class Mending:
     filled: int
     bridged: int
     unhandled: int
+
+    def record(self) -> dict[str, object]:
+        """Return all figures, ready for JSON."""
+        return {
+            "found": asdict(self.found),
+            "mended": {name: getattr(self, name) for name in ("crumbs", "filled", "bridged", "unhandled")},
+        }
 
 
 def mended_surface(density: NDArray[np.floating], volume: float, most: Connectivity) -> Mending:

@@ -29,7 +29,7 @@ def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], t
     ndarray of float32, shape `shape`
         Values in [0, 1], with a ramp one cell wide.
     """
-    points = _sample(corners)
+    points = surface_points(corners)
     reach = int(np.ceil(thickness / 2 + 1))
     near = np.zeros(shape, bool)
     cells = np.unique(np.clip(np.floor(points).astype(np.int64), 0, np.array(shape) - 1), axis=0)
@@ -45,8 +45,8 @@ def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], t
     return filled
 
 
-def _sample(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points on the triangles, no farther apart than the spacing, (p, 3)."""
+def surface_points(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points on triangles in cells, (m, 3, 3), about a third of a cell apart, (p, 3)."""
     lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     steps = np.maximum(np.ceil(lengths / _SPACING).astype(int), 1)
     found = []

@@ -139,6 +139,8 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             worst = max(record["marginal_error"] for record in slack)
             message = rpt_("{:d} frames are less exact than asked for (marginal error up to {:.1%}); try more blur")
             self.report({"WARNING"}, message.format(len(slack), worst))
+        elif job.notices:
+            self.report({"WARNING"}, " ".join(job.notices))
         else:
             self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(collection.name, len(job.records)))
         return {"FINISHED"}

@@ -47,6 +47,7 @@ class CONVWASS_PT_morph(_Sidebar, bpy.types.Panel):
         column.prop(settings, "layout")
         column.prop(settings, "frames" if settings.layout == "PATH" else "steps")
         column.prop(settings, "resolution")
+        column.prop(settings, "parts")
         column.prop(settings, "hide_inputs")
 
         progress = context.window_manager.convwass_progress
@@ -80,10 +81,15 @@ class CONVWASS_PT_morph_solver(_Sidebar, bpy.types.Panel):
             field = row.row(align=True)
             field.active = getattr(settings, switch)
             field.prop(settings, value, text="")
+        layout.prop(settings, "locality")
         layout.prop(settings, "entropy_limit")
         if settings.entropy_limit == "NUMBER":
             layout.prop(settings, "entropy_bound")
         layout.prop(settings, "level")
+        column = layout.column(heading="Surface")
+        column.active = settings.level == "volume"
+        column.prop(settings, "thin_parts")
+        column.prop(settings, "mend")
         layout.prop(settings, "thickness")
 
 

@@ -246,3 +246,30 @@ def test_order_and_reverse():
     assert [obj.name for obj in settings.sorted_shapes([left, right])] == ["Z", "A"]
     settings.reverse = True
     assert [obj.name for obj in settings.sorted_shapes([left, right])] == ["A", "Z"]
+
+
+def two_cubes(name, left, right):
+    """A mesh of two cubes side by side with a material each."""
+    corners = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    sides = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    mesh = bpy.data.meshes.new(name)
+    points = np.concatenate([corners - np.array([1, 0, 0]), corners + np.array([1, 0, 0])])
+    mesh.from_pydata(points.tolist(), [], np.concatenate([sides, sides + 8]).tolist())
+    for material in (left, right):
+        mesh.materials.append(bpy.data.materials.get(material) or bpy.data.materials.new(material))
+    mesh.polygons.foreach_set("material_index", [0] * 6 + [1] * 6)
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+@pytest.mark.parametrize(("parts", "width"), [("none", 3.0), ("materials", 1.0)])
+def test_parts_of_one_material_travel_together(parts, width):
+    """Two cubes that change places meet half-way."""
+    for obj in (two_cubes("A", "Red", "Blue"), two_cubes("B", "Blue", "Red")):
+        obj.select_set(True)
+    assert bpy.ops.convwass.bake_morph(frames=2, resolution=40, parts=parts) == {"FINISHED"}
+    assert stored_settings(morph_collection())["parts"] == parts
+    assert np.ptp(vertices(frame_objects(morph_collection())[1]), axis=0)[0] == pytest.approx(width, abs=0.25)
+    assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+    assert bpy.context.scene.convwass_morph.parts == parts

@@ -1,16 +1,22 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The benchmark's meshes are what it says, and its table of distances gets printed; how fast it is, is not tested."""
+"""Benchmarks measure what they say, and their tables get printed; how fast anything is, is not tested."""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from benchmarks import __main__ as command_line, meshes, processes, table1
+from benchmarks import __main__ as command_line, measures, meshes, peers, processes, quality, table1
+from benchmarks.barycenter_cases import marginal_error
+from benchmarks.rods import RADIUS, Legged
+from convwass_addon.transport import Grid, barycenter
+from tests.shapes import ball, joined, square, torus
+from tools.peers import REQUIREMENTS, PeersEnvironment
 
 PAPER_SIZES = (693, 1150, 1911, 3176, 5278, 8774, 14584)
 
@@ -74,8 +80,11 @@ def test_morph_is_measured_by_stage(project):
     printed = subprocess.run(command, cwd=project, capture_output=True, text=True, check=True).stdout
     rows = [line.split() for line in printed.splitlines() if line.startswith("    32")]
     assert len(rows) == 4  # three barycenters and the morph
-    read, voxelize, solve, surface, write, everything = map(float, rows[-1][1:7])
+    read, voxelize, solve, surface, write, everything, solve_wall, wall, workers = map(float, rows[-1][1:10])
     assert min(read, voxelize, solve) > 0
+    assert 0 < solve_wall < wall
+    assert workers >= 1
+    assert all(8 <= float(row[-1]) < 1000 for row in rows[:3]), "bytes per cell: the shapes alone take 8"
     assert sum((read, voxelize, solve, surface, write)) <= everything + 0.05
 
 
@@ -97,7 +106,217 @@ def test_what_a_late_case_has_reported_counts(tmp_path, monkeypatch):
 
 def test_no_name_means_every_benchmark(monkeypatch):
     started = []
-    monkeypatch.setattr(command_line.morph, "main", lambda *options: started.append(("morph", *options)))
-    monkeypatch.setattr(command_line.table1, "main", lambda *options: started.append(("table1", *options)))
+    for name in ("morph", "quality", "table1", "peers"):
+        module = getattr(command_line, name)
+        monkeypatch.setattr(module, "main", lambda *options, name=name: started.append((name, *options)))
     assert command_line.main([]) == 0
-    assert started == [("morph", [64, 100], 24), ("table1", list(table1.SIZES), 5, 60.0)]
+    assert started == [
+        ("morph", [64, 100], 24),
+        ("quality", 64, None),
+        ("table1", list(table1.SIZES), 5, 60.0),
+        ("peers", [64, 100], 256, 300.0),
+    ]
+
+
+def test_options_reach_the_benchmarks(monkeypatch, tmp_path):
+    started = []
+    monkeypatch.setattr(command_line.quality, "main", lambda *options: started.append(options))
+    monkeypatch.setattr(command_line.peers, "main", lambda *options: started.append(options))
+    command_line.main(["quality", "--cells", "48", "--meshes", str(tmp_path)])
+    command_line.main(["peers", "--resolutions", "32,48", "--side", "64", "--limit", "10"])
+    assert started == [(48, tmp_path), ([32, 48], 64, 10.0)]
+
+
+def test_pieces_bubbles_and_handles_are_counted():
+    def counted(mesh):
+        found = measures.topology(mesh)
+        return found.pieces, found.crumbs, found.cavities, found.euler, found.handles
+
+    assert counted(ball()) == (1, 0, 0, 2, 0)
+    assert counted(torus()) == (1, 0, 0, 0, 1)
+    assert counted(joined(ball(), torus(center=(4, 0, 0)))) == (2, 0, 0, 2, 1)
+    assert counted(joined(ball(), ball(0.5).flipped())) == (1, 0, 1, 4, 0)
+    assert counted(joined(ball(), ball(0.05, center=(2, 0, 0)))) == (2, 1, 0, 4, 0)
+    with pytest.raises(ValueError, match="4 edges do not have two triangles"):
+        measures.topology(square())
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("width", [2.0, 5.0])
+def test_edge_width_of_a_known_ramp(dimensions, width):
+    cells, radius = 64, 20.0
+    distance = np.linalg.norm(np.moveaxis(np.indices((cells,) * dimensions), 0, -1) + 0.5 - cells / 2, axis=-1)
+    density = np.clip(0.5 - (distance - radius) / width, 0.0, 1.0)
+    # A linear ramp passes from 90 to 10 % on four fifths of its width.
+    assert measures.edge_width(3.7 * density, float(density.sum())) == pytest.approx(0.8 * width, rel=0.08)
+
+
+def test_overlap_of_two_balls_is_that_of_the_closed_form():
+    shift, radius = 0.4, 0.9
+    assert measures.overlap_with_ball(ball(points=8000)) == pytest.approx(1.0, abs=2e-3)
+    assert measures.overlap_with_ball(ball(radius, points=8000)) == pytest.approx(radius**3, abs=2e-3)
+    lens = np.pi * (2 - shift) ** 2 * (shift**2 + 4 * shift) / (12 * shift)
+    found = measures.overlap_with_ball(ball(center=(0, shift, 0), points=8000))
+    assert found == pytest.approx(lens / (8 / 3 * np.pi - lens), abs=3e-3)
+    apart = measures.overlap_with_ball(joined(ball(radius, points=8000), ball(0.2, center=(3, 0, 0))))
+    assert apart == pytest.approx(radius**3 / (1 + 0.2**3), abs=3e-3)
+
+
+def test_ellipsoid_overlaps_with_itself():
+    from benchmarks.blends import own_surface
+    from benchmarks.quality_cases import _overlap, ellipsoid_pairs
+
+    for ellipsoid in ellipsoid_pairs(48, 1)[1]:
+        filled = ellipsoid.occupancy(48, 3)
+        assert filled[0].sum() == filled[:, :, -1].sum() == 0, "it does not fit"
+        assert _overlap(own_surface(filled), ellipsoid) > 0.985
+        assert _overlap(own_surface(np.roll(filled, 1, axis=0)), ellipsoid) < 0.95
+
+
+def test_surfaces_of_two_balls_are_as_far_apart_as_their_radii():
+    found = measures.mean_surface_distance(ball(1.0, points=8000), ball(1.25, points=8000))
+    assert found == pytest.approx(0.25, abs=2e-3)
+
+
+def test_inside_is_what_a_mesh_encloses():
+    points = np.random.default_rng(0).uniform(-2, 2, (500, 3))
+    radii = np.linalg.norm(points, axis=1)
+    clear = (abs(radii - 1) > 0.01) & (abs(radii - 0.5) > 0.01)
+    found = measures.inside(points, joined(ball(points=4000), ball(0.5).flipped()))
+    np.testing.assert_array_equal(found[clear], ((radii < 1) & (radii > 0.5))[clear])
+
+
+def test_second_differences_see_bends_only():
+    assert measures.largest_second_difference(np.arange(9.0) * 3 - 1)[0] == 0
+    assert measures.largest_second_difference([0, 1, 2, 5, 8]) == (2, 2)
+    size, where = measures.largest_second_difference([[0, 0], [1, 1], [5, 4], [9, 7]])
+    assert (size, where) == (pytest.approx(13**0.5), 1)
+
+
+def test_thin_is_what_a_ball_cannot_enter():
+    filled = np.zeros((40, 40, 40), bool)
+    filled[5:25, 5:25, 5:25] = True
+    assert measures.thin_volume(filled, 1.0) <= 12 * 20 * 3, "only the edges of a cube are thin"
+    rod = np.zeros_like(filled)
+    rod[25:38, 14:16, 14:16] = True
+    assert measures.thin_volume(filled | rod, 3.0) - measures.thin_volume(filled, 3.0) == pytest.approx(
+        rod.sum(), abs=8
+    )
+    assert measures.thin_volume(rod, 3.0) == rod.sum()
+
+
+def test_legs_are_where_their_points_are():
+    first = Legged.at([32, 32, 32])
+    second = Legged.at([30, 33, 32], [1.6, 1.0, 0.6])
+    half = first.barycenter(second, 0.5)
+    np.testing.assert_allclose(half.thin_points(), (first.thin_points() + second.thin_points()) / 2)
+    for shape in (first, half, second):
+        filled = shape.occupancy(64, 3)
+        # Cells of which the surface cuts off but a corner may have been missed by all samples.
+        assert (filled[tuple(shape.thin_points().astype(int).T)] > 0).mean() > 0.99
+        ratio = filled.sum() / first.occupancy(64, 3).sum()
+        assert ratio == pytest.approx(np.prod(shape.stretch), rel=0.01)
+    assert first.thin_points()[:, 2].min() == pytest.approx(32 - 18 - RADIUS, abs=0.1)
+
+
+def test_marginal_error_is_that_of_the_solver_and_notices_a_wrong_result():
+    draw = np.random.default_rng(0)
+    densities = draw.random((2, 12, 14, 16)) + 0.05
+    domain = Grid(densities.shape[1:], 2.0)
+    loose, tight = (barycenter(densities, [0.5, 0.5], domain, tolerance=level) for level in (1e-2, 1e-5))
+    errors = [marginal_error(found.log_v, found.density, densities, domain) for found in (loose, tight)]
+    assert errors[1] < 1e-5 < errors[0] < 1e-2
+    assert marginal_error(tight.log_v, densities[0], densities, domain) > 0.1
+    # Factors of the kernel and of the density mean nothing.
+    same = marginal_error(tight.log_v, 5 * tight.density, 3 * densities, domain)
+    assert same == pytest.approx(errors[1], rel=1e-6)
+
+
+def test_frames_with_more_than_the_shapes_have_are_listed():
+    def record(pieces, handles, crumbs=0, cavities=0):
+        return {"pieces": pieces, "handles": handles, "crumbs": crumbs, "cavities": cavities}
+
+    ends = [record(1, 0), record(2, 1)]
+    frames = [record(1, 0), record(2, 1), record(3, 4, crumbs=1), record(1, 2)]
+    assert quality._extra(ends, frames) == {"handles": {3: 3, 4: 1}, "pieces": {3: 1}, "crumbs": {3: 1}, "cavities": {}}
+
+
+def test_pairs_of_a_folder_are_found_by_name(tmp_path):
+    for name in ("spot_triangulated.obj", "bob_tri.obj", "spot_control_mesh.obj", "blub_quads.obj"):
+        (tmp_path / name).touch()
+    (found,) = quality._further_pairs(tmp_path)
+    assert [quality._shown(found), *map(len, (quality._further_pairs(None),))] == ["spot - bob", 0]
+
+
+def test_peers_are_asked_for_less_until_our_error_is_reached(monkeypatch):
+    asked = []
+    monkeypatch.setattr(peers, "measured", lambda *_, **__: {"error": 3 * asked[-1], "edge": 1.0})
+    _, found = peers._to_tolerance(lambda threshold: asked.append(threshold) or {"cpu": 1.0}, "folder", 1.0)
+    assert asked == pytest.approx([0.01, 0.01 * 0.8 / 3])
+    assert found["error"] <= peers.TOLERANCE
+    asked.clear()
+    assert peers._to_tolerance(lambda threshold: asked.append(threshold) or {"failed": "*"}, "folder", 1.0)[1] == {}
+    assert len(asked) == 1
+
+
+def test_a_peer_gets_the_shapes_and_its_result_is_judged(tmp_path, capsys):
+    distance = np.linalg.norm(np.moveaxis(np.indices((24, 24)), 0, -1) - 11.5, axis=-1)
+    filled = np.stack([distance < 4.0, distance < 7.0]).astype(float)
+    np.save(tmp_path / "filled.npy", filled.sum(axis=(1, 2)))
+    np.save(tmp_path / "densities.npy", filled / filled.sum(axis=(1, 2), keepdims=True))
+    # POT is among the test tools, so this Python will do.
+    peers._Runner(sys.executable, 60.0)._peer(str(tmp_path), [24, 24], 2.0, "pot", False)
+    row = capsys.readouterr().out.split()
+    assert row[:5] == ["24", "x", "24", "2.00", "POT"]
+    _, _, _, iterations, error, edge = map(float, row[5:])
+    assert iterations % 10 == 0
+    assert error <= peers.TOLERANCE
+    assert 1 < edge < 10
+
+
+def test_what_a_peer_cannot_do_is_a_row(capsys):
+    used = {"cpu": 1.0, "wall": 1.0, "start": 0.0, "iterations": 10}
+    peers._print([8, 8, 8], 1.0, "other", used, {"error": None, "edge": None})
+    peers._print([8, 8, 8], 1.0, "other", {"failed": "ValueError: too narrow"}, {})
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.endswith("NaN, and stops as if it had converged")
+    assert second.endswith("other" + " " * 32 + "ValueError: too narrow")
+
+
+def test_peers_need_a_network_the_first_time_and_say_so(project, tmp_path, monkeypatch, capfd):
+    (tmp_path / REQUIREMENTS).parent.mkdir()
+    shutil.copy(project / REQUIREMENTS, tmp_path / REQUIREMENTS)
+    monkeypatch.setattr(peers, "PROJECT", tmp_path)
+    # An environment takes seconds to make; pip fails in any.
+    install = PeersEnvironment._run
+    monkeypatch.setattr(PeersEnvironment, "program", sys.executable)
+    monkeypatch.setattr(PeersEnvironment, "_run", lambda *step: None if step[1][2] == "venv" else install(*step))
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(tmp_path))
+    with pytest.raises(SystemExit, match=r"Installing the peers failed; .* it needs a network"):
+        command_line.main(["peers", "--resolutions", "16"])
+    assert "No matching distribution found" in capfd.readouterr().err
+    assert not PeersEnvironment.of(tmp_path).is_installed()
+
+
+def test_peers_are_installed_once_and_again_where_others_are_wanted(tmp_path, monkeypatch):
+    steps = []
+
+    def run(self, command, problem):
+        steps.append(command[2])
+        if command[2] == "venv":
+            self.program.parent.mkdir(parents=True)
+            self.program.symlink_to(sys.executable)
+            (self.folder / "pyvenv.cfg").write_text(f"home = {sys.base_prefix}\n", encoding="utf-8")
+
+    monkeypatch.setattr(PeersEnvironment, "_run", run)
+    requirements = tmp_path / REQUIREMENTS
+    requirements.parent.mkdir()
+    requirements.write_text("one\n", encoding="utf-8")
+    environment = PeersEnvironment.of(tmp_path)
+    environment.prepare_peers()
+    environment.prepare_peers()
+    assert steps == ["venv", "pip"]
+    requirements.write_text("another\n", encoding="utf-8")
+    environment.prepare_peers()
+    assert steps == ["venv", "pip"] * 2

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blends as the application makes them, from volumes or from files: what the cases of the other benchmarks share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from convwass_addon.applications import blending
+from convwass_addon.applications.layouts import Blend, path_blends
+from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.parts import SplitShapes
+from convwass_addon.applications.volumes import Lattice, voxelize
+from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.geometry.isosurface import surface_enclosing
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.transport import barycenter
+
+ASSETS = Path(__file__).resolve().parent.parent / "assets" / "shapes"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two shapes on their grid.
+
+    Attributes
+    ----------
+    shapes : tuple of TriangleMesh
+        In the space of their files.
+    lattice : Lattice
+        The grid.
+    densities : (2, nx, ny, nz) float32
+        Which part of every cell each shape fills.
+    """
+
+    shapes: tuple[TriangleMesh, TriangleMesh]
+    lattice: Lattice
+    densities: NDArray[np.float32]
+
+    @classmethod
+    def read(cls, paths: Sequence[str | Path], cells: int, sigma: float) -> Pair:
+        """Voxelize two meshes, `cells` along the longest side with the margin that `sigma` asks for."""
+        shapes = read_meshes(paths)
+        lattice = Lattice.around(shapes, cells, sigma)
+        names = [Path(path).stem for path in paths]
+        return cls(shapes, lattice, np.stack(list(voxelize(shapes, names, lattice, 0.0))))
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volumes of the two in cells."""
+        return self.densities.sum(axis=(1, 2, 3), dtype=np.float64)
+
+
+def read_meshes(paths: Sequence[str | Path]) -> tuple[TriangleMesh, ...]:
+    """Read meshes from files, each scaled to a longest side of one so that any two can be blended."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    shapes = []
+    for path in paths:
+        (obj,) = import_objects(Path(path), None)
+        mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+        size = float(np.ptp(mesh.bounds, axis=0).max())
+        shapes.append(TriangleMesh(mesh.vertices / size, mesh.faces))
+    return tuple(shapes)
+
+
+def density_at(
+    densities: NDArray[np.floating], lattice: Lattice, t: float, settings: MorphSettings
+) -> NDArray[np.float64]:
+    """Solve from a cold start for the barycenter that the application solves for at t."""
+    weights = (1.0 - t, t)
+    grid, sharpness = lattice.grid(settings.sigma), settings.sharpness_at(weights)
+    return barycenter(densities, weights, grid, sharpness=sharpness, tolerance=settings.tolerance).density
+
+
+def surface_at(
+    densities: NDArray[np.floating], volumes: Sequence[float], t: float, settings: MorphSettings
+) -> TriangleMesh:
+    """Blend two volumes on a cube of cells as the application does; return the surface in cells.
+
+    Parameters
+    ----------
+    densities : (2, n, n, n)
+        The two solids.
+    volumes : (2,)
+        Between which the blend's volume is interpolated.
+    t, settings
+        Which blend, and how.
+    """
+    lattice = Lattice(densities.shape[1:], 1.0, np.zeros(3), np.zeros((2, 3)))
+    whole = SplitShapes(("all",), (list(densities),), np.asarray([volumes], np.float64), ())
+    problem = blending.MorphProblem.of(whole, lattice, settings)
+    (frame,) = blending.solve_blends(problem, [Blend((1.0 - t, t))])
+    return frame.mesh
+
+
+def own_surface(filled: NDArray[np.floating]) -> TriangleMesh:
+    """Return the surface of a shape's own occupancy, read as the application reads that of a blend."""
+    return surface_enclosing(
+        gaussian_filter(filled.astype(np.float64), blending._READING_BLUR), float(filled.sum(dtype=np.float64))
+    ).mesh
+
+
+def baked(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[TriangleMesh]:
+    """Bake a path from the first shape to the second; return the frames between them, in cells."""
+    names = [f"shape {index}" for index in range(len(shapes))]
+    spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
+    steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
+    meshes = [step.frame.mesh for step in steps if step.frame is not None and step.frame.mesh is not None]
+    return [TriangleMesh(mesh.vertices / spacing, mesh.faces) for mesh in meshes]

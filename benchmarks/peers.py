@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One cold barycenter by other programs and by ours, to the same error by the same measure."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+from tools.environment import SetupError
+from tools.peers import PeersEnvironment
+
+from .processes import PROJECT, measured, reports
+
+_OURS = "benchmarks.barycenter_cases"
+_THEIRS = "benchmarks.barycenter_peers"
+TOLERANCE = 0.01
+_TRIES = 5
+# Where a program's own error is not ours, it is asked for this much less than what would do.
+_SAFETY = 0.8
+# Wall seconds that a CPU second may take on a machine that has other work.
+_BUSY = 6.0
+
+_HEADING = """
+One cold barycenter of horse and bird, t = 0.5, to {percent:.0f} % marginal error, double precision, one thread.
+
+start     CPU s that come first and once per process, such as compiling; not in CPU s and wall s
+error     of the result and the scalings that a program returns, measured by us: the largest sum |v H(w) - mu|
+edge      cells over which the density falls from 90 to 10 % of its plateau
+Programs are asked for less of their own error until ours is reached; the row is the last run alone. None starts from a
+neighboring frame as ours does, so 24 frames take a peer 24 times as long. * is more than
+{limit:.0f} CPU s.
+"""
+
+_COLUMNS = (
+    f"{'cells':>14} {'blur':>5}  {'program':36} {'CPU s':>8} {'wall s':>8} {'start':>6} {'iterations':>10} "
+    f"{'error':>7} {'edge':>6}"
+)
+
+
+def main(resolutions: list[int], side: int, limit: float) -> None:
+    """Run all programs and print a table for volumes and one for images.
+
+    Parameters
+    ----------
+    resolutions : list of int
+        Cells along the longest side of the volumes.
+    side : int
+        Of the images, in cells.
+    limit : float
+        CPU seconds that a run of a peer may take.
+    """
+    environment = PeersEnvironment.of(PROJECT)
+    try:
+        environment.prepare_peers()
+    except (SetupError, OSError) as error:
+        sys.exit(f"\n{error}")
+    runner = _Runner(environment.program, limit)
+    print(_HEADING.format(percent=100 * TOLERANCE, limit=limit))
+    print(_COLUMNS)
+    for cells in resolutions:
+        runner.volumes(cells)
+    print(f"{'any':>14} {'any':>5}  {'POT, GeomLoss':36} no barycenter of volumes in what they document")
+    print(f"\nThe same of silhouettes, {side} x {side} cells\n\n{_COLUMNS}")
+    runner.images(side)
+
+
+class _Runner:
+    """Runs programs on shapes in a folder, and prints a row for each."""
+
+    def __init__(self, program: Path, limit: float) -> None:
+        self._program = program
+        self._limit = limit
+
+    def volumes(self, cells: int) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            shape = measured(_OURS, "volumes", folder=folder, cells=cells)["shape"]
+            wide, narrow = cells / 40, 1.0
+            self._own(folder, shape, wide, (0.0, 1.0))
+            for debiased in (False, True):
+                self._peer(folder, shape, wide, "ott", debiased, logarithms=False)
+            self._own(folder, shape, narrow, (0.0, 0.75, 1.0))
+            for debiased in (False, True):
+                self._peer(folder, shape, narrow, "ott", debiased, logarithms=False)
+            self._peer(folder, shape, narrow, "ott", True, logarithms=True)
+
+    def images(self, side: int) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            shape = measured(_OURS, "silhouettes", folder=folder, cells=side)["shape"]
+            self._own(folder, shape, side / 40, (0.0, 1.0))
+            for debiased in (False, True):
+                self._peer(folder, shape, side / 40, "pot", debiased)
+
+    def _own(self, folder: str, shape: list[int], sigma: float, dial: tuple[float, ...]) -> None:
+        for sharpness in dial:
+
+            def run(threshold, sharpness=sharpness):
+                return measured(_OURS, "own", folder=folder, sigma=sigma, sharpness=sharpness, threshold=threshold)
+
+            _print(shape, sigma, f"Convwass, sharpness {sharpness:g}", *_to_tolerance(run, folder, sigma))
+
+    def _peer(self, folder: str, shape: list[int], sigma: float, case: str, debiased: bool, **more: object) -> None:
+        def run(threshold):
+            options = {"folder": folder, "sigma": sigma, "threshold": threshold, "debiased": debiased, **more}
+            options["seconds"] = self._limit
+            found = reports(_THEIRS, case, _BUSY * self._limit, program=self._program, **options)
+            return found[-1] if found else {"failed": "*"}
+
+        name = {"ott": "OTT-JAX", "pot": "POT"}[case]
+        name += {True: ", log-sum-exp", False: ", kernel"}.get(more.get("logarithms"), "")
+        _print(shape, sigma, f"{name}, debiased" if debiased else name, *_to_tolerance(run, folder, sigma))
+
+
+def _to_tolerance(run, folder: str, sigma: float) -> tuple[dict[str, object], dict[str, object]]:
+    """Run with less and less of a program's own error allowed, until ours is small enough."""
+    threshold = TOLERANCE
+    for _ in range(_TRIES):
+        report = run(threshold)
+        if "failed" in report:
+            return report, {}
+        found = measured(_OURS, "judged", folder=folder, sigma=sigma)
+        if found["error"] is None or found["error"] <= TOLERANCE:
+            break
+        threshold *= _SAFETY * TOLERANCE / found["error"]
+    return report, found
+
+
+def _print(shape: list[int], sigma: float, name: str, report: dict[str, object], found: dict[str, object]) -> None:
+    """Print what a run took and found; what went wrong instead where something did."""
+    start = f"{' x '.join(map(str, shape)):>14} {sigma:5.2f}  {name:36} "
+    if "failed" in report:
+        print(f"{start}{report['failed']:>8}", flush=True)
+        return
+    used = f"{report['cpu']:8.2f} {report['wall']:8.2f} {report['start']:6.1f} {report['iterations']:10} "
+    ends = "    NaN, and stops as if it had converged" if found["error"] is None else _judgement(found)
+    print(f"{start}{used}{ends}", flush=True)
+
+
+def _judgement(found: dict[str, object]) -> str:
+    return f"{found['error']:7.4f} {found['edge']:6.2f}"

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Short runs of neighboring blends: what is handed to a thread, to another process, or to another machine."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from ..errors import Cancelled, InputError
+from .blending import MorphFrame, MorphProblem, solve_blends
+from .cluster import ClusterExecutor
+from .layouts import Blend
+from .workers import frame_workers, one_blas_thread
+
+RUN_LENGTH = 4
+"""Blends that are solved one after the other, each started from the one before: enough for the first, cold one not to
+weigh much, and few enough for the first frames to be there soon."""
+
+Run = tuple[Blend, ...]
+Pending = dict["Future[list[MorphFrame]]", int]
+"""What is still being solved: the index of the run for each future."""
+
+# Seconds between two looks at whether the user wants to stop.
+_PATIENCE = 0.25
+
+
+@dataclass(frozen=True)
+class SolvedRun:
+    """A run that is finished.
+
+    Attributes
+    ----------
+    index : int
+        Which of the runs it is.
+    frames : list of MorphFrame
+        In the order of its blends.
+    """
+
+    index: int
+    frames: list[MorphFrame]
+
+
+def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
+    """Cut blends into runs, always at the same places.
+
+    Parameters
+    ----------
+    blends : sequence of Blend
+        All of them.
+    wanted : range, optional
+        Indices of blends; only the runs that hold some of them are returned, and these are whole.
+
+    Raises
+    ------
+    InputError
+        Indices of blends that do not exist, or none at all.
+    """
+    if wanted is not None and not (len(wanted) and wanted[0] >= 0 and wanted[-1] < len(blends)):
+        raise InputError(f"The frames asked for must lie between 0 and {len(blends) - 1}.")
+    starts = range(0, len(blends), RUN_LENGTH)
+    if wanted is not None:
+        starts = starts[wanted[0] // RUN_LENGTH : wanted[-1] // RUN_LENGTH + 1]
+    return [tuple(blends[start : start + RUN_LENGTH]) for start in starts]
+
+
+@contextmanager
+def runs_in_threads(
+    problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
+) -> Iterator[Pending]:
+    """Solve runs in threads, which stop between two iterations once nobody waits for them any more."""
+    abandoned = threading.Event()
+
+    def check_both() -> None:
+        if abandoned.is_set():
+            raise Cancelled("Cancelled.")
+        if check is not None:
+            check()
+
+    with frame_workers(workers) as executor:
+        try:
+            yield {executor.submit(solve_blends, problem, run, check_both): index for index, run in runs.items()}
+        finally:
+            # Before the threads are waited for.
+            abandoned.set()
+
+
+@contextmanager
+def runs_elsewhere(problem: MorphProblem, runs: dict[int, Run], executor: Executor) -> Iterator[Pending]:
+    """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled."""
+    shared = executor.share(problem) if isinstance(executor, ClusterExecutor) else problem
+    pending: Pending = {}
+    try:
+        for index, run in runs.items():
+            pending[executor.submit(solve_apart, shared, run)] = index
+        yield pending
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def solve_apart(problem: MorphProblem, run: Run) -> list[MorphFrame]:
+    """Solve a run in a process that may not be ours: BLAS keeps to one thread meanwhile."""
+    with one_blas_thread():
+        return solve_blends(problem, run)
+
+
+def as_solved(pending: Pending, check: Callable[[], None] | None) -> Iterator[SolvedRun]:
+    """Take runs out of `pending` as they are finished, in any order.
+
+    Parameters
+    ----------
+    pending : dict
+        What `runs_in_threads` or `runs_elsewhere` provided.
+    check : callable, optional
+        Called several times a second; what it raises ends the waiting.
+
+    Raises
+    ------
+    Exception
+        What a run raised.
+    """
+    while pending:
+        done, _ = wait(pending, _PATIENCE, FIRST_COMPLETED)
+        if check is not None:
+            check()
+        for future in sorted(done, key=pending.__getitem__):
+            yield SolvedRun(pending.pop(future), future.result())

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""To which part the triangles of an object belong, by its vertex groups or its materials."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+
+import bpy
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..applications.parts import FaceLabels
+
+
+def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
+    """Label triangles with the vertex group that weighs most on their corners.
+
+    What the weights of a vertex lack to one counts for no group.
+
+    Parameters
+    ----------
+    evaluated : bpy.types.Object
+        Has the names of the groups.
+    mesh : bpy.types.Mesh
+        Its mesh, with all data layers and calculated triangles.
+    """
+    names = tuple(group.name for group in evaluated.vertex_groups)
+    entries = [
+        (vertex.index, entry.group, entry.weight)
+        for vertex in mesh.vertices
+        for entry in vertex.groups
+        if entry.group < len(names)
+    ]
+    vertices, groups, weights = np.array(entries, dtype=np.float64).reshape(-1, 3).T
+    lacking = 1.0 - np.bincount(vertices.astype(np.int64), weights, minlength=len(mesh.vertices))
+    everything = np.arange(len(mesh.vertices))
+    of_vertices = csr_array(
+        (
+            np.concatenate([weights, np.maximum(lacking, 0.0)]),
+            (np.concatenate([vertices, everything]), np.concatenate([groups, np.full(len(everything), len(names))])),
+        ),
+        shape=(len(mesh.vertices), len(names) + 1),
+    )
+    corners = _triangles(mesh, "vertices", 3)
+    incidence = csr_array(
+        (np.ones(len(corners)), corners, np.arange(0, len(corners) + 1, 3)),
+        shape=(len(corners) // 3, len(mesh.vertices)),
+    )
+    heaviest = np.asarray((incidence @ of_vertices).argmax(axis=1), dtype=np.int64).ravel()
+    return FaceLabels(names, np.where(heaviest < len(names), heaviest, -1))
+
+
+def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
+    """Label triangles with the material of their slot.
+
+    Blender numbers materials that would have the same name, so "Head.001" of one object matches "Head" of another. It
+    does not where an object has both.
+
+    Parameters
+    ----------
+    evaluated, mesh
+        As for :func:`vertex_group_labels`.
+    """
+    slots = [slot.material.name if slot.material else "" for slot in evaluated.material_slots]
+    plain = {name: re.sub(r"\.\d{3,}$", "", name) for name in slots if name}
+    counts = Counter(plain.values())
+    called = {name: own if counts[own] == 1 else name for name, own in plain.items()}
+    names = tuple(called.values())
+    places = {name: index for index, name in enumerate(called)}
+    table = np.array([*(places.get(name, -1) for name in slots), -1])
+    index = _triangles(mesh, "material_index", 1)
+    # A face may name a slot that is not there; Blender shows the last one.
+    return FaceLabels(names, table[np.minimum(index, max(len(slots) - 1, 0))])
+
+
+LABELS = {"vertex-groups": vertex_group_labels, "materials": material_labels}
+"""How triangles are labeled, by what the user calls it."""
+
+
+def _triangles(mesh: bpy.types.Mesh, name: str, size: int) -> np.ndarray:
+    """Return a property of all triangles, (size * m,)."""
+    values = np.empty(size * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get(name, values)
+    return values

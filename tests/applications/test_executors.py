@@ -1,0 +1,269 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames computed by other processes: a real Dask cluster of two workers, which lose their lives on the way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications import runs
+from convwass_addon.applications.cluster import ClusterExecutor, cluster_workers
+from convwass_addon.applications.frame_cache import FrameCache
+from convwass_addon.applications.layouts import path_blends
+from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.workers import one_blas_thread
+from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from tests.shapes import ball, box
+
+SHAPES = (ball(), box())
+QUICK = MorphSettings(resolution=32)
+BLENDS = path_blends(2, 96)
+RUNS = 25
+"""Enough for work to be left when a worker is killed after the first of them."""
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0"
+    ) as running:
+        yield running
+
+
+@contextmanager
+def counted(address):
+    """The cluster's workers, and the futures of all runs that they are given."""
+    futures = []
+
+    class Counting(ClusterExecutor):
+        def submit(self, *call, **options):
+            futures.append(super().submit(*call, **options))
+            return futures[-1]
+
+    with cluster_workers(address) as executor:
+        executor.__class__ = Counting
+        yield executor, futures
+
+
+def steps(**where):
+    return (step for step in morph(SHAPES, ["a", "b"], BLENDS, QUICK, **where) if step.frame)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return [step.frame for step in steps(workers=2)]
+
+
+def assert_same(found, expected):
+    assert [frame.blend for frame in found] == [frame.blend for frame in expected]
+    for one, other in zip(found, expected, strict=True):
+        assert one.record == other.record
+        if other.mesh is not None:
+            np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
+            np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
+
+
+def kill(processes):
+    for process in processes:
+        os.kill(process, signal.SIGKILL)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows knows no SIGKILL")
+@pytest.mark.parametrize("victims", [1, 2], ids=["one worker", "all workers"])
+def test_a_bake_survives_workers_that_are_killed(cluster, expected, victims):
+    """With all of them go all copies of what the runs have in common."""
+    frames = []
+    with counted(cluster.scheduler_address) as (executor, futures):
+        before = set(executor.client.run(os.getpid).values())
+        assert len(before) == 2
+        for step in steps(executor=executor):
+            if not frames:
+                assert len(futures) == RUNS
+                assert sum(not future.done() for future in futures) >= RUNS // 2
+                kill(sorted(before)[:victims])
+            frames.append(step.frame)
+        executor.client.wait_for_workers(2, timeout=60)
+        assert len(before & set(executor.client.run(os.getpid).values())) == 2 - victims
+    assert_same(frames, expected)
+
+
+def test_what_runs_have_in_common_is_sent_once(cluster, monkeypatch):
+    """And to all workers, which then all have work."""
+    sent = []
+    with cluster_workers(cluster.scheduler_address) as executor:
+        # Larger than Dask wants a call to be, which would be a warning.
+        shared = executor.share(np.arange(2_000_000))
+        places = [executor.submit(place_and_sum, shared, index) for index in range(12)]
+        sent = [future.result(60) for future in places]
+    assert {total for _, total in sent} == {1999999 * 1000000}
+    assert len({process for process, _ in sent}) == 2
+
+
+def place_and_sum(values, index):
+    time.sleep(0.1)
+    return os.getpid(), int(values.sum())
+
+
+def test_runs_elsewhere_have_one_thread_of_blas(cluster):
+    with cluster_workers(cluster.scheduler_address) as executor:
+        during, after = executor.submit(blas_threads_of_a_run).result(60)
+    assert during == {1}
+    assert after == {2}
+
+
+def blas_threads_of_a_run():
+    """Numbers of BLAS threads while a run is solved, and after it, where two were allowed."""
+    from threadpoolctl import threadpool_info, threadpool_limits
+
+    def count(*_):
+        return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+    real, runs.solve_blends = runs.solve_blends, count
+    try:
+        with threadpool_limits(2, user_api="blas"):
+            return runs.solve_apart(None, ()), count()
+    finally:
+        runs.solve_blends = real
+
+
+def test_one_thread_of_blas_lasts_until_the_last_has_left():
+    threadpoolctl = pytest.importorskip("threadpoolctl")
+
+    def count():
+        return {library["num_threads"] for library in threadpoolctl.threadpool_info() if library["user_api"] == "blas"}
+
+    first, second = ExitStack(), ExitStack()
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        first.enter_context(one_blas_thread())
+        second.enter_context(one_blas_thread())
+        first.close()
+        assert count() == {1}
+        second.close()
+        assert count() == {2}
+
+
+def test_cancelling_cancels_what_has_not_begun(cluster):
+    seen = threading.Event()
+
+    def check():
+        if seen.is_set():
+            raise Cancelled("enough")
+
+    with counted(cluster.scheduler_address) as (executor, futures):
+        with pytest.raises(Cancelled):
+            for _ in steps(executor=executor, check=check):
+                seen.set()
+        assert sum(future.cancelled() for future in futures) >= RUNS // 2
+        deadline = time.monotonic() + 30
+        while any(executor.client.processing().values()) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert not any(executor.client.processing().values())
+
+
+def test_a_bake_on_a_cluster_can_be_stopped_while_it_waits():
+    """No run ever ends here, and the user is heard all the same."""
+    asked = []
+
+    def check():
+        asked.append(1)
+        if len(asked) == 3:
+            raise Cancelled("enough")
+
+    never = threading.Event()
+    with ThreadPoolExecutor(1) as elsewhere:
+        elsewhere.submit(never.wait)
+        with pytest.raises(Cancelled):
+            list(steps(executor=elsewhere, check=check))
+        never.set()
+
+
+def test_frames_from_a_cluster_go_into_the_cache(cluster, expected, tmp_path):
+    with cluster_workers(cluster.scheduler_address) as executor:
+        wanted = [step.frame for step in steps(executor=executor, cache=FrameCache(tmp_path), wanted=range(8))]
+    assert_same(wanted, expected[:8])
+    assert_same([step.frame for step in steps(cache=FrameCache(tmp_path), wanted=range(8))], expected[:8])
+
+
+def test_errors_of_a_run_arrive_as_they_are(cluster):
+    with cluster_workers(cluster.scheduler_address) as executor, pytest.raises(InputError, match="no volume"):
+        executor.submit(refuse).result(60)
+
+
+def refuse():
+    raise InputError("no volume")
+
+
+def test_a_cluster_that_lacks_the_package_is_told_what_it_needs(cluster):
+    missing = ModuleNotFoundError(name="convwass_addon")
+    for error, cause in ((missing, None), (RuntimeError("Error during deserialization"), missing)):
+        with (
+            pytest.raises(ConvwassError, match="does not know convwass_addon"),
+            cluster_workers(cluster.scheduler_address),
+        ):
+            raise error from cause
+    with pytest.raises(RuntimeError, match="another"), cluster_workers(cluster.scheduler_address):
+        raise RuntimeError("another")
+
+
+def test_a_run_that_costs_every_worker_its_life_is_given_up(cluster, monkeypatch):
+    monkeypatch.setattr(cluster.scheduler, "allowed_failures", 0)
+    with pytest.raises(ConvwassError, match="want of memory"), cluster_workers(cluster.scheduler_address) as executor:
+        executor.submit(os._exit, 1).result(60)
+
+
+def test_a_scheduler_that_is_lost_ends_the_bake():
+    distributed = pytest.importorskip("distributed")
+    started = distributed.LocalCluster(
+        n_workers=1,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp",
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+    )
+    with (
+        pytest.raises(ConvwassError, match="was lost; start it"),
+        cluster_workers(started.scheduler_address) as executor,
+    ):
+        waiting = executor.submit(time.sleep, 1.0)
+        started.close()
+        waiting.result(60)
+
+
+@pytest.mark.parametrize(
+    ("address", "message"),
+    [("tcp://127.0.0.1:1", "No Dask scheduler answers at tcp://127.0.0.1:1"), ("what://ever", "No Dask scheduler")],
+)
+def test_schedulers_that_do_not_answer_are_named(address, message, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("convwass_addon.applications.cluster._SECONDS", 0.5)
+    with pytest.raises(InputError, match=message), cluster_workers(address):
+        pass
+
+
+def test_a_scheduler_without_workers_is_refused(monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("convwass_addon.applications.cluster._SECONDS", 1.0)
+    with (
+        distributed.LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0") as empty,
+        pytest.raises(InputError, match="has no workers"),
+        cluster_workers(empty.scheduler_address),
+    ):
+        pass
+
+
+def test_a_missing_distributed_is_asked_for(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match="pip install distributed"), cluster_workers("tcp://127.0.0.1:1"):
+        pass

@@ -1,0 +1,358 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames in a folder: what is read is what was written or nothing, and nothing is computed twice."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+import struct
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+
+from convwass_addon.applications import frame_cache, frame_file, morph as morphing
+from convwass_addon.applications.frame_cache import FrameCache
+from convwass_addon.applications.frame_file import MAGIC, DamagedFrameError, StoredFrame, read_frame, write_frame
+from convwass_addon.applications.layouts import path_blends
+from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.parts import FaceLabels
+from convwass_addon.applications.runs import RUN_LENGTH, runs_of
+from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from tests.shapes import ball, box
+
+QUICK = MorphSettings(resolution=16)
+KEY = "0" * 64
+BLENDS = path_blends(2, 10)
+SHAPES = (ball(), box())
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """The runs that were really computed, as a list of their first frames."""
+    found = []
+
+    def in_threads(problem, runs, check, workers, real=morphing.runs_in_threads):
+        found.extend(run[0].frame for run in runs.values())
+        return real(problem, runs, check, workers)
+
+    monkeypatch.setattr(morphing, "runs_in_threads", in_threads)
+    return found
+
+
+def bake(cache=None, wanted=None, **options):
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=cache, wanted=wanted, workers=2, **options)
+    return [step.frame for step in steps if step.frame]
+
+
+def assert_same(found, expected):
+    assert [frame.blend for frame in found] == [frame.blend for frame in expected]
+    for one, other in zip(found, expected, strict=True):
+        assert one.record == other.record
+        assert (one.mesh is None) == (other.mesh is None)
+        if one.mesh is not None:
+            np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
+            np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
+
+
+def written(path, frame=None, key=KEY):
+    write_frame(path, key, frame or StoredFrame(box(), {"converged": True}))
+    return bytearray(path.read_bytes())
+
+
+def sealed(header, arrays=b""):
+    """A file whose hash is right, whatever it says."""
+    text = header if isinstance(header, bytes) else json.dumps(header).encode()
+    body = struct.pack("<Q", len(text)) + text + arrays
+    return MAGIC + hashlib.sha256(body).digest() + body
+
+
+def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_path, solved):
+    expected = bake()
+    solved.clear()
+    assert_same(bake(FrameCache(tmp_path)), expected)
+    assert solved == [0, 4, 8]
+    assert_same(bake(FrameCache(tmp_path)), expected)
+    assert solved == [0, 4, 8]
+    assert len(list(tmp_path.iterdir())) == len(BLENDS)
+
+
+def test_what_is_all_there_needs_no_voxels(tmp_path, monkeypatch):
+    expected = bake(FrameCache(tmp_path))
+    monkeypatch.setattr(morphing, "voxelize", None)
+    assert_same(bake(FrameCache(tmp_path)), expected)
+
+
+def test_an_interrupted_bake_goes_on_where_it_stopped(tmp_path, solved):
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=FrameCache(tmp_path), workers=1)
+    assert next(step for step in steps if step.frame)
+    steps.close()
+    kept = len(list(tmp_path.iterdir()))
+    assert RUN_LENGTH <= kept < len(BLENDS)
+    solved.clear()
+    assert_same(bake(FrameCache(tmp_path)), bake())
+    assert 0 not in solved[:2]
+
+
+def test_runs_that_are_finished_before_their_turn_are_kept_too(tmp_path, monkeypatch):
+    """The first run never ends; what the others found is in the folder all the same."""
+
+    def check():
+        if len(list(tmp_path.iterdir())) >= len(BLENDS) - RUN_LENGTH:
+            raise Cancelled("enough")
+
+    def in_threads(problem, runs, check, workers, real=morphing.runs_in_threads):
+        return real(problem, dict(reversed(runs.items())), check, 1)
+
+    monkeypatch.setattr(morphing, "runs_in_threads", in_threads)
+    with pytest.raises(Cancelled):
+        list(bake(FrameCache(tmp_path), check=check))
+    assert len(list(tmp_path.iterdir())) == len(BLENDS) - RUN_LENGTH
+
+
+@pytest.mark.parametrize(
+    ("wanted", "made"), [(range(5, 6), range(4, 8)), (range(3, 9), range(11)), (range(11), range(11))]
+)
+def test_a_range_is_made_in_whole_runs(tmp_path, wanted, made):
+    expected = bake()
+    frames = bake(FrameCache(tmp_path), wanted)
+    assert_same(frames, [expected[index] for index in made])
+    assert len(list(tmp_path.iterdir())) == len(made)
+
+
+def test_ranges_together_are_the_whole(tmp_path, solved):
+    for wanted in (range(8, 11), range(4), range(4, 8)):
+        bake(FrameCache(tmp_path), wanted)
+    assert solved == [8, 0, 4]
+    solved.clear()
+    together = bake(FrameCache(tmp_path))
+    assert solved == []
+    assert_same(together, bake())
+
+
+@pytest.mark.parametrize("wanted", [range(0), range(11, 12), range(-1, 3), range(5, 12)])
+def test_ranges_outside_are_refused(wanted):
+    with pytest.raises(InputError, match="between 0 and 10"):
+        runs_of(BLENDS, wanted)
+
+
+@given(count=st.integers(1, 60), data=st.data())
+def test_every_blend_lies_in_one_run_and_runs_do_not_depend_on_what_is_wanted(count, data):
+    blends = list(range(count))
+    runs = runs_of(blends)
+    assert [blend for run in runs for blend in run] == blends
+    first = data.draw(st.integers(0, count - 1))
+    last = data.draw(st.integers(first, count - 1))
+    chosen = runs_of(blends, range(first, last + 1))
+    assert set(chosen) == {run for run in runs if set(run) & set(range(first, last + 1))}
+
+
+def keys(shapes=SHAPES, names=("a", "b"), labels=None, options=QUICK, blends=BLENDS):
+    with tempfile.TemporaryDirectory() as folder:
+        cache = FrameCache(Path(folder)).of(shapes, names, labels, options)
+        return [path.name for path in cache.paths(blends)]
+
+
+def test_every_frame_has_a_name_of_its_own():
+    assert len(set(keys())) == len(BLENDS)
+    assert keys() == keys()
+
+
+LABELS = [FaceLabels(("head",), np.zeros(len(shape.faces), np.int64)) for shape in (ball(), box())]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"shapes": (ball(), box().moved((0, 0, 1e-12)))},
+        {"shapes": (ball(), box().flipped())},
+        {"shapes": (box(), ball())},
+        {"labels": LABELS},
+    ],
+    ids=["a vertex", "a face", "the order", "parts"],
+)
+def test_whatever_decides_a_frame_is_in_its_name(other):
+    assert not set(keys(**other)) & set(keys())
+
+
+@pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(MorphSettings)])
+def test_every_setting_is_in_the_name(name):
+    changed = dataclasses.replace(QUICK)
+    # Whatever the setting takes: only that it differs matters here.
+    object.__setattr__(changed, name, "another")
+    assert not set(keys(options=changed)) & set(keys())
+
+
+def test_the_code_is_in_the_name(monkeypatch):
+    expected = keys()
+    monkeypatch.setattr(frame_cache, "code_digest", lambda: b"another")
+    assert not set(keys()) & set(expected)
+
+
+def test_a_frame_is_told_by_the_blends_before_it_in_its_run_and_by_none_after():
+    assert keys(blends=BLENDS[:3]) == keys()[:3]
+    assert keys(blends=BLENDS[1:4])[0] != keys()[1]
+
+
+def test_names_of_shapes_count_only_where_parts_are_spoken_of():
+    assert keys(names=("c", "d")) == keys()
+    assert keys(names=("c", "d"), labels=LABELS) != keys(labels=LABELS)
+
+
+points = st.floats(-1e300, 1e300)
+figures = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    vertices=st.lists(st.tuples(points, points, points), min_size=1, max_size=5),
+    corners=st.lists(st.tuples(*[st.integers(0, 4)] * 3), max_size=5),
+    record=st.dictionaries(st.text(max_size=3), figures | st.tuples(figures, figures)),
+)
+def test_what_is_written_is_read(tmp_path, vertices, corners, record):
+    mesh = frame_file.TriangleMesh.from_arrays(vertices, np.reshape(corners, (-1, 3)) % len(vertices))
+    write_frame(tmp_path / "f", KEY, StoredFrame(mesh, record))
+    found = read_frame(tmp_path / "f", KEY)
+    assert found.record == record
+    np.testing.assert_array_equal(found.mesh.vertices, mesh.vertices)
+    np.testing.assert_array_equal(found.mesh.faces, mesh.faces)
+    assert os.listdir(tmp_path) == ["f"]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=200)
+@given(data=st.data())
+def test_any_changed_byte_and_any_missing_end_is_noticed(tmp_path, data):
+    content = written(tmp_path / "f")
+    place = data.draw(st.integers(0, len(content) - 1))
+    if data.draw(st.booleans()):
+        content[place] ^= data.draw(st.integers(1, 255))
+    else:
+        del content[place:]
+    (tmp_path / "f").write_bytes(content)
+    with pytest.raises(DamagedFrameError):
+        read_frame(tmp_path / "f", KEY)
+
+
+VERTICES = np.zeros((2, 3)).tobytes()
+GOOD = {"key": KEY, "counts": [2, 1], "record": {}}
+
+
+def triangle(*corners):
+    return np.array(corners, "<i4").tobytes()
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (sealed(GOOD, VERTICES + triangle(0, 1, 2)), "do not exist"),
+        (sealed(GOOD, VERTICES + triangle(0, 1, -1)), "do not exist"),
+        (sealed(GOOD, np.array([[0, 0, np.nan], [0, 0, 0]]).tobytes() + triangle(0, 1, 1)), "not numbers"),
+        (sealed(GOOD, np.array([[0, 0, np.inf], [0, 0, 0]]).tobytes() + triangle(0, 1, 1)), "not numbers"),
+        (sealed(GOOD, VERTICES), "size"),
+        (sealed(GOOD | {"counts": [10**18, 10**18]}, VERTICES), "size"),
+        (sealed(GOOD | {"counts": [-2, 4]}, b""), "counts"),
+        (sealed(GOOD | {"counts": [True, 2]}, VERTICES + triangle(0, 1, 1)), "counts"),
+        (sealed(GOOD | {"counts": "many"}, b""), "counts"),
+        (sealed(GOOD | {"counts": None}, VERTICES), "size"),
+        (sealed(GOOD | {"key": "1" * 64}, VERTICES + triangle(0, 1, 1)), "another frame"),
+        (sealed({"key": KEY}, b""), "counts"),
+        (sealed([1, 2], b""), "another frame"),
+        (sealed(b"\xff\xfe", b""), "utf"),
+        (sealed(b"[" * 100_000, b""), "recursion|nested|Expecting"),
+        (sealed(b" " * (1 << 20) + b"{}"), "header is too long"),
+        (sealed(GOOD | {"counts": None, "record": [1]}), "no table"),
+        (sealed(GOOD | {"counts": None, "record": {"notice": ["x"]}}), "notice"),
+        (sealed(GOOD | {"counts": None, "record": {"converged": "yes"}}), "converged"),
+        (sealed(GOOD | {"counts": None, "record": {"marginal_error": "small"}}), "marginal_error"),
+        (MAGIC + hashlib.sha256(b"\xff" * 8).digest() + b"\xff" * 8, "header is too long"),
+        (b"", "begin"),
+        (b"PK\x03\x04" + b"x" * 200, "begin"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_files_that_lie_are_refused(tmp_path, content, reason):
+    path = tmp_path / "f"
+    path.write_bytes(content)
+    with pytest.raises(DamagedFrameError, match=reason):
+        read_frame(path, KEY)
+
+
+def test_the_good_example_is_good(tmp_path):
+    (tmp_path / "f").write_bytes(sealed(GOOD, VERTICES + triangle(0, 1, 1)))
+    assert len(read_frame(tmp_path / "f", KEY).mesh.faces) == 1
+
+
+def test_what_is_too_large_is_not_even_read(tmp_path):
+    with open(tmp_path / "f", "wb") as file:
+        file.truncate(3 << 30)
+    with pytest.raises(DamagedFrameError, match="too large"):
+        read_frame(tmp_path / "f", KEY)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes")
+def test_pipes_links_and_folders_are_left_alone(tmp_path):
+    outside = tmp_path / "outside"
+    written(outside)
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to(outside)
+    (tmp_path / "folder").mkdir()
+    for name in ("pipe", "link", "folder"):
+        with pytest.raises(DamagedFrameError, match="regular file"):
+            read_frame(tmp_path / name, KEY)
+    # Writing over a link replaces the link, not what it points at.
+    before = outside.read_bytes()
+    written(tmp_path / "link", StoredFrame(None, {}))
+    assert outside.read_bytes() == before
+    assert not (tmp_path / "link").is_symlink()
+
+
+def test_damaged_frames_are_named_and_made_again(tmp_path, solved):
+    expected = bake(FrameCache(tmp_path))
+    solved.clear()
+    damaged = FrameCache(tmp_path).of(SHAPES, ["a", "b"], None, QUICK).paths(BLENDS[4:8])[2]
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    cache = FrameCache(tmp_path)
+    assert_same(bake(cache), expected)
+    assert solved == [4]
+    assert len(cache.notices) == 1
+    assert str(damaged) in cache.notices[0]
+    cache = FrameCache(tmp_path)
+    bake(cache)
+    assert cache.notices == []
+
+
+def test_a_frame_that_vanishes_while_it_is_being_read_ends_the_bake(tmp_path):
+    bake(FrameCache(tmp_path))
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=FrameCache(tmp_path))
+    next(steps)
+    for path in tmp_path.iterdir():
+        path.unlink()
+    with pytest.raises(ConvwassError, match="lost a frame"):
+        list(steps)
+
+
+def test_two_machines_may_write_the_same_frame(tmp_path, monkeypatch):
+    """Windows does not replace what another machine is reading."""
+    first = bake(wanted=range(1))[0]
+    cache = FrameCache(tmp_path).of(SHAPES, ["a", "b"], None, QUICK)
+    cache.save(BLENDS[:1], [first])
+    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(PermissionError(13, "in use")))
+    cache.save(BLENDS[:1], [first])
+    with pytest.raises(ConvwassError, match="in use"):
+        cache.save(BLENDS[1:2], [first])
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_folders_that_cannot_be_are_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made"):
+        FrameCache(tmp_path / "file")
+    with pytest.raises(InputError, match="cannot be made"):
+        FrameCache(tmp_path / "file" / "folder")
+    assert FrameCache(tmp_path / "new" / "folder").folder.is_dir()

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An environment of their own for the programs that the benchmarks compare with."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from pathlib import Path
+
+from .environment import Environment, Stamp, _locked, _say
+
+FOLDER = ".venv-peers"
+REQUIREMENTS = "benchmarks/peers.txt"
+
+
+class PeersEnvironment(Environment):
+    """A folder with a Python and what `REQUIREMENTS` lists; nothing of the project's own."""
+
+    @classmethod
+    def of(cls, project: Path) -> PeersEnvironment:
+        """Return the one of a project's folder."""
+        return cls(project, project / FOLDER)
+
+    def declared(self) -> str:
+        """Hash of the requirements."""
+        return hashlib.sha256((self.project / REQUIREMENTS).read_bytes()).hexdigest()
+
+    def prepare_peers(self) -> None:
+        """Make the environment with the running Python, unless it is there and still right.
+
+        Raises
+        ------
+        SetupError
+            If it cannot be made; the message is for the user.
+        """
+        if self.is_installed():
+            return
+        with _locked(self.folder.with_name(self.folder.name + ".lock"), self.shown):
+            if not self.is_installed():
+                self._install_peers()
+
+    def _install_peers(self) -> None:
+        _say(f"Setting up {self.shown} for the peers. This happens once; it downloads about 250 MB.")
+        self._remove()
+        self.folder.mkdir(parents=True)
+        self._write_stamp(Stamp())
+        self._run([sys.executable, "-m", "venv", str(self.folder)], "Making the peers' environment failed.")
+        self._run(
+            [*self._pip_install(quiet=True), "--requirement", REQUIREMENTS],
+            "Installing the peers failed; pip's message is above. The first time it needs a network; the benchmarks "
+            "named morph, quality and table1 do without.",
+        )
+        self._write_stamp(
+            Stamp(declared=self.declared(), folder=str(self.folder), distributions=self._installed_records())
+        )
