@@ -116,13 +116,16 @@ def surface_enclosing(density: NDArray[np.floating], volume: float, near: float 
     return nearest
 
 
-def euler_number_in(window: NDArray[np.float64], level: float) -> int:
-    """Vertices - edges + faces of the surface at a level within a part of a grid, cut open at the part's walls."""
+def euler_number_within(window: NDArray[np.float64], level: float) -> float:
+    """Vertices - triangles / 2 of the surface at a level within a part of a grid, cut open at the part's walls.
+
+    What changes inside the part changes this as it changes the surface's Euler number: the edges inside are three
+    halves of the triangles, and those at the walls stay.
+    """
     if not float(window.min()) < level < float(window.max()):
-        return 0
-    vertices, faces, _, _ = marching_cubes(_excess(window, level), 0.0)
-    ends = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
-    return len(vertices) - len(np.unique(ends[:, 0] * len(vertices) + ends[:, 1])) + len(faces)
+        return 0.0
+    vertices, faces, _, _ = marching_cubes((window / level - 1.0).astype(np.float32), 0.0)
+    return len(vertices) - len(faces) / 2.0
 
 
 def _excess(density: NDArray[np.float64], level: float) -> NDArray[np.float32]:

@@ -16,7 +16,7 @@ from scipy.ndimage import binary_dilation, label
 from scipy.spatial import cKDTree
 
 from .edges import vertex_components
-from .isosurface import LevelSurface, bounding_box, euler_number_in, surface_enclosing
+from .isosurface import LevelSurface, bounding_box, euler_number_within, surface_enclosing
 from .saddles import saddles
 
 # Pieces of a smaller share of the volume are crumbs.
@@ -33,9 +33,10 @@ _RAISED, _LOWERED = 1.1, 0.85
 # The surface between cells may pass a saddle of the cells that lies closer to the level than this.
 _SLACK = 0.95
 _RADIUS, _WIDER = 1.5, 2.25
-# How far a change reaches, in radii, and how often handles are looked for.
+# How far a change reaches, in radii; how often handles are looked for, and at how many places.
 _REACH = 4.0
 _ROUNDS = 5
+_TRIED = 80
 
 
 @dataclass(frozen=True)
@@ -261,18 +262,19 @@ def _with_fewer_handles(density: NDArray[np.float64], level: float, excess: int)
     """Move saddles near the level to its other side until so many handles have gone; None where that removes none."""
     density, left = density.copy(), excess
     pieces = _count_pieces(density, level)
-    for place, wanted in _saddles_near(density, level):
+    for place, wanted in _saddles_near(density, level)[:_TRIED]:
+        window = _around(density.shape, place, _REACH * _WIDER)
+        kept = density[window].copy()
+        before = euler_number_within(kept, level)
         for radius in (_RADIUS, _WIDER):
             spans, change = _bump(density, place, wanted, radius)
-            kept = density[spans].copy()
-            before = euler_number_in(kept, level)
             density[spans] *= change
-            gained = euler_number_in(density[spans], level) - before
+            gained = euler_number_within(density[window], level) - before
             # Cutting a piece in two changes the Euler number as cutting a handle does.
             if gained > 0 and _count_pieces(density, level) <= pieces:
-                left -= gained // 2
+                left -= round(gained / 2)
                 break
-            density[spans] = kept
+            density[window] = kept
         if left <= 0:
             break
     return density if left < excess else None
@@ -305,7 +307,11 @@ def _bump(
     density: NDArray[np.float64], place: tuple[int, ...], wanted: float, radius: float
 ) -> tuple[tuple[slice, ...], NDArray[np.float64]]:
     """Return the box around a cell that such a change reaches, and by what to multiply the density there."""
-    reach = int(np.ceil(_REACH * radius))
-    spans = tuple(slice(max(at - reach, 0), min(at + reach + 1, n)) for at, n in zip(place, density.shape, strict=True))
+    spans = _around(density.shape, place, _REACH * radius)
     squared = sum((axis - at) ** 2 for axis, at in zip(np.ogrid[spans], place, strict=True))
     return spans, 1.0 + (wanted / density[place] - 1.0) * np.exp(-squared / (2.0 * radius**2))
+
+
+def _around(shape: tuple[int, ...], place: tuple[int, ...], reach: float) -> tuple[slice, ...]:
+    cells = int(np.ceil(reach))
+    return tuple(slice(max(at - cells, 0), min(at + cells + 1, n)) for at, n in zip(place, shape, strict=True))
