@@ -11,9 +11,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
-from convwass_addon.applications import blending
+from convwass_addon.applications import blending, reading
 from convwass_addon.applications.layouts import Blend, path_blends
 from convwass_addon.applications.morph import morph
 from convwass_addon.applications.morph_settings import MorphSettings
@@ -21,7 +20,6 @@ from convwass_addon.applications.parts import SplitShapes
 from convwass_addon.applications.volumes import Lattice, voxelize
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.geometry.isosurface import surface_enclosing
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.transport import barycenter
 
@@ -104,9 +102,7 @@ def surface_at(
 
 def own_surface(filled: NDArray[np.floating]) -> TriangleMesh:
     """Return the surface of a shape's own occupancy, read as the application reads that of a blend."""
-    return surface_enclosing(
-        gaussian_filter(filled.astype(np.float64), blending._READING_BLUR), float(filled.sum(dtype=np.float64))
-    ).mesh
+    return reading.own_surface(filled, MorphSettings()).mesh
 
 
 def baked(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[TriangleMesh]:

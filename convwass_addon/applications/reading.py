@@ -39,10 +39,15 @@ class Reading:
     record: dict[str, object]
 
 
-def connectivity_of(occupancy: NDArray[np.floating], settings: MorphSettings) -> Connectivity:
-    """Pieces, handles and bubbles of a shape, as far as they can be read from its occupancy at this resolution."""
+def own_surface(occupancy: NDArray[np.floating], settings: MorphSettings) -> LevelSurface:
+    """Surface of a shape as it can be read from its occupancy, in the way that blends are read."""
     density = np.asarray(occupancy, dtype=np.float64)
-    return Connectivity.of(surface_enclosing(_prepared(density, float(density.sum()), settings), float(density.sum())))
+    return surface_enclosing(_prepared(density, float(density.sum()), settings), float(density.sum()))
+
+
+def connectivity_of(occupancy: NDArray[np.floating], settings: MorphSettings) -> Connectivity:
+    """Pieces, handles and bubbles of a shape as they can be read from its occupancy at this resolution."""
+    return Connectivity.of(own_surface(occupancy, settings))
 
 
 def read_surface(
