@@ -119,8 +119,8 @@ class MorphProperties:
     )
     locality: FloatProperty(
         name="Locality",
-        description="At 0 all mass travels; towards 1 it goes less and less far, and parts shrink in one place and grow "
-        "in another",
+        description="At 0 all mass travels; towards 1 it goes less and less far, and parts shrink in one place and "
+        "grow in another",
         default=0.0,
         min=0.0,
         max=1.0,

@@ -15,10 +15,15 @@ from scipy.linalg import blas
 from scipy.ndimage import map_coordinates
 
 from .domain import HEADROOM, NEGLIGIBLE, floored_log
+from .log_lines import log_blur
 from .region import Region, through_whole_arrays
 
 # A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.
 _NARROWEST, _WIDEST = 1e-3, 1e4
+# Entries of the kernel reach so many standard deviations.
+_ENTRIES = 36.0
+# Cells that are blurred at once in the log domain.
+_AT_ONCE = 1 << 17
 # Where fewer of a box's cells are wanted, each is interpolated by itself.
 _FEW = 0.1
 
@@ -118,25 +123,46 @@ class Grid:
             floored_log(target, shift)
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write log H (a * exp(column)) to `out`, every grid line shifted by its own maximum.
+        """Write log H (a * exp(column)) to `out`, line by line in the log domain.
 
-        Only differences along one line can underflow, so it survives kernels too narrow for :meth:`log_apply`, at
-        two to three times the cost.
+        Lines within the reach of the kernel's entries are shifted by their own maximum, so that only differences along
+        one line can underflow: two to three times the cost of :meth:`log_apply`. Longer ones are blurred in blocks
+        (:func:`.log_lines.log_blur`), which is right at every distance and costs ten to twenty times as much.
         """
         first, second, _ = (buffer.reshape(-1) for buffer in self._scratch)
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):
             current = source.reshape(-1)
             for axis in reversed(range(len(self.shape))):
                 size = self.shape[axis]
+                turned = target.reshape(-1) if axis == 0 else second
+                if size > _ENTRIES * self.sigma:
+                    turned.reshape(size, -1)[...] = self._log_blur(current.reshape(-1, size)).T
+                    current = turned
+                    continue
                 lines = first.reshape(-1, size)
                 shift = current.reshape(-1, size).max(axis=1, keepdims=True) - HEADROOM
                 np.subtract(current.reshape(-1, size), shift, out=lines)
                 np.exp(lines, out=lines)
                 np.copyto(lines, 0.0, where=lines < NEGLIGIBLE)
-                turned = target.reshape(-1) if axis == 0 else second
                 _contract(first, turned, self._kernels[size])
                 floored_log(turned.reshape(size, -1), shift[:, 0])
                 current = turned
+
+    def _log_blur(self, lines: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Blur long lines, (m, n); what a wall turns back comes from one mirror image on each side."""
+        size = lines.shape[1]
+        log_scale = -float(np.log(_whole_row(self.sigma)))
+        # Few lines at a time: between them there may be hundreds of arrays.
+        chunk = max(_AT_ONCE // size, 1)
+        result = np.empty_like(lines)
+        for start in range(0, len(lines), chunk):
+            some = lines[start : start + chunk]
+            if self.boundary == "open":
+                result[start : start + chunk] = log_blur(some, self.sigma, log_scale)
+            else:
+                mirrored = np.concatenate([some[:, ::-1], some, some[:, ::-1]], axis=1)
+                result[start : start + chunk] = log_blur(mirrored, self.sigma, log_scale)[:, size : 2 * size]
+        return result
 
     def log_transfer(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
@@ -281,9 +307,14 @@ def _gaussian(size: int, sigma: float, boundary: Literal["open", "reflecting"]) 
         for shift in range(2 * size, reach + 2 * size, 2 * size):
             for far in (-shift, shift):
                 kernel += _bell(cells[:, None] - cells + far, sigma) + _bell(cells[:, None] + cells + 1 + far, sigma)
-    kernel /= _bell(np.arange(-reach, reach + 1), sigma).sum()
+    kernel /= _whole_row(sigma)
     kernel[kernel < NEGLIGIBLE] = 0.0
     return np.asfortranarray(kernel)
+
+
+def _whole_row(sigma: float) -> float:
+    reach = int(np.ceil(40 * sigma))
+    return float(_bell(np.arange(-reach, reach + 1), sigma).sum())
 
 
 def _bell(distance: NDArray[np.int64], sigma: float) -> NDArray[np.float64]:

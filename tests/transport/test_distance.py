@@ -315,12 +315,22 @@ def test_far_numerics_take_over_and_agree():
 
 @pytest.mark.parametrize("solve", [distance, lambda mu, nu, grid: distance_matrix([mu, nu], grid)])
 def test_a_kernel_that_does_not_reach_is_refused(solve):
-    """Along one line 60 cells are more than 36 sigma; a number would be wrong, however well its plan converged."""
-    for sigma in (0.3, 0.7, 1.0, 1.5):
-        first, second = gaussian((128,), [34], 4.0), gaussian((128,), [94], 4.0)
-        first[first < 1e-30], second[second < 1e-30] = 0.0, 0.0
-        with pytest.raises(KernelTooNarrowError, match=r"gamma = .* is too small .*; try"):
-            solve(first, second, Grid((128,), sigma))
+    """Over 60 cells the potentials would be larger than what stands for nothing."""
+    first, second = gaussian((128,), [34], 4.0), gaussian((128,), [94], 4.0)
+    first[first < 1e-30], second[second < 1e-30] = 0.0, 0.0
+    with pytest.raises(KernelTooNarrowError, match=r"gamma = .* is too small .*; try"):
+        solve(first, second, Grid((128,), 0.3))
+
+
+@pytest.mark.parametrize("sigma", [1.0, 1.3])
+def test_beyond_the_entries_of_the_kernel_the_distance_is_right(sigma):
+    """Along one line 60 cells are more than 36 sigma."""
+    first, second = gaussian((128,), [34], 4.0), gaussian((128,), [94], 4.0)
+    first[first < 1e-30], second[second < 1e-30] = 0.0, 0.0
+    found = distance(first, second, Grid((128,), sigma), tolerance=1e-6, max_iterations=5000)
+    assert found.numerics == "log domain by line"
+    assert found.converged
+    assert found.value == pytest.approx(60**2, rel=1e-6)
 
 
 @pytest.mark.parametrize("solve", [distance, lambda mu, nu, grid, **rest: distance_matrix([mu, nu], grid, **rest)])

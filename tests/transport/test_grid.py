@@ -10,6 +10,7 @@ from scipy.ndimage import gaussian_filter
 
 from convwass_addon.transport import Grid
 from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.log_lines import log_blur
 from convwass_addon.transport.region import Region
 
 SHAPES = [(40,), (20, 31), (18, 24, 13)]
@@ -144,16 +145,60 @@ def test_the_unit_length_turns_gamma_into_squared_cells(shape):
     assert grid.weights * grid.cells == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("method", ["log_apply", "log_apply_far"])
 @pytest.mark.parametrize("height", [-9000.0, 0.0, 5500.0, 9000.0])
-def test_nothing_stays_nothing_however_large_the_rest(method, height):
+def test_nothing_stays_nothing_however_large_the_rest(height):
     """A cell beyond the reach of the kernel has no result, not one that large scalings elsewhere have lifted."""
     logs = np.full((1, 200), LOG_NOTHING)
     logs[0, :5] = height
     result = np.empty_like(logs)
-    getattr(Grid((200,), 1.0), method)(logs, result)
+    Grid((200,), 1.0).log_apply(logs, result)
     assert (result[0, 60:] == LOG_NOTHING).all()
     assert (result[0, :5] > height - 2).all()
+
+
+@pytest.mark.parametrize("height", [-9000.0, 0.0, 5500.0])
+def test_in_logarithms_the_kernel_has_no_end(height):
+    logs = np.full((1, 200), LOG_NOTHING)
+    logs[0, :5] = height
+    result = np.empty_like(logs)
+    Grid((200,), 1.0).log_apply_far(logs, result)
+    expected = np.maximum(brute_force_log_apply(logs[0], 1.0), LOG_NOTHING)
+    known = expected > LOG_NOTHING + 10
+    assert known.sum() > 40
+    np.testing.assert_allclose(result[0, known], expected[known], atol=1e-7)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**31 - 1),
+    size=st.integers(1, 260),
+    sigma=st.floats(0.4, 2.5),
+    slope=st.floats(-15.0, 15.0),
+    curvature=st.floats(-1.0, 1.0),
+    empty=st.sampled_from([0.0, 0.3, 0.9]),
+)
+def test_log_blur_agrees_with_brute_force(seed, size, sigma, slope, curvature, empty):
+    """Potentials as solvers have them: slopes and parabolas that compensate the kernel's, with noise and gaps."""
+    rng = np.random.default_rng(seed)
+    x = np.arange(size) - size / 2
+    logs = rng.normal(size=(3, size)) * 10 + slope * x + curvature * np.clip(x**2 / (2 * sigma**2), 0, 3000)
+    logs[rng.random((3, size)) < empty] = LOG_NOTHING
+    scale = -np.log(np.sqrt(2 * np.pi) * sigma)
+    found = log_blur(logs, sigma, scale)
+    expected = np.stack([brute_force_log_apply(line, sigma) for line in logs])
+    known = expected > LOG_NOTHING + 50
+    np.testing.assert_allclose(found[known], expected[known], rtol=1e-9, atol=1e-9)
+    assert (found >= LOG_NOTHING).all()
+
+
+def test_walls_turn_back_what_comes_from_far():
+    """As with mirror images of the line behind both walls."""
+    rng = np.random.default_rng(1)
+    logs = 20 * rng.normal(size=(1, 60)) - 8 * np.arange(60)
+    result = np.empty_like(logs)
+    Grid((60,), 1.0, "reflecting").log_apply_far(logs, result)
+    images = np.concatenate([logs[0, ::-1], logs[0], logs[0, ::-1]])
+    np.testing.assert_allclose(result[0], brute_force_log_apply(images, 1.0)[60:120], atol=1e-7)
 
 
 def test_kernel_keeps_constants_and_is_symmetric():
