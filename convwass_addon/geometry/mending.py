@@ -19,8 +19,9 @@ from .edges import vertex_components
 from .isosurface import LevelSurface, bounding_box, euler_number_within, surface_enclosing
 from .saddles import saddles
 
-# Pieces of a smaller share of the volume are crumbs.
-_CRUMB_SHARE = 5e-3
+# Pieces of a smaller share of the volume are crumbs; those of less than the other are strays where no narrow gap leads
+# to them, and are dropped as well.
+_CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
 # A gap is narrow where the density in it does not fall below this share of the level; a handle is false where the level
 # is within the other of the density of its thinnest place, or of that in its hole.
 _DEEPEST_GAP = 0.3
@@ -151,16 +152,15 @@ class _Work:
                 return
             level, density = self.surface.level, self.density
             labels, count = label(density > level)
-            small = np.bincount(labels.ravel())[1:] < _CRUMB_SHARE * self.volume
-            if small.any():
-                density = _without(density, np.append(False, small)[labels], level)
-                labels[np.append(False, small)[labels]] = 0
-            gaps = count - int(small.sum()) > most
-            bridged = _bridged(density, labels, level) if gaps else None
-            if bridged is None and not small.any():
-                return
+            shares = np.bincount(labels.ravel())[1:] / self.volume
+            density, crumbs = _dropped(density, labels, shares < _CRUMB_SHARE, level)
+            bridged = _bridged(density, labels, level) if count - crumbs > most else None
+            if bridged is None and not crumbs:
+                density, crumbs = _dropped(density, labels, shares < _STRAY_SHARE, level)
+                if not crumbs:
+                    return
             self._take(density if bridged is None else bridged, level)
-            self.crumbs += int(small.sum())
+            self.crumbs += crumbs
             self.bridged += bridged is not None
 
     def remove_handles(self, most: int) -> None:
@@ -209,10 +209,19 @@ def _box_of_interest(density: NDArray[np.float64], volume: float) -> tuple[tuple
     return tuple(slice(a, b) for a, b in zip(low, high, strict=True)), low
 
 
-def _without(density: NDArray[np.float64], crumbs: NDArray[np.bool_], level: float) -> NDArray[np.float64]:
-    """Press crumbs down to half of the level, so that a slightly lower level does not bring them back."""
+def _dropped(
+    density: NDArray[np.float64], labels: NDArray[np.int32], wanted: NDArray[np.bool_], level: float
+) -> tuple[NDArray[np.float64], int]:
+    """Press some pieces down to half of the level, so that a slightly lower level does not bring them back.
+
+    Their labels are cleared; the second result is how many there were.
+    """
+    if not wanted.any():
+        return density, 0
+    crumbs = np.append(False, wanted)[labels]
+    labels[crumbs] = 0
     around = binary_dilation(crumbs) & ((density <= level) | crumbs)
-    return np.where(around, np.minimum(density, level / 2), density)
+    return np.where(around, np.minimum(density, level / 2), density), int(wanted.sum())
 
 
 def _bridged(density: NDArray[np.float64], labels: NDArray[np.int32], level: float) -> NDArray[np.float64] | None:
