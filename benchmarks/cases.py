@@ -119,7 +119,7 @@ def path(cells: int, frames: int) -> dict[str, object]:
         settings = MorphSettings(resolution=cells)
         job = MorphJob(bpy.context.scene, depsgraph, inputs, blends, settings, {"layout": "PATH", "frames": frames}, 1)
     blending.barycenter = watch.timed("solve", blending.barycenter)
-    blending.surface_enclosing = watch.timed("surface", blending.surface_enclosing)
+    blending.read_surface = watch.timed("surface", blending.read_surface)
     steps = job.steps()
     with watch.stage("voxelize"):
         next(steps)

@@ -17,6 +17,7 @@ from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .parts import SplitShapes
+from .potentials import PartPotentials
 from .reading import connectivity_of, read_surface
 from .volumes import Lattice
 
@@ -38,11 +39,14 @@ class MorphFrame:
         Its surface in the scene, closed and outward; None where an input is shown as it is.
     record : dict
         The solver's figures, the level, volume wanted and reached; ready for JSON.
+    potentials : tuple of PartPotentials
+        One per part, where they are kept: what blends next to it can be had from.
     """
 
     blend: Blend
     mesh: TriangleMesh | None
     record: dict[str, object]
+    potentials: tuple[PartPotentials, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,6 +84,8 @@ class MorphProblem:
         How every shape hangs together at this resolution.
     notices : tuple of str
         What the user should know about the parts.
+    keeps_potentials : bool
+        Whether frames bring what blends next to them can be had from.
     """
 
     parts: tuple[MorphPart, ...]
@@ -87,6 +93,7 @@ class MorphProblem:
     settings: MorphSettings
     connectivity: tuple[Connectivity, ...]
     notices: tuple[str, ...] = ()
+    keeps_potentials: bool = False
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
@@ -104,6 +111,18 @@ class MorphProblem:
     def volumes(self) -> NDArray[np.float64]:
         """Volumes of the shapes in cells, (k,)."""
         return np.sum([part.volumes for part in self.parts], axis=0)
+
+    def blend_volumes(self, blend: Blend) -> NDArray[np.float64]:
+        """Volumes of the parts of a blend in cells, (p,)."""
+        return np.array([float(np.dot(blend.weights, part.volumes)) for part in self.parts])
+
+    def entropy_limits(self, blend: Blend) -> list[Literal["max"] | float | None]:
+        """Entropy bounds of the parts: densities of mass m in places of their own add up to m (H - ln m)."""
+        limit = self.settings.entropy_limit
+        if limit is None or limit == "max":
+            return [limit] * len(self.parts)
+        volumes = self.blend_volumes(blend)
+        return [limit + float(np.log(share)) for share in volumes / volumes.sum()]
 
 
 def solve_blends(
@@ -142,49 +161,65 @@ class _Solver:
         check: Callable[[], None] | None,
     ) -> None:
         self._problem = problem
-        self._lattice = problem.lattice
         self._parts = [_PartSolver(part, problem, check) for part in problem.parts]
 
     def frame(self, blend: Blend) -> MorphFrame:
-        volumes, cell = self._problem.volumes, self._lattice.spacing**3
+        problem = self._problem
         if blend.source is not None:
-            record = {"weights": blend.weights, "input": blend.source, "volume": volumes[blend.source] * cell}
+            volume = problem.volumes[blend.source] * problem.lattice.spacing**3
+            record = {"weights": blend.weights, "input": blend.source, "volume": volume}
             return MorphFrame(blend, None, record)
-        shares = np.array([float(np.dot(blend.weights, part.volumes)) for part in self._problem.parts])
-        solved = [part.solve(blend, limit) for part, limit in zip(self._parts, self._limits(shares), strict=True)]
-        merged = merged_parts([part.density for part in solved], shares)
-        sigma = max(part.sigma for part in self._parts)
-        shapes = [self._problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
-        reading = read_surface(merged.density, merged.volume, sigma, shapes, self._problem.settings)
-        mesh = self._lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
-        record = {
-            "weights": blend.weights,
-            **_summary(solved),
-            "sigma": sigma,
-            "cells": self._lattice.shape,
-            "level": reading.surface.level,
-            "volume": mesh.volume,
-            "volume_wanted": merged.volume * cell,
-            **reading.record,
-        }
-        return MorphFrame(blend, mesh, record | self._about_parts(shares, merged))
+        limits = problem.entropy_limits(blend)
+        solved = [part.solve(blend, limit) for part, limit in zip(self._parts, limits, strict=True)]
+        return surfaced_frame(problem, blend, solved, [part.sigma for part in self._parts])
 
-    def _limits(self, shares: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
-        """Entropy bounds of the parts: densities of mass m in places of their own add up to m (H - ln m)."""
-        limit = self._problem.settings.entropy_limit
-        if limit is None or limit == "max":
-            return [limit] * len(shares)
-        return [limit + float(np.log(share)) for share in shares / shares.sum()]
 
-    def _about_parts(self, shares: NDArray[np.float64], merged: MergedParts) -> dict[str, object]:
-        if len(shares) == 1 and not self._problem.notices:
-            return {}
-        names = (part.name for part in self._problem.parts)
-        return {
-            "parts": dict(zip(names, (shares / shares.sum()).tolist(), strict=True)),
-            "overlap": merged.overlap,
-            "notice": " ".join(self._problem.notices),
-        }
+def surfaced_frame(
+    problem: MorphProblem, blend: Blend, solved: Sequence[Barycenter], sigmas: Sequence[float]
+) -> MorphFrame:
+    """Read the surface of a blend from the barycenters of its parts.
+
+    Parameters
+    ----------
+    problem : MorphProblem
+        The shapes and the settings.
+    blend : Blend
+        Which one; no input as it is.
+    solved : sequence of Barycenter
+        One per part.
+    sigmas : sequence of float
+        The blur of each in cells.
+    """
+    cell = problem.lattice.spacing**3
+    shares = problem.blend_volumes(blend)
+    merged = merged_parts([part.density for part in solved], shares)
+    shapes = [problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
+    reading = read_surface(merged.density, merged.volume, max(sigmas), shapes, problem.settings)
+    mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
+    record = {
+        "weights": blend.weights,
+        **_summary(solved),
+        "sigma": max(sigmas),
+        "cells": problem.lattice.shape,
+        "level": reading.surface.level,
+        "volume": mesh.volume,
+        "volume_wanted": merged.volume * cell,
+        **reading.record,
+        **_about_parts(problem, shares, merged),
+    }
+    kept = zip(solved, sigmas, strict=True) if problem.keeps_potentials else ()
+    return MorphFrame(blend, mesh, record, tuple(PartPotentials.of(part, sigma) for part, sigma in kept))
+
+
+def _about_parts(problem: MorphProblem, shares: NDArray[np.float64], merged: MergedParts) -> dict[str, object]:
+    if len(shares) == 1 and not problem.notices:
+        return {}
+    names = (part.name for part in problem.parts)
+    return {
+        "parts": dict(zip(names, (shares / shares.sum()).tolist(), strict=True)),
+        "overlap": merged.overlap,
+        "notice": " ".join(problem.notices),
+    }
 
 
 class _PartSolver:

@@ -89,7 +89,8 @@ class BakeCache:
     def holds(self, run: Sequence[Blend]) -> bool:
         """Whether all frames of a run are there and sound; those that are not are put among the notices."""
         keys = self._keys(run)
-        return all(self._read(path, key) is not None for path, key in zip(self.paths(run), keys, strict=True))
+        files = zip(self.paths(run), keys, run, strict=True)
+        return all(self._read(path, key, blend) is not None for path, key, blend in files)
 
     def load(self, run: Sequence[Blend]) -> list[MorphFrame]:
         """Return the frames of a run that the cache holds.
@@ -101,10 +102,10 @@ class BakeCache:
         """
         frames = []
         for blend, path, key in zip(run, self.paths(run), self._keys(run), strict=True):
-            stored = self._read(path, key)
+            stored = self._read(path, key, blend)
             if stored is None:
                 raise ConvwassError(f"The cache folder {self._cache.folder} lost a frame meanwhile; bake again.")
-            frames.append(MorphFrame(blend, stored.mesh, stored.record))
+            frames.append(MorphFrame(blend, stored.mesh, stored.record, stored.potentials))
         return frames
 
     def save(self, run: Sequence[Blend], frames: Sequence[MorphFrame]) -> None:
@@ -115,12 +116,12 @@ class BakeCache:
         ConvwassError
             A file cannot be written.
         """
-        for frame, path, key in zip(frames, self.paths(run), self._keys(run), strict=True):
+        for blend, frame, path, key in zip(run, frames, self.paths(run), self._keys(run), strict=True):
             try:
-                write_frame(path, key, StoredFrame(frame.mesh, frame.record))
+                write_frame(path, key, StoredFrame(frame.mesh, frame.record, frame.potentials))
             except OSError as error:
                 # Windows replaces no file that another machine is reading, which then is the same frame.
-                if self._read(path, key) is None:
+                if self._read(path, key, blend) is None:
                     raise ConvwassError(
                         f"A frame could not be written to {self._cache.folder} ({error.strerror}); make room there, or "
                         "choose another folder."
@@ -135,9 +136,13 @@ class BakeCache:
             keys.append(hashed.copy().hexdigest())
         return keys
 
-    def _read(self, path: Path, key: str) -> StoredFrame | None:
+    def _read(self, path: Path, key: str, blend: Blend) -> StoredFrame | None:
         try:
-            return read_frame(path, key)
+            stored = read_frame(path, key)
+            suiting = all(part.suit(part.inside.shape, blend.weights) for part in stored.potentials)
+            if not suiting or bool(stored.potentials) != (blend.source is None):
+                raise DamagedFrameError("its potentials are of another blend")
+            return stored
         except FileNotFoundError:
             return None
         except DamagedFrameError as error:

@@ -1,17 +1,21 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One finished frame as a file: a surface and the solver's figures, checked when they are read.
+"""One finished frame as a file: a surface, the solver's figures and potentials, checked when they are read.
 
 The file begins with `MAGIC`, the SHA-256 of all that follows it (32 bytes) and the length of the header (8 bytes, as
 all numbers little-endian). The header is JSON: ``key`` says which frame it is, ``record`` holds the figures and
-``counts`` how many vertices and triangles there are, or null where there is no surface. Vertices (3 float64 each) and
-triangles (3 int32 each) come last.
+``counts`` how many vertices and triangles there are, or null where there is no surface. ``potentials`` says for every
+part of the blend the ``shape`` of its grid, how many ``rows`` of potentials it has and for how many ``cells``, and its
+``sharpness`` and ``sigma``; an input that is shown as it is has none. Vertices (3 float64 each) and triangles (3 int32
+each) come next, and then for every part one bit per cell of the grid, which tells whether it has potentials, filled up
+to whole bytes with zeros, and the rows (float32).
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import stat
 import struct
@@ -23,12 +27,13 @@ import numpy as np
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
+from .potentials import PartPotentials
 
-MAGIC = b"convwass frame 1\n"
+MAGIC = b"convwass frame 2\n"
 
 _DIGEST_BYTES = 32
 _LENGTH = struct.Struct("<Q")
-_VERTEX, _TRIANGLE = 3 * 8, 3 * 4
+_VERTEX, _TRIANGLE, _POTENTIAL = 3 * 8, 3 * 4, 4
 # Far above any surface of the finest grid; what is larger is no frame, and is not even read.
 _MOST_BYTES = 2 << 30
 _MOST_HEADER_BYTES = 1 << 20
@@ -55,10 +60,13 @@ class StoredFrame:
         The surface, if there is one.
     record : dict
         The solver's figures.
+    potentials : tuple of PartPotentials
+        One per part; none of an input that is shown as it is.
     """
 
     mesh: TriangleMesh | None
     record: dict[str, object]
+    potentials: tuple[PartPotentials, ...] = ()
 
 
 def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
@@ -114,10 +122,26 @@ def read_frame(path: Path, key: str) -> StoredFrame:
 
 def _packed(key: str, frame: StoredFrame) -> bytes:
     mesh = frame.mesh
-    counts = None if mesh is None else [len(mesh.vertices), len(mesh.faces)]
-    header = json.dumps({"key": key, "counts": counts, "record": frame.record}).encode()
-    arrays = b"" if mesh is None else mesh.vertices.astype("<f8").tobytes() + mesh.faces.astype("<i4").tobytes()
-    body = _LENGTH.pack(len(header)) + header + arrays
+    description = {
+        "key": key,
+        "counts": None if mesh is None else [len(mesh.vertices), len(mesh.faces)],
+        "potentials": [
+            {
+                "shape": part.inside.shape,
+                "rows": len(part.columns),
+                "cells": part.columns.shape[1],
+                "sharpness": part.sharpness,
+                "sigma": part.sigma,
+            }
+            for part in frame.potentials
+        ],
+        "record": frame.record,
+    }
+    header = json.dumps(description).encode()
+    arrays = [] if mesh is None else [mesh.vertices.astype("<f8"), mesh.faces.astype("<i4")]
+    for part in frame.potentials:
+        arrays += [np.packbits(part.inside), part.columns.astype("<f4")]
+    body = b"".join([_LENGTH.pack(len(header)), header, *(array.tobytes() for array in arrays)])
     return MAGIC + hashlib.sha256(body).digest() + body
 
 
@@ -135,21 +159,71 @@ def _unpacked(content: memoryview, key: str) -> StoredFrame:
     header = json.loads(str(body[_LENGTH.size : _LENGTH.size + length], "utf-8"))
     if not isinstance(header, dict) or header["key"] != key:
         raise ValueError("it is another frame")
-    return StoredFrame(_mesh(header["counts"], arrays), _record(header["record"]))
+    reader = _Reader(arrays)
+    mesh = _mesh(header["counts"], reader)
+    potentials = _potentials(header["potentials"], reader)
+    reader.end()
+    return StoredFrame(mesh, _record(header["record"]), potentials)
 
 
-def _mesh(counts: object, arrays: memoryview) -> TriangleMesh | None:
-    numbers = [0, 0] if counts is None else counts
-    if not (isinstance(numbers, list) and len(numbers) == 2 and all(type(n) is int and n >= 0 for n in numbers)):
-        raise ValueError("its counts are no counts")
-    split = numbers[0] * _VERTEX
-    if split + numbers[1] * _TRIANGLE != len(arrays):
-        raise ValueError("its arrays do not have the size that it says")
+class _Reader:
+    """Takes arrays off the front of what is left of a file."""
+
+    def __init__(self, rest: memoryview) -> None:
+        self._rest = rest
+
+    def take(self, size: int) -> memoryview:
+        """Return the next so many bytes; sizes that are not there are refused before anything is made of them."""
+        if size > len(self._rest):
+            raise ValueError("its arrays do not have the size that it says")
+        taken, self._rest = self._rest[:size], self._rest[size:]
+        return taken
+
+    def end(self) -> None:
+        """Refuse a file of which something is left."""
+        if len(self._rest):
+            raise ValueError("its arrays do not have the size that it says")
+
+
+def _mesh(counts: object, reader: _Reader) -> TriangleMesh | None:
     if counts is None:
         return None
-    vertices = np.frombuffer(arrays[:split], "<f8").astype(np.float64).reshape(-1, 3)
-    faces = np.frombuffer(arrays[split:], "<i4").astype(np.int64).reshape(-1, 3)
-    return TriangleMesh.from_arrays(vertices, faces)
+    vertices, triangles = _counts(counts, 2)
+    points = np.frombuffer(reader.take(vertices * _VERTEX), "<f8").astype(np.float64).reshape(-1, 3)
+    faces = np.frombuffer(reader.take(triangles * _TRIANGLE), "<i4").astype(np.int64).reshape(-1, 3)
+    return TriangleMesh.from_arrays(points, faces)
+
+
+def _potentials(descriptions: object, reader: _Reader) -> tuple[PartPotentials, ...]:
+    if not isinstance(descriptions, list):
+        raise TypeError("its potentials are no list")
+    return tuple(_part(description, reader) for description in descriptions)
+
+
+def _part(description: object, reader: _Reader) -> PartPotentials:
+    if not isinstance(description, dict):
+        raise TypeError("its potentials are no table")
+    shape = _counts(description["shape"], 3)
+    rows, cells = _counts([description["rows"], description["cells"]], 2)
+    sharpness, sigma = (_number(description[name]) for name in ("sharpness", "sigma"))
+    size = math.prod(shape)
+    bits = np.unpackbits(np.frombuffer(reader.take(-(-size // 8)), np.uint8))
+    if bits[size:].any() or np.count_nonzero(bits) != cells:
+        raise ValueError("its potentials do not have the size of their cells")
+    values = np.frombuffer(reader.take(rows * cells * _POTENTIAL), "<f4").astype(np.float32)
+    return PartPotentials(bits[:size].astype(bool).reshape(shape), values.reshape(rows, cells), sharpness, sigma)
+
+
+def _counts(value: object, length: int) -> list[int]:
+    if not (isinstance(value, list) and len(value) == length and all(type(n) is int and n >= 0 for n in value)):
+        raise ValueError("its counts are no counts")
+    return value
+
+
+def _number(value: object) -> float:
+    if type(value) not in (int, float):
+        raise TypeError("its potentials are of no solve")
+    return float(value)
 
 
 def _record(value: object) -> dict[str, object]:

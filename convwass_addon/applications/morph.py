@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
@@ -24,8 +24,8 @@ from .parts import FaceLabels, Matching, joined, matched, part_volumes, unparted
 from .runs import Run, SolvedRun, as_solved, runs_elsewhere, runs_in_threads, runs_of
 from .volumes import Lattice, fitting_workers, voxelize
 
-# Share of the progress that voxelizing takes.
-_VOXEL_SHARE = 0.08
+VOXEL_SHARE = 0.08
+"""Share of the progress that voxelizing takes."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,8 @@ def morph(
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
         if missing:
-            problem = yield from _prepared(shapes, names, matching, settings, min(workers or 1, len(missing)))
+            problem = yield from prepared_problem(shapes, names, matching, settings, min(workers or 1, len(missing)))
+            problem = replace(problem, keeps_potentials=store is not None)
             if executor is None:
                 most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
                 pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
@@ -119,21 +120,21 @@ def morph(
             solved = as_solved(pending, check)
         total = sum(map(len, runs))
         for done, frame in enumerate(_in_order(runs, missing, solved, store), start=1):
-            fraction = _VOXEL_SHARE + (1.0 - _VOXEL_SHARE) * done / total
+            fraction = VOXEL_SHARE + (1.0 - VOXEL_SHARE) * done / total
             yield MorphStep(fraction, f"Blend {done} of {total}", frame)
 
 
-def _prepared(
+def prepared_problem(
     shapes: Sequence[TriangleMesh], names: Sequence[str], matching: Matching, settings: MorphSettings, workers: int
 ) -> Generator[MorphStep, None, MorphProblem]:
-    """Yield the steps of voxelizing the shapes, and return what all runs have in common."""
+    """Yield the steps of voxelizing the shapes for so many threads, and return what all runs have in common."""
     yield MorphStep(0.0, "Laying out the grid")
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
     volumes = []
     for index, filled in enumerate(voxelize(shapes, names, lattice, settings.thickness)):
         corners = lattice.to_cells(shapes[index], index)
         volumes.append(part_volumes(filled, corners, matching.faces[index], matching.count))
-        yield MorphStep(_VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
+        yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
     return MorphProblem.of(joined(matching, volumes), lattice, settings)
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ def barycenter_between(
     share: float,
     inputs: Inputs,
     *,
+    sharpness: float | None = None,
+    entropy_limit: Literal["max"] | float | None = None,
     reach: float | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 100,
@@ -38,10 +41,12 @@ def barycenter_between(
     first, second : Barycenter
         Of the same inputs, with the same of them at weight zero; so near that little moves by more than a few cells.
     share : float
-        0 is `first`, 1 is `second`; weights and sharpness are interpolated.
+        0 is `first`, 1 is `second`; weights are interpolated.
     inputs : Inputs
         Of which they are the barycenters.
-    reach, tolerance, max_iterations, monitor
+    sharpness : float, optional
+        By default interpolated too.
+    entropy_limit, reach, tolerance, max_iterations, monitor
         As for :func:`barycenter`.
 
     Raises
@@ -62,7 +67,8 @@ def barycenter_between(
         Inputs(inputs.levels[-1:], inputs.entropies),
         (1.0 - share) * first.weights + share * second.weights,
         inputs.domain,
-        sharpness=(1.0 - share) * first.sharpness + share * second.sharpness,
+        sharpness=(1.0 - share) * first.sharpness + share * second.sharpness if sharpness is None else sharpness,
+        entropy_limit=entropy_limit,
         reach=reach,
         initial=replace(first, levels=(mixed,)),
         tolerance=tolerance,

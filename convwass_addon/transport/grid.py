@@ -11,11 +11,11 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import blas
 from scipy.ndimage import map_coordinates
 
 from .domain import HEADROOM, NEGLIGIBLE, floored_log
 from .log_lines import log_blur
+from .matrix_product import contract
 from .region import Region, through_whole_arrays
 
 # A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.
@@ -144,7 +144,7 @@ class Grid:
                 np.subtract(current.reshape(-1, size), shift, out=lines)
                 np.exp(lines, out=lines)
                 np.copyto(lines, 0.0, where=lines < NEGLIGIBLE)
-                _contract(first, turned, self._kernels[size])
+                contract(first, turned, self._kernels[size])
                 floored_log(turned.reshape(size, -1), shift[:, 0])
                 current = turned
 
@@ -194,7 +194,7 @@ class Grid:
             for axis in reversed(range(len(self.shape))):
                 kernel = self._kernels[self.shape[axis]][source.box[axis], target.box[axis]]
                 turned = spare[0][: current.size // kernel.shape[0] * kernel.shape[1]]
-                _contract(current, turned, np.asfortranarray(kernel))
+                contract(current, turned, np.asfortranarray(kernel))
                 current, spare = turned, spare[::-1]
             values = current[target.index_in_box]
             floored_log(values, shift)
@@ -276,24 +276,8 @@ class Grid:
         spare = [second.reshape(-1), third.reshape(-1)]
         for axis in reversed(range(len(self.shape))):
             turned = target.reshape(-1) if axis == 0 else spare[axis % 2]
-            _contract(current, turned, self._kernels[self.shape[axis]])
+            contract(current, turned, self._kernels[self.shape[axis]])
             current = turned
-
-
-def _contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
-    """Contract the last axis with `kernel`, (size, new size), and put it first, so that the next axis comes last.
-
-    BLAS writes the turned order at no cost. It is SciPy's because the NumPy inside Blender may have none.
-    """
-    size, new_size = kernel.shape
-    blas.dgemm(
-        1.0,
-        source.reshape(-1, size).T,
-        kernel,
-        trans_a=1,
-        c=target.reshape(new_size, -1).T,
-        overwrite_c=1,
-    )
 
 
 def _gaussian(size: int, sigma: float, boundary: Literal["open", "reflecting"]) -> NDArray[np.float64]:

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Matrix products by SciPy's BLAS that let other threads work meanwhile."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import blas, cython_blas
+
+# The signature of BLAS's dgemm as SciPy declares it for others to call, with its own name for double.
+_SIGNATURE = rb"void \(char \*, char \*, int \*, int \*, int \*, D, D, int \*, D, int \*, D, D, int \*\)"
+_DOUBLE = rb"__pyx_t_\w+_d \*"
+
+
+def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    """Contract the last axis of an array with a matrix and put it first, so that the next axis comes last.
+
+    BLAS writes the turned order at no cost. It is SciPy's because the NumPy inside Blender may have none.
+
+    Parameters
+    ----------
+    source : (lines * size,) float64
+        Contiguous: lines of `size` values.
+    target : (new size * lines,) float64
+        Contiguous; overwritten: for each of the new values those of all lines.
+    kernel : (size, new size) float64
+        In Fortran order.
+    """
+    size, new_size = kernel.shape
+    lines = source.size // size
+    if _dgemm is None:
+        _by_wrapper(source, target, kernel)
+    else:
+        # target^T = source^T kernel, all in BLAS's order of columns.
+        _dgemm(
+            b"T",
+            b"N",
+            *(ctypes.byref(ctypes.c_int(number)) for number in (lines, new_size, size)),
+            ctypes.byref(ctypes.c_double(1.0)),
+            source.ctypes.data,
+            ctypes.byref(ctypes.c_int(size)),
+            kernel.ctypes.data,
+            ctypes.byref(ctypes.c_int(size)),
+            ctypes.byref(ctypes.c_double(0.0)),
+            target.ctypes.data,
+            ctypes.byref(ctypes.c_int(lines)),
+        )
+
+
+def _by_wrapper(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    """Do the same by SciPy's wrapper for Python, which holds the interpreter's lock meanwhile."""
+    size, new_size = kernel.shape
+    lines = source.reshape(-1, size)
+    blas.dgemm(1.0, lines.T, kernel, trans_a=1, c=target.reshape(new_size, -1).T, overwrite_c=1)
+
+
+def _address_of_dgemm() -> Callable[..., None] | None:
+    """Return dgemm as a function of C; None where SciPy declares another signature than is known here.
+
+    Calls through ctypes release the interpreter's lock, without which threads would wait for each other's products.
+    """
+    capsule = getattr(cython_blas, "__pyx_capi__", {}).get("dgemm")
+    if capsule is None:
+        return None
+    name_of = ctypes.pythonapi.PyCapsule_GetName
+    name_of.restype, name_of.argtypes = ctypes.c_char_p, [ctypes.py_object]
+    name = name_of(capsule)
+    if re.fullmatch(_SIGNATURE, re.sub(_DOUBLE, b"D", name)) is None:
+        return None
+    pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer_of.restype, pointer_of.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    kinds = [ctypes.c_char_p] * 2 + [ctypes.c_void_p] * 11
+    return ctypes.CFUNCTYPE(None, *kinds)(pointer_of(capsule, name))
+
+
+_dgemm = _address_of_dgemm()
