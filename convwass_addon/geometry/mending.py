@@ -26,6 +26,8 @@ _CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
 # is within the other of the density of its thinnest place, or of that in its hole.
 _DEEPEST_GAP = 0.3
 _FALSE_HANDLE = 0.5
+# Cells on either side of a gap that are looked at.
+_WIDEST_GAP = 10
 # Steps of the search for the level at which two pieces meet, and how often a surface is taken anew at most.
 _BISECTED = 8
 _ATTEMPTS = 24
@@ -255,16 +257,21 @@ def _meeting_place(
     home = next(h for h in homes.values() if list(homes.values()).count(h) > 1)
     met = [part for part, its_home in homes.items() if its_home == home][:2]
     candidates = np.argwhere((merged == home) & (density <= high))
+    # What is far from all of them is not what they join.
+    low_corner, high_corner = candidates.min(axis=0) - _WIDEST_GAP, candidates.max(axis=0) + _WIDEST_GAP + 1
+    window = tuple(slice(max(a, 0), b) for a, b in zip(low_corner, high_corner, strict=True))
+    start = np.array([span.start for span in window])
+    candidates, parts, inside = candidates - start, parts[window], inside[window]
     to_parts = [_distances(candidates, np.argwhere(parts == part)) for part in met]
     chosen = int(np.argmin(to_parts[0] + to_parts[1]))
     place = candidates[chosen : chosen + 1]
     gap = sum(float(_distances(place, np.argwhere((parts == part) & inside))[0]) for part in met)
-    return tuple(int(i) for i in place[0]), gap
+    return tuple(int(i) for i in place[0] + start), gap
 
 
 def _distances(cells: NDArray[np.int64], others: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the distance from each cell to the nearest of the others."""
-    return cKDTree(others).query(cells)[0]
+    """Return the distance from each cell to the nearest of the others, and the widest gap where there are none."""
+    return np.minimum(cKDTree(others).query(cells)[0], _WIDEST_GAP) if len(others) else np.full(len(cells), _WIDEST_GAP)
 
 
 def _with_fewer_handles(density: NDArray[np.float64], level: float, excess: int) -> NDArray[np.float64] | None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
-from .domain import HEADROOM, NEGLIGIBLE, floored_log
+from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .log_lines import log_blur
 from .matrix_product import contract
 from .region import Region, through_whole_arrays
@@ -127,11 +127,13 @@ class Grid:
 
         Lines within the reach of the kernel's entries are shifted by their own maximum, so that only differences along
         one line can underflow: two to three times the cost of :meth:`log_apply`. Longer ones are blurred in blocks
-        (:func:`.log_lines.log_blur`), which is right at every distance and costs ten to twenty times as much.
+        (:func:`.log_lines.log_blur`), which is right up to a hundred sigma and costs ten to twenty times as much.
         """
         first, second, _ = (buffer.reshape(-1) for buffer in self._scratch)
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):
             current = source.reshape(-1)
+            # What is smaller than the largest by more than this could not be told from nothing any more.
+            end = float(current.max()) + LOG_NOTHING / 2
             for axis in reversed(range(len(self.shape))):
                 size = self.shape[axis]
                 turned = target.reshape(-1) if axis == 0 else second
@@ -147,6 +149,7 @@ class Grid:
                 contract(first, turned, self._kernels[size])
                 floored_log(turned.reshape(size, -1), shift[:, 0])
                 current = turned
+            np.copyto(target, LOG_NOTHING, where=target < end)
 
     def _log_blur(self, lines: NDArray[np.float64]) -> NDArray[np.float64]:
         """Blur long lines, (m, n); what a wall turns back comes from one mirror image on each side."""

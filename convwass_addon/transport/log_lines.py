@@ -15,6 +15,7 @@ _BLOCK = 14.0
 _LEAST_BLOCK = 8
 # What is smaller than a sum by more than this does not change it.
 _DEPTH = 45.0
+_LESS_THAN_NOTHING = -1e30
 
 
 def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArray[np.float64]:
@@ -45,8 +46,9 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
     count, size = logs.shape
     block = max(int(_BLOCK * sigma), _LEAST_BLOCK)
     blocks = -(-size // block)
-    padded = np.full((count, blocks * block), LOG_NOTHING)
-    padded[:, :size] = logs
+    # Against the slopes between far blocks even what stands for nothing would count.
+    padded = np.full((count, blocks * block), _LESS_THAN_NOTHING)
+    np.copyto(padded[:, :size], logs, where=logs > LOG_NOTHING)
     padded = padded.reshape(count, blocks, block)
     offsets = np.arange(block) - (block - 1) / 2
     kernel = np.exp(-((offsets[:, None] - offsets) ** 2) / (2.0 * sigma**2))
@@ -62,7 +64,9 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
             arrived = np.ascontiguousarray(blas.dgemm(1.0, kernel, scaled.T).T)
             floored_log(arrived, top - shift * offsets - (shift * sigma) ** 2 / 2.0 + log_scale)
             result[rows, target] = np.logaddexp(result[rows, target], arrived)
-    return np.maximum(result.reshape(count, -1)[:, :size], LOG_NOTHING)
+    blurred = result.reshape(count, -1)[:, :size]
+    # Nothing and nothing, from several blocks, is still nothing.
+    return np.where(blurred > LOG_NOTHING + 1.0, blurred, LOG_NOTHING)
 
 
 def _that_matter(

@@ -296,7 +296,7 @@ def test_a_kernel_that_does_not_reach_is_refused():
     first, second = np.zeros((2, 200))
     first[2:6], second[190:195] = 1.0, 1.0
     with pytest.raises(KernelTooNarrowError, match="try"):
-        propagate(line(3), 1.0, {0: first, 2: second}, Grid((200,), 0.5))
+        propagate(line(3), 1.0, {0: first, 2: second}, Grid((200,), 0.2))
 
 
 def test_the_monitor_hears_every_sweep_and_can_stop():
