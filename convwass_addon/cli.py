@@ -15,6 +15,7 @@ from pathlib import Path
 
 import bpy
 
+from .applications.between_frames import places_at
 from .applications.cluster import cluster_workers
 from .applications.frame_cache import FrameCache
 from .applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
@@ -47,6 +48,7 @@ examples:
   morph a.obj b.obj c.obj --weights 0.2,0.3,0.5 --export blend.ply
   morph a.obj b.obj --frames 240 --cache /shared/frames --frames-range 0-119
   morph a.obj b.obj --frames 240 --cache /shared/frames --scheduler tcp://192.168.1.10:8786
+  morph a.obj b.obj --frames 24 --cache frames --at 7.35,8.5 --out between.blend
 
 """
 
@@ -57,13 +59,22 @@ _DEMO_SHAPES = ("horse", "double_torus", "bird")
 
 
 @dataclass(frozen=True)
+class _Between:
+    """Frame numbers such as 7.35, and the path that they are on."""
+
+    path: list[Blend]
+    numbers: list[float]
+
+
+@dataclass(frozen=True)
 class _Computing:
-    """Where frames are computed, where they are kept, and which of them are wanted (all)."""
+    """Where frames are computed, where they are kept, and which of them are wanted (all), or which between them."""
 
     workers: int | None = None
     scheduler: str | None = None
     cache: FrameCache | None = None
     wanted: range | None = None
+    between: _Between | None = None
 
 
 def main(arguments: Sequence[str], program: str = "blender --command convwass") -> int:
@@ -146,6 +157,13 @@ def _add_layout_options(parser: ArgumentParser) -> None:
     group.add_argument("--frames", type=int, default=24, help="path: frames from each shape to the next (%(default)s)")
     group.add_argument("--steps", type=int, default=5, help="grid, triangle: blends along each side (%(default)s)")
     group.add_argument("--weights", type=_numbers, help="one blend instead, such as 0.2,0.3,0.5: one number per shape")
+    group.add_argument(
+        "--at",
+        type=_numbers,
+        metavar="NUMBERS",
+        help="path: a sheet of the blends at these frame numbers instead, such as 7.35,8.5; they start from the frames "
+        "about them in --cache, where those that are missing are put first",
+    )
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
@@ -252,18 +270,24 @@ def _morph(options: Namespace) -> dict[str, object]:
         tolerance=options.tolerance,
     )
     blends = _blends(options, len(options.shapes))
+    between = None
+    if options.at is not None:
+        between = _between(options, blends)
+        blends = [place.blend for place in places_at(between.path, between.numbers)]
     # Everything that can be refused is refused before the work begins.
     target = options.out.with_suffix(".blend")
     if options.frames_range is None:
         target = checked_target(target)
     export_format = _export_format(options.export) if options.export else None
-    computing = _computing(options, blends)
+    computing = _computing(options, blends, between)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = []
     for text in options.shapes:
         source = parse_source(text)
         inputs += import_objects(source.path, [source.object_name] if source.object_name else None)
     stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
+    if between is not None:
+        stored["at"] = between.numbers
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
     collection, records = _baked(inputs, blends, settings, stored, computing)
@@ -368,7 +392,11 @@ def _run(job: MorphJob, computing: _Computing, take: Callable[[MorphStep], None]
     """Do all steps of a job, wherever its frames are computed, and hand them on."""
     cluster = cluster_workers(computing.scheduler) if computing.scheduler else nullcontext()
     with cluster as executor, ProgressBar("Morphing") as bar:
-        steps = job.steps(workers=computing.workers, executor=executor, cache=computing.cache, wanted=computing.wanted)
+        where = {"workers": computing.workers, "executor": executor}
+        if computing.between is None:
+            steps = job.steps(cache=computing.cache, wanted=computing.wanted, **where)
+        else:
+            steps = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
         for step in steps:
             take(step)
             bar.show(step.fraction, step.message)
@@ -409,7 +437,17 @@ def _blends(options: Namespace, count: int) -> list[Blend]:
     return makers[options.layout]()
 
 
-def _computing(options: Namespace, blends: list[Blend]) -> _Computing:
+def _between(options: Namespace, path: list[Blend]) -> _Between:
+    if options.weights is not None or options.layout != "path":
+        raise InputError("--at is for a path; leave out --weights and --layout.")
+    if options.frames_range is not None:
+        raise InputError("--at makes blends and --frames-range only fills the cache; choose one of them.")
+    if options.cache is None:
+        raise InputError("--at needs --cache FOLDER, which holds the frames that it starts from.")
+    return _Between(path, options.at)
+
+
+def _computing(options: Namespace, blends: list[Blend], between: _Between | None) -> _Computing:
     wanted = options.frames_range
     if options.workers is not None and options.scheduler:
         raise InputError("--workers are threads of this machine and --scheduler means others; choose one of them.")
@@ -424,7 +462,7 @@ def _computing(options: Namespace, blends: list[Blend]) -> _Computing:
         if options.render or options.export:
             raise InputError("--frames-range writes no scene; leave --render and --export to the run without it.")
     cache = FrameCache(options.cache) if options.cache is not None else None
-    return _Computing(options.workers, options.scheduler, cache, wanted)
+    return _Computing(options.workers, options.scheduler, cache, wanted, between)
 
 
 def _export_format(path: Path) -> str:

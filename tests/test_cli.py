@@ -133,6 +133,14 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
             3,
             "leave --render",
         ),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "0.5"], 3, "--at needs --cache"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "24.5", "--cache", "{in}/frames"], 3, "frames 0-24"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at=-1", "--cache", "{in}/frames"], 3, "frames 0-24"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "nan", "--cache", "{in}/frames"], 3, "not on the path"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "2.5,2.5", "--cache", "{in}/frames"], 3, "there twice"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "soon", "--cache", "{in}/frames"], 2, "list of numbers"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "1.5", "--cache", "{in}/f", "--weights", "1,1"], 3, "for a path"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--at", "1", "--cache", "{in}/f", "--frames-range", "0"], 3, "one of them"),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
         ([], 2, "SHAPE"),
     ],
@@ -230,12 +238,30 @@ def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):
     assert f"{damaged} cannot be used and is made again" in capfd.readouterr().err
 
 
+def test_between_frames_of_a_cache(shapes, tmp_path, capfd):
+    out, cache = tmp_path / "between.blend", tmp_path / "frames"
+    words = ["morph", str(shapes / "cube.obj"), str(shapes / "cone.stl"), "--resolution", "24", "--frames", "8"]
+    words += ["--cache", str(cache), "--at", "4.25,5,5.5", "--out", str(out), "--json"]
+    capfd.readouterr()
+    assert cli.main([*words, "--export", str(tmp_path / "mesh.obj")]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert [frame.get("between") for frame in result["frames"]] == [[4, 5], None, [5, 6]]
+    assert len(list(cache.iterdir())) == 4
+    assert len(list(tmp_path.glob("mesh_*.obj"))) == 3
+    frames = sorted(saved_frames(out), key=lambda obj: obj.name)
+    assert [obj["convwass_weights"][1] for obj in frames] == pytest.approx([4.25 / 8, 5 / 8, 5.5 / 8])
+    places = [obj.location.x + obj.bound_box[0][0] for obj in frames]
+    assert places == sorted(places)
+    assert not any(obj.animation_data for obj in frames)
+
+
 def test_help_names_every_option(capsys):
     assert cli.main(["morph", "--help"]) == 0
     text = capsys.readouterr().out
     for option in (
         "--layout",
         "--weights",
+        "--at",
         "--sharpness",
         "--entropy-limit",
         "--level",

@@ -3,7 +3,8 @@
 """Blends between the frames of a path, such as 7.35: from the potentials of the frames about them, not by fading.
 
 The potentials of a barycenter are smooth functions of its weights, so those in between are nearly right, and a round or
-two at the finest level does the rest. A mixture of the densities would be a cross-fade.
+two at the finest level does the rest. A mixture of the densities would be a cross-fade. A shape itself has no
+potentials: beside it, blends start from the one neighbor that has.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Literal
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
-from ..transport import Barycenter, Inputs, barycenter, barycenter_between
+from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
 from .blending import MorphFrame, MorphPart, MorphProblem, solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
@@ -31,8 +32,8 @@ from .workers import frame_workers
 
 # Share of the progress at which frames that were missing are there.
 _ABOUT_SHARE = 0.6
-# Rounds at the finest level after which a start from the neighbors has helped nothing.
-_MOST_ROUNDS = 12
+# Rounds from two neighbors; where they are so far apart that these do not do, a solve from coarse to fine is cheaper.
+_MOST_ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -224,7 +225,11 @@ def _started(
     solved, sigmas = [], [part.sigma for part in known[0].potentials]
     for index, (part, limit) in enumerate(zip(problem.parts, problem.entropy_limits(place.blend), strict=True)):
         starts = [frame.potentials[index].barycenter(frame.blend.weights) for frame in known]
-        solved.append(_solve_from(starts, place, _inputs(part, problem, sigmas[index]), limit, problem.settings, check))
+        inputs = _inputs(part, problem, sigmas[index])
+        try:
+            solved.append(_solve_from(starts, place, inputs, limit, problem.settings, check))
+        except KernelTooNarrowError:
+            return None
         if not solved[-1].converged:
             return None
     return surfaced_frame(problem, place.blend, solved, sigmas)
@@ -242,17 +247,17 @@ def _solve_from(
     settings: MorphSettings,
     check: Callable[[], None] | None,
 ) -> Barycenter:
-    """Solve one part at the finest level alone."""
+    """Solve one part from what is known of its neighbors: both, or one beside a shape, which has no potentials."""
     options = {
         "sharpness": settings.sharpness_at(place.blend.weights),
         "entropy_limit": limit,
         "reach": settings.reach,
         "tolerance": settings.tolerance,
-        "max_iterations": settings.max_iterations,
+        # As in a bake: an automatic blur rather grows.
+        "numerics": "scaling" if settings.blur is None else "automatic",
         "monitor": None if check is None else lambda *_: check(),
     }
     if len(starts) == 2:
-        return barycenter_between(*starts, place.share, inputs, **options)
-    # Next to a shape, which has no potentials.
-    finest = Inputs(inputs.levels[-1:], inputs.entropies)
-    return barycenter(finest, place.blend.weights, inputs.domain, initial=starts[0], **options)
+        rounds = min(_MOST_ROUNDS, settings.max_iterations)
+        return barycenter_between(*starts, place.share, inputs, max_iterations=rounds, **options)
+    return barycenter_beside(starts[0], place.blend.weights, inputs, max_iterations=settings.max_iterations, **options)

@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..geometry.mending import Connectivity
 from ..geometry.mesh import TriangleMesh
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
@@ -18,13 +20,15 @@ from .layouts import Blend
 from .morph_settings import MorphSettings
 from .parts import SplitShapes
 from .potentials import PartPotentials
-from .reading import connectivity_of, read_surface
+from .reading import connectivity_of, own_surface, read_surface
 from .volumes import Lattice
 
 # By how much the automatic blur grows where it does not reach.
 _WIDEN = 1.25
 # Densities waver by this share about the value they should have; only what is above lies in two parts at once.
 _WAVER = 0.1
+# Sketches are solved on the finest of the coarser levels that has so few cells.
+_SKETCH_CELLS = 300_000
 
 
 @dataclass(frozen=True)
@@ -96,16 +100,27 @@ class MorphProblem:
     keeps_potentials: bool = False
 
     @classmethod
-    def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
-        """Prepare voxelized shapes for many blends of them."""
+    def of(
+        cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings, executor: Executor | None = None
+    ) -> MorphProblem:
+        """Prepare voxelized shapes for many blends of them, side by side in an executor's threads if there is one."""
         grid = lattice.grid(settings.sigma)
         parts = tuple(
             MorphPart(name, Inputs.of(densities, grid), volumes)
             for name, densities, volumes in zip(shapes.names, shapes.densities, shapes.volumes, strict=True)
         )
-        wholes = (sum(own) for own in zip(*shapes.densities, strict=True))
-        connectivity = tuple(connectivity_of(whole, settings) for whole in wholes)
-        return cls(parts, lattice, settings, connectivity, shapes.notices)
+        own_densities = list(zip(*shapes.densities, strict=True))
+        each = map if executor is None else executor.map
+        connectivity = each(lambda own: connectivity_of(sum(own), settings), own_densities)
+        return cls(parts, lattice, settings, tuple(connectivity), shapes.notices)
+
+    @property
+    def sketch_depth(self) -> int:
+        """How many levels finer than a sketch the blends are; 0 where the grid has no coarser one to sketch on."""
+        *coarser, _ = (level.domain.cells for level in self.parts[0].inputs.levels)
+        if not coarser:
+            return 0
+        return len(coarser) + 1 - max(sum(cells <= _SKETCH_CELLS for cells in coarser), 1)
 
     @property
     def volumes(self) -> NDArray[np.float64]:
@@ -125,8 +140,60 @@ class MorphProblem:
         return [limit + float(np.log(share)) for share in volumes / volumes.sum()]
 
 
-def solve_blends(
+@dataclass(frozen=True)
+class PartSketch:
+    """The coarse levels of one part of a blend.
+
+    Attributes
+    ----------
+    solved : Barycenter
+        On a coarser grid.
+    sigma : float
+        Its blur in cells of any level.
+    initial : Barycenter or None
+        The sketch that it was started from.
+    """
+
+    solved: Barycenter
+    sigma: float
+    initial: Barycenter | None
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """What comes before a finished blend, and what that goes on from.
+
+    Attributes
+    ----------
+    frame : MorphFrame
+        To look at: the surface at a coarser resolution, not mended; without a surface where it is too coarse for one.
+    parts : tuple of PartSketch
+        None for an input as it is.
+    """
+
+    frame: MorphFrame
+    parts: tuple[PartSketch, ...] = ()
+
+
+def sketch_blends(
     problem: MorphProblem, blends: Sequence[Blend], check: Callable[[], None] | None = None
+) -> list[Sketch]:
+    """Solve the coarse levels of a run of blends, each started from the one before.
+
+    Parameters
+    ----------
+    problem, blends, check
+        As for :func:`solve_blends`, which takes the sketches of the same run; a problem with a `sketch_depth`.
+    """
+    solver = _Solver(problem, check)
+    return [solver.sketch(blend) for blend in blends]
+
+
+def solve_blends(
+    problem: MorphProblem,
+    blends: Sequence[Blend],
+    check: Callable[[], None] | None = None,
+    sketches: Sequence[Sketch] | None = None,
 ) -> list[MorphFrame]:
     """Solve a run of blends, each started from the one before.
 
@@ -138,6 +205,8 @@ def solve_blends(
         Neighbors, in order.
     check : callable, optional
         Called between iterations; what it raises ends the run.
+    sketches : sequence of Sketch, optional
+        Of these blends: what was solved for them is not solved again. The frames are the same without.
 
     Returns
     -------
@@ -145,7 +214,9 @@ def solve_blends(
         In the order of the blends.
     """
     solver = _Solver(problem, check)
-    return [solver.frame(blend) for blend in blends]
+    if sketches is None:
+        return [solver.frame(blend) for blend in blends]
+    return [solver.frame(blend, sketch.parts) for blend, sketch in zip(blends, sketches, strict=True)]
 
 
 class _Solver:
@@ -163,15 +234,39 @@ class _Solver:
         self._problem = problem
         self._parts = [_PartSolver(part, problem, check) for part in problem.parts]
 
-    def frame(self, blend: Blend) -> MorphFrame:
+    def frame(self, blend: Blend, sketches: Sequence[PartSketch] = ()) -> MorphFrame:
         problem = self._problem
         if blend.source is not None:
-            volume = problem.volumes[blend.source] * problem.lattice.spacing**3
-            record = {"weights": blend.weights, "input": blend.source, "volume": volume}
-            return MorphFrame(blend, None, record)
+            return self._input_itself(blend)
         limits = problem.entropy_limits(blend)
-        solved = [part.solve(blend, limit) for part, limit in zip(self._parts, limits, strict=True)]
+        known = sketches or [None] * len(self._parts)
+        solved = [part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True)]
         return surfaced_frame(problem, blend, solved, [part.sigma for part in self._parts])
+
+    def sketch(self, blend: Blend) -> Sketch:
+        if blend.source is not None:
+            return Sketch(self._input_itself(blend))
+        limits = self._problem.entropy_limits(blend)
+        parts = tuple(part.sketch(blend, limit) for part, limit in zip(self._parts, limits, strict=True))
+        return Sketch(_sketched_frame(self._problem, blend, [part.solved for part in parts]), parts)
+
+    def _input_itself(self, blend: Blend) -> MorphFrame:
+        volume = self._problem.volumes[blend.source] * self._problem.lattice.spacing**3
+        return MorphFrame(blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume})
+
+
+def _sketched_frame(problem: MorphProblem, blend: Blend, solved: Sequence[Barycenter]) -> MorphFrame:
+    """Read the surface of a blend from the coarse levels of its parts, as the surface of a shape itself is read."""
+    factor = 2**problem.sketch_depth
+    merged = merged_parts([part.density for part in solved], problem.blend_volumes(blend) / factor**3)
+    try:
+        surface = own_surface(merged.density * (merged.volume / merged.density.sum()), problem.settings)
+    except InputError:
+        # Too few of the coarse cells for a surface: the finished blend will have one.
+        return MorphFrame(blend, None, {"weights": blend.weights})
+    lattice = replace(problem.lattice, shape=merged.density.shape, spacing=problem.lattice.spacing * factor)
+    mesh = lattice.to_scene(surface.mesh, np.array(blend.weights))
+    return MorphFrame(blend, mesh, {"weights": blend.weights, "volume": mesh.volume})
 
 
 def surfaced_frame(
@@ -230,17 +325,56 @@ class _PartSolver:
         self._lattice = problem.lattice
         self._settings = problem.settings
         self._check = check
+        self._depth = problem.sketch_depth
         self._last: Barycenter | None = None
+        # The sketch that the last one went on from.
+        self._begun: Barycenter | None = None
         self.sigma = problem.settings.sigma
 
-    def solve(self, blend: Blend, limit: Literal["max"] | float | None) -> Barycenter:
+    def solve(self, blend: Blend, limit: Literal["max"] | float | None, sketch: PartSketch | None = None) -> Barycenter:
         """Solve with the blur of the settings; where that was left open, with the least that is needed above it."""
+
+        def finished(inputs: Inputs, options: dict[str, object]) -> Barycenter:
+            begun = self._usable(sketch, inputs.domain.sigma, options["initial"])
+            solved = barycenter(inputs, blend.weights, inputs.domain, begun=begun, **options)
+            self._begun = begun
+            return solved
+
+        return self._widening(blend, limit, finished)
+
+    def sketch(self, blend: Blend, limit: Literal["max"] | float | None) -> PartSketch:
+        """Solve the coarse levels in the same way."""
+        started_from: list[Barycenter | None] = []
+
+        def sketched(inputs: Inputs, options: dict[str, object]) -> Barycenter:
+            for _ in range(self._depth):
+                inputs = inputs.coarser
+            started_from[:] = [options["initial"]]
+            return barycenter(inputs, blend.weights, inputs.domain, **options)
+
+        solved = self._widening(blend, limit, sketched)
+        return PartSketch(solved, self.sigma, *started_from)
+
+    def _usable(self, sketch: PartSketch | None, sigma: float, initial: Barycenter | None) -> Barycenter | None:
+        """Return the sketch if it is what would be solved here: of the same blur, and started in the same way."""
+        if sketch is None or sketch.sigma != sigma:
+            return None
+        if initial is None:
+            return sketch.solved if sketch.initial is None else None
+        return sketch.solved if sketch.initial is not None and sketch.initial is self._begun else None
+
+    def _widening(
+        self,
+        blend: Blend,
+        limit: Literal["max"] | float | None,
+        solve: Callable[[Inputs, dict[str, object]], Barycenter],
+    ) -> Barycenter:
         if self._settings.blur is not None:
-            return self._solve_on(self._inputs, blend, limit, "automatic")
+            return self._solve_on(self._inputs, blend, limit, "automatic", solve)
         inputs, sigma = self._inputs, self._settings.sigma
         while True:
             try:
-                return self._solve_on(inputs, blend, limit, "scaling")
+                return self._solve_on(inputs, blend, limit, "scaling", solve)
             except KernelTooNarrowError:
                 # A frame close to one shape reaches farther to the other, and may need a wider kernel than the rest.
                 self._last = None
@@ -253,21 +387,20 @@ class _PartSolver:
         blend: Blend,
         limit: Literal["max"] | float | None,
         numerics: Literal["automatic", "scaling"],
+        solve: Callable[[Inputs, dict[str, object]], Barycenter],
     ) -> Barycenter:
         sigma = inputs.domain.sigma
-        solved = barycenter(
-            inputs,
-            blend.weights,
-            inputs.domain,
-            sharpness=self._settings.sharpness_at(blend.weights),
-            entropy_limit=limit,
-            reach=self._settings.reach,
-            initial=self._last if sigma == self.sigma else None,
-            tolerance=self._settings.tolerance,
-            max_iterations=self._settings.max_iterations,
-            numerics=numerics,
-            monitor=None if self._check is None else lambda *_: self._check(),
-        )
+        options = {
+            "sharpness": self._settings.sharpness_at(blend.weights),
+            "entropy_limit": limit,
+            "reach": self._settings.reach,
+            "initial": self._last if sigma == self.sigma else None,
+            "tolerance": self._settings.tolerance,
+            "max_iterations": self._settings.max_iterations,
+            "numerics": numerics,
+            "monitor": None if self._check is None else lambda *_: self._check(),
+        }
+        solved = solve(inputs, options)
         self._last, self.sigma = solved, sigma
         return solved
 

@@ -14,6 +14,9 @@ from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from .blending import MorphFrame, MorphProblem
@@ -21,11 +24,25 @@ from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .parts import FaceLabels, Matching, joined, matched, part_volumes, unparted
-from .runs import Run, SolvedRun, as_solved, runs_elsewhere, runs_in_threads, runs_of
-from .volumes import Lattice, fitting_workers, voxelize
+from .runs import (
+    Run,
+    SketchedRuns,
+    SolvedRun,
+    as_sketched,
+    as_solved,
+    runs_elsewhere,
+    runs_in_threads,
+    runs_of,
+    sketched_runs_in_threads,
+)
+from .volumes import Lattice, fitting_workers, voxelized
+from .workers import frame_workers
 
 VOXEL_SHARE = 0.08
 """Share of the progress that voxelizing takes."""
+
+# That of previews, where there are any.
+_PREVIEW_SHARE = 0.12
 
 
 @dataclass(frozen=True)
@@ -40,11 +57,14 @@ class MorphStep:
         What is being done.
     frame : MorphFrame or None
         A frame that has just been finished.
+    preview : MorphFrame or None
+        What a frame that is not finished yet will look like, coarsely.
     """
 
     fraction: float
     message: str
     frame: MorphFrame | None = None
+    preview: MorphFrame | None = None
 
 
 def morph(
@@ -59,6 +79,7 @@ def morph(
     executor: Executor | None = None,
     cache: FrameCache | None = None,
     wanted: range | None = None,
+    previews: bool = False,
 ) -> Iterator[MorphStep]:
     """Make the blends of the shapes, one after the other.
 
@@ -88,11 +109,14 @@ def morph(
     wanted : range, optional
         Indices of blends to make; all of a run is made where one of its blends is wanted, so that frames do not depend
         on how a morph was split.
+    previews : bool
+        Whether to solve the coarse levels of all blends first, and yield what can be seen of them; not where an
+        executor of the caller's computes, nor on a grid that has no coarser one. The frames are the same.
 
     Yields
     ------
     MorphStep
-        Progress, and every finished frame once.
+        Progress, previews, and every finished frame once.
 
     Raises
     ------
@@ -107,35 +131,61 @@ def morph(
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
+        begun = VOXEL_SHARE
         if missing:
-            problem = yield from prepared_problem(shapes, names, matching, settings, min(workers or 1, len(missing)))
+            side_by_side = min(workers or 1, len(missing))
+            threads = workers or os.cpu_count() or 1
+            problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, threads)
             problem = replace(problem, keeps_potentials=store is not None)
-            if executor is None:
-                most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
-                pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
-            else:
+            most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
+            if executor is not None:
                 pending = stack.enter_context(runs_elsewhere(problem, missing, executor))
+            elif previews and problem.sketch_depth:
+                sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, check, most))
+                pending = sketched.frames
+                yield from _previews(sketched, sum(map(len, missing.values())), check)
+                begun += _PREVIEW_SHARE
+            else:
+                pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
             # Threads keep what they need of it.
             del problem
             solved = as_solved(pending, check)
         total = sum(map(len, runs))
         for done, frame in enumerate(_in_order(runs, missing, solved, store), start=1):
-            fraction = VOXEL_SHARE + (1.0 - VOXEL_SHARE) * done / total
-            yield MorphStep(fraction, f"Blend {done} of {total}", frame)
+            yield MorphStep(begun + (1.0 - begun) * done / total, f"Blend {done} of {total}", frame)
+
+
+def _previews(runs: SketchedRuns, total: int, check: Callable[[], None] | None) -> Iterator[MorphStep]:
+    for done, frame in enumerate(as_sketched(runs, check), start=1):
+        yield MorphStep(VOXEL_SHARE + _PREVIEW_SHARE * done / total, f"Preview {done} of {total}", preview=frame)
 
 
 def prepared_problem(
-    shapes: Sequence[TriangleMesh], names: Sequence[str], matching: Matching, settings: MorphSettings, workers: int
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    matching: Matching,
+    settings: MorphSettings,
+    workers: int,
+    threads: int = 1,
 ) -> Generator[MorphStep, None, MorphProblem]:
-    """Yield the steps of voxelizing the shapes for so many threads, and return what all runs have in common."""
+    """Yield the steps of voxelizing the shapes, and return what all runs have in common.
+
+    Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
+    """
     yield MorphStep(0.0, "Laying out the grid")
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
-    volumes = []
-    for index, filled in enumerate(voxelize(shapes, names, lattice, settings.thickness)):
+
+    def volumes_of(index: int) -> list[NDArray[np.float32]]:
+        filled = voxelized(shapes[index], names[index], index, lattice, settings.thickness)
         corners = lattice.to_cells(shapes[index], index)
-        volumes.append(part_volumes(filled, corners, matching.faces[index], matching.count))
-        yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
-    return MorphProblem.of(joined(matching, volumes), lattice, settings)
+        return part_volumes(filled, corners, matching.faces[index], matching.count)
+
+    volumes = []
+    with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:
+        for index, own in enumerate(executor.map(volumes_of, range(len(shapes)))):
+            volumes.append(own)
+            yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
+        return MorphProblem.of(joined(matching, volumes), lattice, settings, executor)
 
 
 def _in_order(

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from ..errors import Cancelled, InputError
-from .blending import MorphFrame, MorphProblem, solve_blends
+from .blending import MorphFrame, MorphProblem, Sketch, sketch_blends, solve_blends
 from .cluster import ClusterExecutor
 from .layouts import Blend
 from .workers import frame_workers, one_blas_thread
@@ -44,6 +44,22 @@ class SolvedRun:
     frames: list[MorphFrame]
 
 
+@dataclass(frozen=True)
+class SketchedRuns:
+    """Runs that are being solved, their sketches first.
+
+    Attributes
+    ----------
+    sketches : dict
+        The index of the run for each future of a list of Sketch; all of them are begun before the first of `frames`.
+    frames : dict
+        What is being solved.
+    """
+
+    sketches: dict[Future[list[Sketch]], int]
+    frames: Pending
+
+
 def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
     """Cut blends into runs, always at the same places.
 
@@ -72,6 +88,34 @@ def runs_in_threads(
     problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
 ) -> Iterator[Pending]:
     """Solve runs in threads, which stop between two iterations once nobody waits for them any more."""
+    with _threads(check, workers) as (executor, check_both):
+        yield {executor.submit(solve_blends, problem, run, check_both): index for index, run in runs.items()}
+
+
+@contextmanager
+def sketched_runs_in_threads(
+    problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
+) -> Iterator[SketchedRuns]:
+    """Do the same for a problem with coarser levels, those of all runs before the finest of any."""
+    with _threads(check, workers) as (executor, check_both):
+        sketches = {executor.submit(sketch_blends, problem, run, check_both): index for index, run in runs.items()}
+        # Threads take up work in this order: where a run waits for its sketch, another thread is at it.
+        frames = {
+            executor.submit(_solve_sketched, problem, runs[index], check_both, sketch): index
+            for sketch, index in sketches.items()
+        }
+        yield SketchedRuns(sketches, frames)
+
+
+def _solve_sketched(
+    problem: MorphProblem, run: Run, check: Callable[[], None], sketch: Future[list[Sketch]]
+) -> list[MorphFrame]:
+    return solve_blends(problem, run, check, sketch.result())
+
+
+@contextmanager
+def _threads(check: Callable[[], None] | None, workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
+    """Provide threads, and what they are to call often: it raises once the context ends."""
     abandoned = threading.Event()
 
     def check_both() -> None:
@@ -82,7 +126,7 @@ def runs_in_threads(
 
     with frame_workers(workers) as executor:
         try:
-            yield {executor.submit(solve_blends, problem, run, check_both): index for index, run in runs.items()}
+            yield executor, check_both
         finally:
             # Before the threads are waited for.
             abandoned.set()
@@ -123,9 +167,21 @@ def as_solved(pending: Pending, check: Callable[[], None] | None) -> Iterator[So
     Exception
         What a run raised.
     """
+    for index, future in _as_completed(pending, check):
+        yield SolvedRun(index, future.result())
+
+
+def as_sketched(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphFrame]:
+    """Take sketches out of `runs` as they are finished, runs in any order, and yield those that can be looked at."""
+    for _, future in _as_completed(runs.sketches, check):
+        frames = [sketch.frame for sketch in future.result()]
+        yield from (frame for frame in frames if frame.mesh is not None or frame.blend.source is not None)
+
+
+def _as_completed(pending: dict[Future, int], check: Callable[[], None] | None) -> Iterator[tuple[int, Future]]:
     while pending:
         done, _ = wait(pending, _PATIENCE, FIRST_COMPLETED)
         if check is not None:
             check()
         for future in sorted(done, key=pending.__getitem__):
-            yield SolvedRun(pending.pop(future), future.result())
+            yield pending.pop(future), future

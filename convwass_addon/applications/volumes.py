@@ -146,14 +146,19 @@ def voxelize(
         A shape that encloses nothing, or less than a few cells.
     """
     for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
-        corners = lattice.to_cells(orient_outward(shape), index)
-        filled = occupancy(corners, lattice.shape)
-        if filled.sum() < _LEAST_CELLS and thickness > 0:
-            cells = max(thickness / lattice.spacing, _LEAST_THICKNESS)
-            filled = shell_occupancy(corners, lattice.shape, cells)
-        if filled.sum() < _LEAST_CELLS:
-            raise InputError(
-                f"'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness "
-                "(the Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution."
-            )
-        yield filled
+        yield voxelized(shape, name, index, lattice, thickness)
+
+
+def voxelized(shape: TriangleMesh, name: str, index: int, lattice: Lattice, thickness: float) -> NDArray[np.float32]:
+    """Return the occupancy of input `index` alone; see :func:`voxelize`."""
+    corners = lattice.to_cells(orient_outward(shape), index)
+    filled = occupancy(corners, lattice.shape)
+    if filled.sum() < _LEAST_CELLS and thickness > 0:
+        cells = max(thickness / lattice.spacing, _LEAST_THICKNESS)
+        filled = shell_occupancy(corners, lattice.shape, cells)
+    if filled.sum() < _LEAST_CELLS:
+        raise InputError(
+            f"'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness "
+            "(the Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution."
+        )
+    return filled

@@ -101,11 +101,12 @@ class MorphBake:
         self._blends = tuple(blends)
         self._stored = stored
         self._finished: dict[int, _Finished] = {}
+        self._previews: dict[int, Handle] = {}
         self._action: Handle | None = None
         self._brings_material = MATERIAL_NAME not in bpy.data.materials
 
     def add(self, frame: MorphFrame) -> bpy.types.Object:
-        """Make the object of a finished frame.
+        """Make the object of a finished frame, out of that of its preview if there is one.
 
         In a path it is visible in its frame alone, the first one also before and the last one also after the path. In
         a sheet it stands in its column (along +X) and row (downwards), shifted so that inputs that stand apart in
@@ -116,8 +117,31 @@ class MorphBake:
         ConvwassError
             The collection has been removed, by undo for example.
         """
-        collection = self._living(self._collection)
+        self._living(self._collection)
         index = self._blends.index(frame.blend)
+        previewed = self._previews.pop(index, None)
+        obj = None if previewed is None else previewed.find()
+        if obj is None:
+            obj = self._shown_object(frame, index)
+        elif frame.mesh is not None:
+            write_mesh(obj.data, frame.mesh)
+        self._finished[index] = _Finished(Handle.of("objects", obj), frame.record)
+        return obj
+
+    def preview(self, frame: MorphFrame) -> None:
+        """Show what a frame that is not finished will look like; `add` takes its place, `finish` removes what is left.
+
+        Raises
+        ------
+        ConvwassError
+            The collection has been removed, by undo for example.
+        """
+        index = self._blends.index(frame.blend)
+        self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
+
+    def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
+        """Make an object at its place and with its keyframes."""
+        collection = self._living(self._collection)
         name = f"Morph {index + 1:04d}"
         if frame.mesh is None:
             data = self._living(self._inputs[frame.blend.source].mesh)
@@ -132,7 +156,6 @@ class MorphBake:
         obj.color = np.average([shape.color for shape in self._inputs], axis=0, weights=frame.blend.weights)
         obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
         obj[INDEX_KEY] = index
-        self._finished[index] = _Finished(Handle.of("objects", obj), frame.record)
         if frame.blend.frame is not None:
             key_visibility(obj, self._living_action(collection.name), [self._shown(index, range(len(self._blends)))])
         elif len(self._blends) > 1:
@@ -156,6 +179,7 @@ class MorphBake:
             No frame has been finished (everything is discarded then), or the collection has been removed.
         """
         collection, scene = self._living(self._collection), self._living(self._scene)
+        self._drop_previews()
         frames = {index: obj for index, done in self._finished.items() if (obj := done.obj.find()) is not None}
         if not frames:
             self.discard()
@@ -182,6 +206,7 @@ class MorphBake:
         collection = self._collection.find()
         if collection:
             remove_bake(collection)
+        self._drop_previews()
         _remove_objects(found([done.obj for done in self._finished.values()]))
         self._drop_unused()
 
@@ -214,6 +239,16 @@ class MorphBake:
         column, row = blend.place
         feet = np.array([shape.foot for shape in self._inputs])
         return feet[0] - np.asarray(blend.weights) @ feet + step * np.array([column, 0.0, -row])
+
+    def _drop_previews(self) -> None:
+        """Remove what was shown in the place of frames that are not finished."""
+        objects = found(list(self._previews.values()))
+        for obj in objects:
+            if obj.animation_data and obj.animation_data.action:
+                # The action lives on with the frames that are finished.
+                obj.animation_data.action.slots.remove(obj.animation_data.action_slot)
+        _remove_objects(objects)
+        self._previews.clear()
 
     def _drop_unused(self) -> None:
         """Remove what was prepared for frames and that none uses."""

@@ -9,6 +9,7 @@ from concurrent.futures import Executor
 
 import bpy
 
+from ..applications.between_frames import between_frames
 from ..applications.frame_cache import FrameCache
 from ..applications.layouts import Blend
 from ..applications.morph import MorphStep, morph
@@ -79,6 +80,7 @@ class MorphJob:
         executor: Executor | None = None,
         cache: FrameCache | None = None,
         wanted: range | None = None,
+        previews: bool = False,
     ) -> Iterator[MorphStep]:
         """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
         return morph(
@@ -92,6 +94,34 @@ class MorphJob:
             executor=executor,
             cache=cache,
             wanted=wanted,
+            previews=previews,
+        )
+
+    def steps_between(
+        self,
+        path: Sequence[Blend],
+        numbers: Sequence[float],
+        cache: FrameCache,
+        check: Callable[[], None] | None = None,
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+    ) -> Iterator[MorphStep]:
+        """Return the same for a job whose blends lie between the frames of a path.
+
+        See :func:`.between_frames.between_frames`.
+        """
+        return between_frames(
+            self._shapes,
+            self._names,
+            path,
+            numbers,
+            self._settings,
+            cache,
+            check,
+            labels=self._labels,
+            workers=workers,
+            executor=executor,
         )
 
     @property
@@ -100,7 +130,9 @@ class MorphJob:
         return list(dict.fromkeys(record["notice"] for record in self.records if record.get("notice")))
 
     def write(self, step: MorphStep) -> None:
-        """Put a finished frame into the scene."""
+        """Put a finished frame into the scene, or a preview until there is one."""
+        if step.preview is not None:
+            self._bake.preview(step.preview)
         if step.frame is not None:
             self._bake.add(step.frame)
             self.records.append(step.frame.record)

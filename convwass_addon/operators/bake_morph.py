@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
@@ -71,7 +73,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         except ConvwassError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._background = BackgroundJob(self._job.steps)
+        self._background = BackgroundJob(partial(self._job.steps, previews=True))
         self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         context.window_manager.modal_handler_add(self)
         self._show(context, 0.0, "Starting")

@@ -3,7 +3,7 @@
 """Optimal transport on arrays: the paper, without files or Blender."""
 
 from .barycenter import Barycenter, barycenter
-from .between import barycenter_between
+from .between import barycenter_beside, barycenter_between
 from .coordinates import BarycentricCoordinates, NearestBarycenter, barycentric_coordinates, nearest_barycenter
 from .distance import Distance, DistanceMatrix, distance, distance_matrix
 from .domain import Domain, KernelTooNarrowError
@@ -29,6 +29,7 @@ __all__ = [
     "Propagation",
     "Surface",
     "barycenter",
+    "barycenter_beside",
     "barycenter_between",
     "barycentric_coordinates",
     "bisect",

@@ -112,6 +112,7 @@ def barycenter(
     tightening: int = 0,
     reach: float | None = None,
     initial: Barycenter | None = None,
+    begun: Barycenter | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
     numerics: Literal["automatic", "scaling"] = "automatic",
@@ -135,13 +136,17 @@ def barycenter(
         Upper bound of the entropy in nats (eq. 14); "max" takes the largest entropy of the inputs.
     tightening : int
         How many looser bounds lead to the limit, from the entropy of the unbounded barycenter (end of section 6.1);
-        0 applies the limit from the start.
+        0 applies the limit from the start. They follow on the finest domain.
     reach : float, optional
-        How far mass goes, in units of the domain (cells), before it rather vanishes in one place and grows in another;
-        by default all of it travels. Not together with an entropy limit.
+        How far mass goes, in units of the finest domain (cells), before it rather vanishes in one place and grows in
+        another; by default all of it travels. Not together with an entropy limit.
     initial : Barycenter, optional
         The barycenter of the same inputs with similar weights on the same domain, to start from. It is used where the
         same inputs have weight.
+    begun : Barycenter, optional
+        The barycenter of ``inputs.coarser``, or of the coarser part of that, with the same weights and options, and
+        with the coarser one of `initial` to start from where that is given. Its levels are not solved again; nothing
+        else changes.
     tolerance : float
         The solve ends when the marginal error and that of the debiasing density are below this.
     max_iterations : int
@@ -177,22 +182,36 @@ def barycenter(
         raise ValueError(f'numerics must be "automatic" or "scaling", got {numerics!r}')
     if initial is not None and initial.density.shape != tuple(domain.shape):
         raise ValueError(f"initial must be a barycenter on a domain of shape {tuple(domain.shape)}")
+    if begun is not None:
+        _check_begun(begun, inputs, alphas, sharpness)
     if reach is not None and not (np.isfinite(reach) and reach > 0):
         raise ValueError(f"reach must be a positive length, got {reach}")
     if reach is not None and entropy_limit is not None:
         raise ValueError("entropy_limit holds a mass of 1 together, so there can be no reach")
     active = np.flatnonzero(alphas)
     ladder = tuple(level.chosen(active) for level in inputs.levels)
-    length = None if reach is None else float(reach) / domain.unit_length
-    problem = _Problem(ladder, alphas[active], sharpness, length, tolerance, max_iterations, numerics, monitor)
+    length = None if reach is None else float(reach) / inputs.aim.unit_length
+    problem = _Problem(
+        ladder, inputs.aim, alphas[active], sharpness, length, tolerance, max_iterations, numerics, monitor
+    )
     limit = float(inputs.entropies[active].max()) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
-    solved = problem.coarse_to_fine(None if tightening else limit, initial.levels if usable else ())
-    if limit is not None and tightening:
+    first = None if tightening else limit
+    done = None if begun is None else problem.resumed(begun, first)
+    solved = problem.coarse_to_fine(first, initial.levels if usable else (), done)
+    if limit is not None and tightening and domain is inputs.aim:
         free = entropy(solved.state.density, solved.state.weights)
         for bound in np.linspace(free, float(limit), tightening + 1)[1:]:
             solved = problem.continued(solved, float(bound))
     return _finished(solved, alphas, sharpness, tolerance)
+
+
+def _check_begun(begun: Barycenter, inputs: Inputs, alphas: NDArray[np.float64], sharpness: float) -> None:
+    coarser = {len(own): own[-1].domain.shape for own in (inputs.levels[:n] for n in range(1, len(inputs.levels)))}
+    if coarser.get(len(begun.levels)) != begun.density.shape:
+        raise ValueError("begun must be a barycenter of the coarser levels of these inputs")
+    if not np.array_equal(begun.weights, alphas) or begun.sharpness != sharpness:
+        raise ValueError("begun must have the weights and the sharpness that are asked for")
 
 
 @dataclass(frozen=True)
@@ -209,6 +228,7 @@ class _Problem:
     """Everything that stays the same from level to level and from bound to bound."""
 
     ladder: tuple[Level, ...]
+    aim: Domain
     alphas: NDArray[np.float64]
     sharpness: float
     reach: float | None
@@ -217,12 +237,22 @@ class _Problem:
     numerics: Literal["automatic", "scaling"]
     monitor: Monitor | None
 
-    def coarse_to_fine(self, limit: float | None, before: tuple[Potentials, ...]) -> _Solved:
+    def resumed(self, begun: Barycenter, limit: float | None) -> _Solved:
+        """Take up the coarse levels where they were left."""
+        level, start = self.ladder[len(begun.levels) - 1], begun.levels[-1]
+        state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics, self.reach)
+        state.density[...] = start.region.gather(begun.density)
+        return _Solved(state, begun.levels, begun.iterations)
+
+    def coarse_to_fine(
+        self, limit: float | None, before: tuple[Potentials, ...], done: _Solved | None = None
+    ) -> _Solved:
         """Solve on ever finer domains, each started from the one before and, if given, from a neighbor's levels."""
-        levels: list[Potentials] = []
-        iterations = []
-        state = None
-        for depth, level in enumerate(self.ladder):
+        levels: list[Potentials] = [] if done is None else list(done.levels)
+        iterations = [] if done is None else list(done.iterations)
+        state = None if done is None else done.state
+        for depth in range(len(levels), len(self.ladder)):
+            level = self.ladder[depth]
             domain = level.domain
             region = state.finer_region(self.tolerance) if depth else Region.whole(domain.shape)
             if before:
@@ -235,7 +265,7 @@ class _Problem:
                 start = Potentials.flat(len(self.alphas), domain.shape)
             if self.reach is None:
                 start = start.for_weights(self.alphas, self.sharpness)
-            tolerance = self.tolerance * (1.0 if level is self.ladder[-1] else _COARSE_TOLERANCE)
+            tolerance = self.tolerance * (1.0 if domain is self.aim else _COARSE_TOLERANCE)
             state, count = self._solve(level, limit, start, tolerance)
             levels.append(state.potentials())
             iterations.append(count)

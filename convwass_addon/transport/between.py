@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycenters between two that have been solved, from their potentials: a round or two at the finest level."""
+"""Barycenters next to others that have been solved, from their potentials: a few rounds at the finest level."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -29,6 +30,7 @@ def barycenter_between(
     reach: float | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 100,
+    numerics: Literal["automatic", "scaling"] = "automatic",
     monitor: Monitor | None = None,
 ) -> Barycenter:
     """Barycenter whose weights lie between those of two neighbors, without solving it from coarse to fine.
@@ -46,7 +48,7 @@ def barycenter_between(
         Of which they are the barycenters.
     sharpness : float, optional
         By default interpolated too.
-    entropy_limit, reach, tolerance, max_iterations, monitor
+    entropy_limit, reach, tolerance, max_iterations, numerics, monitor
         As for :func:`barycenter`.
 
     Raises
@@ -56,10 +58,8 @@ def barycenter_between(
     """
     if not 0.0 <= share <= 1.0:
         raise ValueError(f"share must lie between 0 and 1, got {share}")
-    shape = tuple(inputs.domain.shape)
-    for name, one in (("first", first), ("second", second)):
-        if one.density.shape != shape or len(one.weights) != len(inputs):
-            raise ValueError(f"{name} must be a barycenter of these inputs")
+    _check_inputs("first", first, inputs)
+    _check_inputs("second", second, inputs)
     if not np.array_equal(first.active, second.active):
         raise ValueError("second must give weight to the inputs that first does")
     mixed = _mixed(first.levels[-1], second.levels[-1], share)
@@ -73,16 +73,82 @@ def barycenter_between(
         initial=replace(first, levels=(mixed,)),
         tolerance=tolerance,
         max_iterations=max_iterations,
+        numerics=numerics,
         monitor=monitor,
     )
 
 
+def barycenter_beside(
+    neighbor: Barycenter,
+    weights: Sequence[float] | NDArray[np.float64],
+    inputs: Inputs,
+    *,
+    sharpness: float,
+    entropy_limit: Literal["max"] | float | None = None,
+    reach: float | None = None,
+    tolerance: float = 1e-2,
+    max_iterations: int = 500,
+    numerics: Literal["automatic", "scaling"] = "automatic",
+    monitor: Monitor | None = None,
+) -> Barycenter:
+    """Barycenter with weights near those of another, of which only the finest potentials need to be known.
+
+    What mass does between the two is found on coarser domains, where it is cheap, by solving both; from the finest
+    potentials alone it would take a hundred rounds at the finest level.
+
+    Parameters
+    ----------
+    neighbor : Barycenter
+        Of the same inputs, with the same of them at weight zero.
+    weights : (k,)
+        Those wanted.
+    inputs : Inputs
+        Of which it is the barycenter.
+    sharpness, entropy_limit, reach, tolerance, max_iterations, numerics, monitor
+        As for :func:`barycenter`.
+
+    Raises
+    ------
+    ValueError
+        A barycenter of other inputs.
+    """
+    _check_inputs("neighbor", neighbor, inputs)
+    options = {
+        "entropy_limit": entropy_limit,
+        "tolerance": tolerance,
+        "max_iterations": max_iterations,
+        "numerics": numerics,
+        "monitor": monitor,
+    }
+    before: tuple[Potentials, ...] = ()
+    if len(inputs.levels) > 1:
+        coarse = Inputs(inputs.levels[:-1], inputs.entropies)
+        # Lengths in units of the coarser domain.
+        own = None if reach is None else reach * coarse.domain.unit_length / inputs.domain.unit_length
+        solved = barycenter(coarse, neighbor.weights, coarse.domain, sharpness=neighbor.sharpness, reach=own, **options)
+        before = solved.levels
+    initial = replace(neighbor, levels=(*before, neighbor.levels[-1]))
+    return barycenter(inputs, weights, inputs.domain, sharpness=sharpness, reach=reach, initial=initial, **options)
+
+
+def _check_inputs(name: str, solved: Barycenter, inputs: Inputs) -> None:
+    if solved.density.shape != tuple(inputs.domain.shape) or len(solved.weights) != len(inputs):
+        raise ValueError(f"{name} must be a barycenter of these inputs")
+
+
 def _mixed(first: Potentials, second: Potentials, share: float) -> Potentials:
-    """Interpolate logarithms of scalings; where one has nothing, those of the other."""
-    region = Region(first.region.inside | second.region.inside)
+    """Interpolate logarithms of scalings; where one has nothing, those of the other.
+
+    Where both have nothing there are no cells: what stands for nothing would be taken for scalings.
+    """
+    region = Region(_known(first) | _known(second))
     one, other = first.on(region).columns, second.on(region).columns
     mixed = (1.0 - share) * one + share * other
     return Potentials(region, *_split(np.where(_missing(one), other, np.where(_missing(other), one, mixed))))
+
+
+def _known(potentials: Potentials) -> NDArray[np.bool_]:
+    return potentials.region.scatter(~_missing(potentials.columns), False)
 
 
 def _missing(columns: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -57,10 +57,13 @@ class Inputs:
         Coarse to fine; the last is on the domain itself.
     entropies : (k,) float64
         In nats.
+    finest : Domain, optional
+        Where solves are to end, if these are only the coarser levels on the way there; see `coarser`.
     """
 
     levels: tuple[Level, ...]
     entropies: NDArray[np.float64]
+    finest: Domain | None = None
 
     @classmethod
     def of(cls, mus: ArrayLike, domain: Domain) -> Inputs:
@@ -88,6 +91,22 @@ class Inputs:
             levels.insert(0, Level(domain, level.regions, level.log_mus))
         return Inputs(tuple(levels), self.entropies)
 
+    @property
+    def coarser(self) -> Inputs:
+        """The same distributions without their finest level: what a preview is solved from.
+
+        Solved with the options of the whole, lengths in units of the finest domain, their barycenter is what the whole
+        one begins with.
+
+        Raises
+        ------
+        ValueError
+            There is one level only.
+        """
+        if len(self.levels) == 1:
+            raise ValueError("inputs on one level have no coarser ones")
+        return Inputs(self.levels[:-1], self.entropies, self.aim)
+
     def __len__(self) -> int:
         return len(self.entropies)
 
@@ -95,3 +114,8 @@ class Inputs:
     def domain(self) -> Domain:
         """Where the distributions live."""
         return self.levels[-1].domain
+
+    @property
+    def aim(self) -> Domain:
+        """Where solves are to end: on this domain, unless it is on the way to a finer one."""
+        return self.domain if self.finest is None else self.finest

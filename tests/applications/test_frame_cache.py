@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis.extra.numpy import arrays
 
 from convwass_addon.applications import frame_cache, frame_file, morph as morphing
 from convwass_addon.applications.frame_cache import FrameCache
@@ -23,6 +24,7 @@ from convwass_addon.applications.layouts import path_blends
 from convwass_addon.applications.morph import morph
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.parts import FaceLabels
+from convwass_addon.applications.potentials import PartPotentials
 from convwass_addon.applications.runs import RUN_LENGTH, runs_of
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from tests.shapes import ball, box
@@ -66,10 +68,10 @@ def written(path, frame=None, key=KEY):
     return bytearray(path.read_bytes())
 
 
-def sealed(header, arrays=b""):
+def sealed(header, content=b""):
     """A file whose hash is right, whatever it says."""
     text = header if isinstance(header, bytes) else json.dumps(header).encode()
-    body = struct.pack("<Q", len(text)) + text + arrays
+    body = struct.pack("<Q", len(text)) + text + content
     return MAGIC + hashlib.sha256(body).digest() + body
 
 
@@ -85,7 +87,7 @@ def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_pat
 
 def test_what_is_all_there_needs_no_voxels(tmp_path, monkeypatch):
     expected = bake(FrameCache(tmp_path))
-    monkeypatch.setattr(morphing, "voxelize", None)
+    monkeypatch.setattr(morphing, "prepared_problem", None)
     assert_same(bake(FrameCache(tmp_path)), expected)
 
 
@@ -240,11 +242,18 @@ def test_any_changed_byte_and_any_missing_end_is_noticed(tmp_path, data):
 
 
 VERTICES = np.zeros((2, 3)).tobytes()
-GOOD = {"key": KEY, "counts": [2, 1], "record": {}}
+GOOD = {"key": KEY, "counts": [2, 1], "potentials": [], "record": {}}
+PART = {"shape": [2, 2, 3], "rows": 2, "cells": 3, "sharpness": 0.75, "sigma": 1.25}
+CELLS = np.packbits([1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1]).tobytes()
+ROWS = np.arange(6, dtype="<f4").tobytes()
 
 
 def triangle(*corners):
     return np.array(corners, "<i4").tobytes()
+
+
+def with_part(content, **changed):
+    return sealed(GOOD | {"counts": None, "potentials": [PART | changed]}, content)
 
 
 @pytest.mark.parametrize(
@@ -262,6 +271,29 @@ def triangle(*corners):
         (sealed(GOOD | {"counts": None}, VERTICES), "size"),
         (sealed(GOOD | {"key": "1" * 64}, VERTICES + triangle(0, 1, 1)), "another frame"),
         (sealed({"key": KEY}, b""), "counts"),
+        (sealed({"key": KEY, "counts": None, "record": {}}, b""), "potentials"),
+        (with_part(CELLS + ROWS[:-1]), "size that it says"),
+        (with_part(CELLS + ROWS + b"x"), "size that it says"),
+        (with_part(CELLS + ROWS, cells=10**18), "size of their cells"),
+        (with_part(CELLS + ROWS, rows=10**18), "size that it says"),
+        (with_part(CELLS + ROWS, shape=[10**9, 10**9, 10**9]), "size that it says"),
+        (with_part(CELLS + ROWS, shape=[2, 6]), "counts"),
+        (with_part(CELLS + ROWS, shape=[2, 2, -3]), "counts"),
+        (with_part(CELLS + ROWS, rows=1, cells=6), "size of their cells"),
+        (with_part(CELLS + ROWS[:12], rows=1), "size of their cells"),
+        (with_part(bytes(2), cells=0), "no cells"),
+        (with_part(b"", shape=[0, 0, 0], cells=0), "no cells"),
+        (with_part(CELLS[:1] + b"\x11" + ROWS), "size of their cells"),
+        (with_part(CELLS + ROWS[:-4] + np.float32(np.nan).tobytes()), "not numbers"),
+        (with_part(CELLS + ROWS[:-4] + np.float32(np.inf).tobytes()), "not numbers"),
+        (with_part(CELLS + ROWS[:-4] + np.float32(-10001).tobytes()), "not numbers"),
+        (with_part(CELLS + ROWS, sharpness=1.5), "no solve"),
+        (with_part(CELLS + ROWS, sharpness=True), "no solve"),
+        (with_part(CELLS + ROWS, sigma=0), "no solve"),
+        (with_part(CELLS + ROWS, sigma=float("nan")), "no solve"),
+        (with_part(CELLS + ROWS, sigma="1"), "no solve"),
+        (sealed(GOOD | {"counts": None, "potentials": {}}), "no list"),
+        (sealed(GOOD | {"counts": None, "potentials": [3]}), "no table"),
         (sealed([1, 2], b""), "another frame"),
         (sealed(b"\xff\xfe", b""), "utf"),
         (sealed(b"[" * 100_000, b""), "recursion|nested|Expecting"),
@@ -286,6 +318,26 @@ def test_files_that_lie_are_refused(tmp_path, content, reason):
 def test_the_good_example_is_good(tmp_path):
     (tmp_path / "f").write_bytes(sealed(GOOD, VERTICES + triangle(0, 1, 1)))
     assert len(read_frame(tmp_path / "f", KEY).mesh.faces) == 1
+    (tmp_path / "f").write_bytes(with_part(CELLS + ROWS))
+    (part,) = read_frame(tmp_path / "f", KEY).potentials
+    np.testing.assert_array_equal(np.flatnonzero(part.inside), [0, 2, 11])
+    np.testing.assert_array_equal(part.columns, [[0, 1, 2], [3, 4, 5]])
+
+
+@given(st.data())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_potentials_that_are_written_are_read(tmp_path, data):
+    shape = data.draw(st.tuples(*[st.integers(1, 4)] * 3))
+    inside = data.draw(arrays(bool, shape).filter(np.any))
+    values = st.floats(-1e4, 2.0**100, width=32)
+    columns = data.draw(arrays(np.float32, (data.draw(st.integers(2, 4)), int(inside.sum())), elements=values))
+    kept = tuple(PartPotentials(inside, columns, sharpness, 1.25) for sharpness in (0.0, 0.75))
+    write_frame(tmp_path / "f", KEY, StoredFrame(box(), {}, kept))
+    found = read_frame(tmp_path / "f", KEY).potentials
+    assert [part.sharpness for part in found] == [0.0, 0.75]
+    for part in found:
+        np.testing.assert_array_equal(part.inside, inside)
+        np.testing.assert_array_equal(part.columns, columns)
 
 
 def test_what_is_too_large_is_not_even_read(tmp_path):

@@ -14,6 +14,7 @@ from convwass_addon.transport import (
     Grid,
     Inputs,
     barycenter,
+    barycenter_beside,
     barycenter_between,
     barycentric_coordinates,
     bisect,
@@ -41,6 +42,7 @@ ELSEWHERE = barycenter(np.ones((3, 5, 6)), WEIGHTS, Grid((5, 6), 1.0))
 GOOD = {
     Grid: {"shape": (6, 5), "sigma": 1.0},
     barycenter: {"mus": MUS, "weights": WEIGHTS, "domain": GRID},
+    barycenter_beside: {"neighbor": SOLVED, "weights": WEIGHTS, "inputs": PREPARED, "sharpness": 0.0},
     barycenter_between: {"first": SOLVED, "second": SOLVED, "share": 0.5, "inputs": PREPARED},
     barycentric_coordinates: {"mu": MU, "mus": MUS, "domain": GRID},
     nearest_barycenter: {"mu": MU, "mus": MUS, "domain": GRID},
@@ -62,7 +64,7 @@ DENSITIES = [
     (0 * MU, "has no mass"),
 ]
 SOLVERS = [barycenter, barycentric_coordinates, nearest_barycenter, distance, distance_matrix, interpolate, bisect]
-SOLVERS += [propagate, barycenter_between]
+SOLVERS += [propagate, barycenter_between, barycenter_beside]
 RATHER = {
     "tolerance": [(0.0, "must be positive, got 0.0"), (-1e-3, "must be positive"), (np.nan, "must be positive")],
     "max_iterations": [(0, "must be at least 1, got 0"), (-1, "must be at least 1")],
@@ -98,10 +100,13 @@ def cases():
     yield barycenter, "weights", [1, 1, -1], r"must be zero or positive numbers"
     yield barycenter, "weights", [1, 1, np.nan], r"must be zero or positive numbers"
     yield barycenter, "weights", [0, 0, 0], "must not all be zero"
-    yield barycenter, "numerics", "exact", 'must be "automatic" or "scaling", got \'exact\''
+    for solver in (barycenter, barycenter_between, barycenter_beside):
+        yield solver, "numerics", "exact", 'must be "automatic" or "scaling", got \'exact\''
     for wrong in (0.0, -1.0, np.nan, np.inf):
-        for solver in (barycenter, barycenter_between):
+        for solver in (barycenter, barycenter_between, barycenter_beside):
             yield solver, "reach", wrong, f"must be a positive length, got {wrong}"
+    yield barycenter_beside, "neighbor", ELSEWHERE, "must be a barycenter of these inputs"
+    yield barycenter_beside, "weights", [1, 1], r"must be 3 numbers, one per distribution, got shape \(2,\)"
     for name in ("first", "second"):
         yield barycenter_between, name, ELSEWHERE, "must be a barycenter of these inputs"
     yield barycenter_between, "second", barycenter(PREPARED, [1, 1, 0], GRID), "must give weight to the inputs that"
@@ -110,6 +115,7 @@ def cases():
     yield barycenter, "tightening", -1, "must be zero or a positive whole number, got -1"
     yield barycenter, "tightening", 1.5, "must be zero or a positive whole number, got 1.5"
     yield barycenter, "initial", ELSEWHERE, r"must be a barycenter on a domain of shape \(6, 5\)"
+    yield barycenter, "begun", ELSEWHERE, "must be a barycenter of the coarser levels of these inputs"
     yield nearest_barycenter, "max_evaluations", 0, "must be at least 1, got 0"
     for solver in (interpolate, bisect):
         yield solver, "times", [0.2, 1.01], "must lie between 0 and 1"

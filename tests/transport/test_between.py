@@ -2,11 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
-from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_between
+from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_beside, barycenter_between
+from convwass_addon.transport.bregman import Potentials
+from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.region import Region
 
 GRID = Grid((48, 40), 1.3)
 
@@ -74,3 +79,38 @@ def test_it_can_be_stopped():
 
     with pytest.raises(Cancelled):
         barycenter_between(first, second, 0.5, INPUTS, monitor=stop)
+
+
+def only_finest(one):
+    return replace(one, levels=one.levels[-1:], density=np.full(one.density.shape, np.nan))
+
+
+@pytest.mark.parametrize("reach", [None, 12.0])
+def test_beside_one_neighbor_it_is_the_barycenter(reach):
+    options = {"sharpness": 0.75, "reach": reach, "tolerance": 1e-6, "max_iterations": 3000}
+    first = barycenter(INPUTS, [0.5, 0.5, 0.0], GRID, **options)
+    truth = barycenter(INPUTS, [0.42, 0.58, 0.0], GRID, **options)
+    found = barycenter_beside(only_finest(first), [0.42, 0.58, 0.0], INPUTS, **options)
+    assert found.converged
+    assert difference(found, truth) < 1e-4
+    quick = barycenter_beside(only_finest(first), [0.42, 0.58, 0.0], INPUTS, sharpness=0.75, reach=reach)
+    assert quick.converged
+    assert difference(quick, truth) < 0.2 * difference(first, truth)
+
+
+def test_what_stands_for_nothing_is_not_interpolated():
+    """Cells where neither neighbor has a scaling must not come back with one."""
+    first, second = solved([0.5, 0.5, 0.0], 1e-6), solved([0.45, 0.55, 0.0], 1e-6)
+    plain = barycenter_between(first, second, 0.5, INPUTS, tolerance=1e-6, max_iterations=2000)
+
+    def with_nothing(one):
+        finest = one.levels[-1].on(Region.whole(GRID.shape))
+        far = finest.region.gather(one.density) < 1e-9 * one.density.max()
+        assert far.any()
+        columns = np.where(far, LOG_NOTHING + 400.0 * np.arange(2)[:, None], finest.log_v)
+        return replace(one, levels=(Potentials(finest.region, columns, finest.log_debias),))
+
+    found = barycenter_between(with_nothing(first), with_nothing(second), 0.5, INPUTS)
+    assert found.converged
+    assert found.iterations[0] <= 3
+    assert difference(found, plain) < 5e-3

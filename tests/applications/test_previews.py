@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Previews: the coarse levels of all blends before the finest of any, and not a bit of the frames depends on them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications import blending, runs
+from convwass_addon.applications.frame_cache import FrameCache
+from convwass_addon.applications.layouts import path_blends, single_blend
+from convwass_addon.applications.morph import morph, prepared_problem
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.parts import FaceLabels, unparted
+from convwass_addon.errors import Cancelled
+from tests.shapes import ball, box, joined, torus
+
+SHAPES = [torus(1.0, 0.4), box((1.5, 1, 1), center=(4, 0, 0)), ball(0.8)]
+NAMES = ["a", "b", "c"]
+QUICK = MorphSettings(resolution=32)
+
+
+def steps_of(shapes=SHAPES, blends=None, settings=QUICK, previews=True, **options):
+    blends = path_blends(len(shapes), 3) if blends is None else blends
+    return list(morph(shapes, NAMES[: len(shapes)], blends, settings, previews=previews, **options))
+
+
+def frames_of(steps):
+    return [step.frame for step in steps if step.frame]
+
+
+def assert_same(some, others):
+    for one, other in zip(some, others, strict=True):
+        assert one.blend == other.blend
+        assert one.record == other.record
+        if one.mesh is not None or other.mesh is not None:
+            np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
+            np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
+
+
+def test_every_blend_is_previewed_before_any_is_finished():
+    blends = path_blends(3, 3)
+    steps = steps_of(blends=blends)
+    kinds = [("preview" if step.preview else "frame") for step in steps if step.preview or step.frame]
+    assert kinds == ["preview"] * len(blends) + ["frame"] * len(blends)
+    seen = [step.preview.blend for step in steps if step.preview]
+    assert sorted(seen, key=blends.index) == blends
+    fractions = [step.fraction for step in steps]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+
+
+def test_previews_have_about_the_volume_and_the_place_of_the_frames():
+    steps = steps_of(settings=MorphSettings(resolution=48))
+    previews = {step.preview.blend: step.preview.mesh for step in steps if step.preview}
+    compared = 0
+    for frame in frames_of(steps):
+        preview = previews[frame.blend]
+        if frame.mesh is None:
+            assert preview is None
+            continue
+        assert preview.volume == pytest.approx(frame.mesh.volume, rel=0.02)
+        assert len(preview.faces) < 0.4 * len(frame.mesh.faces)
+        # A cell of the finest grid is a thirtieth of the box's and the torus's size.
+        np.testing.assert_allclose(preview.bounds, frame.mesh.bounds, atol=0.15)
+        compared += 1
+    assert compared == 4
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        QUICK,
+        MorphSettings(resolution=48, blur=0.8),
+        MorphSettings(resolution=32, locality=0.4),
+        MorphSettings(resolution=32, entropy_limit="max"),
+        MorphSettings(resolution=32, level="half-max", thin_parts=False),
+    ],
+)
+def test_frames_are_the_same_with_previews_and_without(settings):
+    without = frames_of(steps_of(settings=settings, previews=False, workers=1))
+    for workers in (1, 2):
+        assert_same(frames_of(steps_of(settings=settings, workers=workers)), without)
+
+
+def test_and_so_they_are_where_the_blur_has_to_grow(monkeypatch):
+    """Then the finest levels of some blends cannot go on from the sketch, nor those after them."""
+    monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
+    shapes, settings = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))], MorphSettings(resolution=96)
+    blends = path_blends(2, 6)
+    with_previews = frames_of(steps_of(shapes, blends, settings))
+    sigmas = {frame.record["sigma"] for frame in with_previews if frame.mesh}
+    assert max(sigmas) > 0.5
+    assert_same(with_previews, frames_of(steps_of(shapes, blends, settings, previews=False)))
+
+
+def test_and_so_they_are_in_parts():
+    two = joined(box(center=(-1, 0, 0)), box(center=(1, 0, 0)))
+    halves = np.repeat([0, 1], 12)
+    labels = [FaceLabels(("left", "right"), halves), FaceLabels(("left", "right"), 1 - halves)]
+    options = {"shapes": [two, two], "blends": single_blend([1, 2], 2), "labels": labels}
+    assert_same(frames_of(steps_of(**options)), frames_of(steps_of(**options, previews=False)))
+    assert sum(step.preview is not None for step in steps_of(**options)) == 1
+
+
+def problem_of(shapes, settings):
+    steps = prepared_problem(shapes, NAMES[: len(shapes)], unparted(len(shapes)), settings, 1)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value
+
+
+def test_what_was_sketched_is_not_solved_again(monkeypatch):
+    problem, run = problem_of(SHAPES[:2], QUICK), path_blends(2, 3)
+    sketches = blending.sketch_blends(problem, run)
+    begun = []
+
+    def noting(*args, **options):
+        begun.append(options["begun"])
+        return real(*args, **options)
+
+    real = blending.barycenter
+    monkeypatch.setattr(blending, "barycenter", noting)
+    blending.solve_blends(problem, run, None, sketches)
+    assert [id(one) for one in begun] == [id(part.solved) for sketch in sketches for part in sketch.parts]
+    assert len(begun) == 2
+
+
+@pytest.mark.parametrize(("cells", "finest"), [(32, 16), (104, 52), (176, 44)])
+def test_sketches_are_small_on_any_grid(cells, finest):
+    """Half the resolution, or less of a fine grid: it is to take no longer there."""
+    sheet = box((1.0, 0.2, 0.9))
+    problem = problem_of([sheet, sheet], MorphSettings(resolution=cells))
+    assert problem.lattice.shape[0] / 2**problem.sketch_depth <= max(finest, 128)
+    assert problem.sketch_depth >= 1
+
+
+def test_a_grid_that_cannot_be_halved_has_no_previews():
+    steps = steps_of([box(), ball(0.5)], path_blends(2, 2), MorphSettings(resolution=16))
+    problem = problem_of([box(), ball(0.5)], MorphSettings(resolution=16))
+    expected = 3 if problem.sketch_depth else 0
+    assert sum(step.preview is not None for step in steps) == expected
+    assert len(frames_of(steps)) == 3
+
+
+def test_frames_of_the_cache_need_no_previews(tmp_path):
+    cache = FrameCache(tmp_path)
+    first = steps_of(cache=cache, wanted=range(4))
+    again = steps_of(cache=cache)
+    assert sum(step.preview is not None for step in first) == runs.RUN_LENGTH
+    assert sum(step.preview is not None for step in again) == 7 - runs.RUN_LENGTH
+    assert_same(frames_of(again)[:4], frames_of(first))
+
+
+def test_a_job_can_be_stopped_among_its_previews():
+    stopped = []
+
+    def check():
+        if stopped:
+            raise Cancelled("enough")
+
+    steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, check, previews=True)
+    for step in steps:
+        if step.preview is not None:
+            break
+    stopped.append(True)
+    with pytest.raises(Cancelled):
+        list(steps)
