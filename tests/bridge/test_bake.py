@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -102,6 +103,41 @@ def test_early_stop_keeps_what_is_finished(bare_scene, baked):
     assert (bare_scene.frame_start, bare_scene.frame_end) == (10, 12)
     assert visible_over_time(bare_scene, collection) == expected_over_time(3)
     assert len(stored_morph(collection).records) == 3
+
+
+def test_a_frame_takes_the_place_of_its_preview(bare_scene, inputs, morph_frames, octahedron):
+    blends = path_blends(2, 4)
+    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    for frame in morph_frames(blends):
+        bake.preview(frame)
+    collection = bare_scene.collection.children[0]
+    assert visible_over_time(bare_scene, collection) == expected_over_time(5)
+    previews = [obj.name for obj in frame_objects(collection)]
+    bpy.data.objects.remove(frame_objects(collection)[2])
+    for frame in morph_frames(blends):
+        moved = frame.mesh and replace(frame, mesh=frame.mesh.moved((7, 0, 0)))
+        bake.add(moved or frame)
+    assert visible_over_time(bare_scene, bake.finish(hide_inputs=True)) == expected_over_time(5)
+    assert [obj.name for obj in frame_objects(collection)] == previews
+    assert all(obj.data.vertices[0].co.x == 8.0 for obj in frame_objects(collection)[1:-1])
+
+
+def test_previews_do_not_outlive_an_early_stop(bare_scene, inputs, morph_frames, inventory):
+    before, blends = inventory(), path_blends(2, 4)
+    for count in (0, 3):
+        bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+        for frame in morph_frames(blends):
+            bake.preview(frame)
+        for frame in morph_frames(blends)[:count]:
+            bake.add(frame)
+        if count:
+            collection = bake.finish(hide_inputs=True)
+            assert visible_over_time(bare_scene, collection) == expected_over_time(3)
+            assert len(bpy.data.actions[0].slots) == 3
+        else:
+            with pytest.raises(ConvwassError, match="No frame was finished"):
+                bake.finish(hide_inputs=True)
+            assert inventory() == before
 
 
 def test_frame_deleted_meanwhile_leaves_no_gap(bare_scene, inputs, morph_frames):

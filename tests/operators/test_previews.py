@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Previews in the scene, as the operator shows them where there is a window: with a context that stands in for one."""
+
+from __future__ import annotations
+
+import inspect
+import time
+from types import MethodType, SimpleNamespace
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.stored import frame_objects, stored_morph
+from convwass_addon.operators import bake_morph
+from tests.operators.test_bake_morph import census, morph_collection, two_shapes
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+TIMER = SimpleNamespace(type="TIMER", value="NOTHING")
+ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
+
+
+class Pressed:
+    """The operator between two events: its own methods, and the scene's settings as its properties."""
+
+    def __init__(self):
+        self.reports = []
+
+    def report(self, kind, message):
+        self.reports.append(message)
+
+    def __getattr__(self, name):
+        found = inspect.getattr_static(bake_morph.CONVWASS_OT_bake_morph, name, None)
+        return MethodType(found, self) if inspect.isfunction(found) else getattr(bpy.context.scene.convwass_morph, name)
+
+
+@pytest.fixture
+def context():
+    """A context with a window, a timer and a place for the progress."""
+    manager = SimpleNamespace(
+        convwass_progress=SimpleNamespace(running=False),
+        event_timer_add=lambda seconds, window: "timer",
+        event_timer_remove=lambda timer: None,
+        modal_handler_add=lambda operator: None,
+    )
+    return SimpleNamespace(
+        window_manager=manager,
+        window=SimpleNamespace(screen=SimpleNamespace(areas=[])),
+        workspace=SimpleNamespace(status_text_set=lambda text: None),
+        scene=bpy.context.scene,
+        view_layer=bpy.context.view_layer,
+        selected_objects=bpy.context.selected_objects,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+    )
+
+
+@pytest.fixture
+def press(context, monkeypatch):
+    """Give a function that starts a bake of the selected shapes and returns the running operator."""
+
+    def start(frames):
+        settings = bpy.context.scene.convwass_morph
+        settings.frames, settings.resolution = frames, 32
+        context.selected_objects = bpy.context.selected_objects
+        pressed = Pressed()
+        with monkeypatch.context() as patch:
+            patch.setattr(bake_morph, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+            assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+        return pressed
+
+    return start
+
+
+def until(pressed, context, wanted):
+    """Send timer events until something holds; return what the last one returned."""
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        result = pressed.modal(context, TIMER)
+        if wanted() or result != {"PASS_THROUGH"}:
+            return result
+        time.sleep(0.005)
+    pytest.fail("it takes too long")
+
+
+def test_every_frame_is_there_coarsely_and_then_finished(press, context):
+    two_shapes()
+    pressed = press(6)
+    job, previews, seen = pressed._job, {}, {}
+    add, preview = job._bake.add, job._bake.preview
+
+    def previewing(frame):
+        preview(frame)
+        obj = job._bake._previews[job._blends.index(frame.blend)].find()
+        previews[frame.blend] = obj.session_uid, len(obj.data.vertices), obj.name, obj.animation_data.action_slot.handle
+
+    def adding(frame):
+        obj = add(frame)
+        seen[frame.blend] = obj.session_uid, len(obj.data.vertices), obj.name, obj.animation_data.action_slot.handle
+        return obj
+
+    job._bake.preview, job._bake.add = previewing, adding
+    assert until(pressed, context, lambda: False) == {"FINISHED"}
+    assert len(previews) == len(seen) == 7
+    for blend, (uid, vertices, name, slot) in seen.items():
+        before = previews[blend]
+        assert (uid, name, slot) == (before[0], before[2], before[3])
+        assert vertices == before[1] if blend.source is not None else vertices > 2 * before[1]
+    assert [obj.name for obj in frame_objects(morph_collection())] == [f"Morph {n:04d}" for n in range(1, 8)]
+    assert len(stored_morph(morph_collection()).records) == 7
+
+
+def held_back(pressed, frames):
+    """Let the bake write only so many finished frames, as if the others took long."""
+    write = pressed._job.write
+
+    def writing(step):
+        if step.frame is None or len(pressed._job.records) < frames:
+            write(step)
+
+    pressed._job.write = writing
+
+
+def test_stopping_keeps_finished_frames_and_no_previews(press, context):
+    two_shapes()
+    pressed = press(40)
+    held_back(pressed, 3)
+    until(pressed, context, lambda: len(pressed._job.records) == 3)
+    assert len(frame_objects(morph_collection())) == 41
+    assert pressed.modal(context, ESCAPE) == {"FINISHED"}
+    collection = morph_collection()
+    assert [obj.name for obj in frame_objects(collection)] == ["Morph 0001", "Morph 0002", "Morph 0003"]
+    assert (bpy.context.scene.frame_start, bpy.context.scene.frame_end) == (1, 3)
+    (action,) = bpy.data.actions
+    assert len(action.slots) == 3
+    assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith("Morph")]) == 2
+
+
+def test_stopping_among_the_previews_leaves_nothing(press, context):
+    two_shapes()
+    before = census()
+    pressed = press(150)
+    held_back(pressed, 0)
+    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
+    assert census() == before
+    assert pressed.reports == ["Stopped before the first frame was finished"]
+
+
+def test_closing_the_window_leaves_nothing(press, context):
+    two_shapes()
+    before = census()
+    pressed = press(150)
+    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    pressed.cancel(context)
+    assert census() == before
+
+
+def test_without_a_window_nothing_is_previewed(monkeypatch):
+    two_shapes()
+    previews = []
+    monkeypatch.setattr(bake_morph.MorphJob, "write", noting(bake_morph.MorphJob.write, previews))
+    assert bpy.ops.convwass.bake_morph(frames=3, resolution=32) == {"FINISHED"}
+    assert previews
+    assert not any(previews)
+
+
+def noting(write, previews):
+    def writing(job, step):
+        previews.append(step.preview is not None)
+        write(job, step)
+
+    return writing
