@@ -26,6 +26,8 @@ _CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
 # is within the other of the density of its thinnest place, or of that in its hole.
 _DEEPEST_GAP = 0.3
 _FALSE_HANDLE = 0.5
+# Wide necks would swell: a wide gap is bridged in several steps.
+_WIDEST_NECK = 3.0
 # Cells on either side of a gap that are looked at.
 _WIDEST_GAP = 10
 # Steps of the search for the level at which two pieces meet, and how often a surface is taken anew at most.
@@ -237,7 +239,7 @@ def _bridged(density: NDArray[np.float64], labels: NDArray[np.int32], level: flo
         middle = (low + high) / 2
         low, high = (low, middle) if _pieces_above(density, inside, middle * level) == pieces else (middle, high)
     place, gap = _meeting_place(density, labels, low * level, high * level)
-    return _changed(density, place, _RAISED * level, _RADIUS + gap / 2)
+    return _changed(density, place, _RAISED * level, min(_RADIUS + gap / 2, _WIDEST_NECK))
 
 
 def _pieces_above(density: NDArray[np.float64], inside: NDArray[np.bool_], level: float) -> int:
