@@ -27,7 +27,7 @@ _CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
 _DEEPEST_GAP = 0.3
 _FALSE_HANDLE = 0.5
 # Wide necks would swell: a wide gap is bridged in several steps.
-_WIDEST_NECK = 3.0
+_WIDEST_NECK = 2.0
 # Cells on either side of a gap that are looked at.
 _WIDEST_GAP = 10
 # Steps of the search for the level at which two pieces meet, and how often a surface is taken anew at most.
