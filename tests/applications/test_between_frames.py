@@ -82,7 +82,7 @@ def test_between_frames_it_is_the_blend_for_a_part_of_the_rounds(cache, cold, nu
     assert cold == []
     assert len(found.record["iterations"]) == 1
     assert found.record["iterations"][0] <= 0.5 * truth.record["iterations"][-1]
-    assert found.mesh.volume == pytest.approx(truth.mesh.volume, rel=2e-3)
+    assert found.mesh.volume == pytest.approx(truth.mesh.volume, rel=5e-3)
     assert distance(found, truth) < 0.75 * cell
     # Much nearer than the frames about it are.
     assert np.linalg.norm(centroid(found.mesh) - centroid(truth.mesh)) < 0.05 * cell
@@ -124,7 +124,7 @@ def test_beside_a_shape_it_starts_from_the_one_neighbor(cache, cold, number):
     assert cold == []
     assert found.record["converged"]
     assert found.record["weights"] == pytest.approx((1 - number / 12, number / 12))
-    assert found.mesh.volume == pytest.approx(truth.mesh.volume, rel=2e-3)
+    assert found.mesh.volume == pytest.approx(truth.mesh.volume, rel=5e-3)
     assert distance(found, truth) < 2.5 / 28
 
 
