@@ -76,7 +76,7 @@ def density_at(
     """Solve from a cold start for the barycenter that the application solves for at t."""
     weights = (1.0 - t, t)
     grid, sharpness = lattice.grid(settings.sigma), settings.sharpness_at(weights)
-    return barycenter(densities, weights, grid, sharpness=sharpness, tolerance=settings.tolerance).density
+    return barycenter(densities, weights, grid, sharpness=sharpness, tolerance=settings.stopping_error).density
 
 
 def surface_at(

@@ -213,7 +213,9 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         help="parts of the same name on all shapes travel together: head to head (%(default)s)",
     )
     group.add_argument(
-        "--tolerance", type=float, default=0.01, help="marginal error at which a blend is done (%(default)s)"
+        "--tolerance",
+        type=float,
+        help="marginal error at which a blend is done (automatic: 0.01, down to 0.002 with a sharpness of 1)",
     )
 
 

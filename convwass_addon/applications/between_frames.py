@@ -252,7 +252,7 @@ def _solve_from(
         "sharpness": settings.sharpness_at(place.blend.weights),
         "entropy_limit": limit,
         "reach": settings.reach,
-        "tolerance": settings.tolerance,
+        "tolerance": settings.stopping_error,
         # As in a bake: an automatic blur rather grows.
         "numerics": "scaling" if settings.blur is None else "automatic",
         "monitor": None if check is None else lambda *_: check(),

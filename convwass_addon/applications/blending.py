@@ -395,7 +395,7 @@ class _PartSolver:
             "entropy_limit": limit,
             "reach": self._settings.reach,
             "initial": self._last if sigma == self.sigma else None,
-            "tolerance": self._settings.tolerance,
+            "tolerance": self._settings.stopping_error,
             "max_iterations": self._settings.max_iterations,
             "numerics": numerics,
             "monitor": None if self._check is None else lambda *_: self._check(),

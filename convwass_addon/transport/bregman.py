@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import FALL_OF_GAMMA, LOG_NOTHING, RELEVANT, KernelTooNarrowError, Multiscale, total_mass
+from .domain import LOG_NOTHING, RELEVANT, KernelTooNarrowError, Multiscale, total_mass
 from .fidelity import fidelity
 from .inputs import Level
 from .pieces import PieceMasses
@@ -25,6 +25,9 @@ _STALLED = 0.95
 # Share of the step that d takes. Where the error of ln d varies slowly against the kernel, whole steps would overshoot;
 # where it varies faster, each leaves 1 - (1 - s) of it. Between them this leaves least, on shapes and on noise.
 _DEBIAS_STEP = 0.7
+# Share of its last step that ln d goes on by, as a heavy ball does, and how much less of it per lack of sharpness: the
+# errors of sharper barycenters are slower.
+_DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
 # finer levels, beyond a margin.
 _NEGLIGIBLE_SHARE = 0.3
@@ -63,11 +66,10 @@ class Potentials:
     def prolonged(self, domain: Multiscale, region: Region) -> Potentials:
         """Bring the state of the next coarser domain to `domain`.
 
-        All levels have the same sigma in cells. The physical potential is gamma ln v and gamma falls by four from a
-        level to the next, so ln v grows by four; ln d stays.
+        The physical potential is gamma ln v, so ln v grows as gamma falls; ln d stays.
         """
         finer = domain.prolong(self.region.scatter(self.columns, 0.0), region)
-        return Potentials(region, np.maximum(FALL_OF_GAMMA * finer[:-1], LOG_NOTHING), finer[-1])
+        return Potentials(region, np.maximum(domain.fall_of_gamma * finer[:-1], LOG_NOTHING), finer[-1])
 
     def corrected(
         self, domain: Multiscale, region: Region, coarse: Potentials, coarse_before: Potentials
@@ -85,7 +87,7 @@ class Potentials:
         steps = domain.prolong(coarse.region.scatter(moved, 0.0), region)
         columns = self.region.transferred(self.columns, region, LOG_NOTHING)
         missing = (columns <= LOG_NOTHING / 2).any(axis=0)
-        columns[:-1] += FALL_OF_GAMMA * steps[:-1]
+        columns[:-1] += domain.fall_of_gamma * steps[:-1]
         columns[-1] += steps[-1]
         if missing.any():
             rest = Region(region.scatter(missing, False))
@@ -115,12 +117,13 @@ class BregmanIteration:
     With the paper's v_i, w_i and the debiasing density d of Janati et al. 2020 raised to the sharpness s, a round is
 
         w_i = mu_i / H(a v_i),    mu = (d^s prod_i H(a w_i)^alpha_i)^beta,
-        v_i = mu / H(a w_i),      d' = d (mu / (d H(a d)))^0.7,    v_i' = v_i (d' / d)^s
+        v_i = mu / H(a w_i),      d' = d (mu / (d H(a d)))^0.7 (d / d_before)^m,    v_i' = v_i (d' / d)^s
 
     This is the paper's round with prod_i v_i^alpha_i = d^s built in, so that nothing accumulates: the state is right
     for its weights after one round from any start. Without the last step v would hold the d of the round before, and
-    the delay would let errors of d ring. mu is normalized to mass 1 inside the round, because the root in d otherwise
-    makes the total mass swing for a dozen rounds; v keeps the mass before that, which goes to 1.
+    the delay would let errors of d ring. The momentum m (Polyak 1964) is for the slow errors of sharp barycenters. mu is
+    normalized to mass 1 inside the round, because the root in d otherwise makes the total mass swing for a dozen
+    rounds; v keeps the mass before that, which goes to 1.
 
     Where mass may vanish and grow, every update has an exponent: :class:`.fidelity.Unbalanced`.
 
@@ -163,6 +166,7 @@ class BregmanIteration:
         self.entropy_limit = entropy_limit
         self.exponent = 1.0
         self.far = False
+        self._momentum = max(_DEBIAS_MOMENTUM - _MOMENTUM_FALL * (1.0 - sharpness), 0.0)
         self._arrived = np.ones(len(alphas))
         self._inputs = inputs.regions
         self._log_mus = inputs.log_mus
@@ -279,6 +283,9 @@ class BregmanIteration:
         np.subtract(self._log_mu, step, out=step)
         step -= self._log_mass
         step *= _DEBIAS_STEP * exponent
+        if self._debias_step is not None:
+            self._debias_step *= self._momentum
+            step += self._debias_step
         step += self.log_debias
         np.clip(step, -_DEBIAS_RANGE, _DEBIAS_RANGE, out=step)
         np.copyto(step, -_DEBIAS_RANGE, where=~self._relevant)
@@ -288,9 +295,9 @@ class BregmanIteration:
     def _update_debias(self) -> None:
         """Take the step that the last round prepared, v with d."""
         self.log_debias += self._debias_step
-        self._debias_step *= self.sharpness
-        np.copyto(self._debias_step, 0.0, where=~self._relevant)
-        self.log_v += self._debias_step
+        np.multiply(self._debias_step, self.sharpness, out=self._spare)
+        np.copyto(self._spare, 0.0, where=~self._relevant)
+        self.log_v += self._spare
 
     def _project_on_common(self) -> None:
         """v_i = mu / H(a w_i): the plans get one common marginal on the other side."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .checks import check_distributions, check_pair, check_solver
-from .domain import FALL_OF_GAMMA, Domain
+from .domain import Domain
 from .region import Region
 from .sinkhorn import Monitor, Scalings, balance, self_balance
 
@@ -197,7 +197,7 @@ def _coarse_to_fine(
             domain.restrict(mus), domain.restrict(nus), coarser, loose, max_iterations, monitor
         )
         # The potential is -gamma log H(a w).
-        start = FALL_OF_GAMMA * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
+        start = domain.fall_of_gamma * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
     solved = balance(
         mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, monitor=monitor
     )

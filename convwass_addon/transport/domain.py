@@ -19,8 +19,6 @@ LOG_NOTHING = -1e4
 HEADROOM = 600.0
 # Scalings below this would only produce subnormal products, which are many times slower.
 NEGLIGIBLE = 1e-290
-# From a level to the next finer one, of the same sigma in cells, gamma falls by this, and potentials over gamma grow.
-FALL_OF_GAMMA = 4.0
 # Densities below exp(-600) are quotients of roundings: scalings there must not leak into their neighborhood.
 RELEVANT = 600.0
 
@@ -99,7 +97,15 @@ class Domain(Protocol):
 
 
 class Multiscale(Domain, Protocol):
-    """A domain whose :meth:`coarser` is not None."""
+    """A domain whose :meth:`coarser` is not None.
+
+    Attributes
+    ----------
+    fall_of_gamma : float
+        The coarser domain's gamma over this one's: potentials over gamma grow by it from there to here.
+    """
+
+    fall_of_gamma: float
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser domain."""

@@ -22,6 +22,8 @@ from .region import Region, through_whole_arrays
 _NARROWEST, _WIDEST = 1e-3, 1e4
 # Entries of the kernel reach so many standard deviations.
 _ENTRIES = 36.0
+# A coarser grid keeps the kernel of a finer one unless that is narrower, in its cells, than this; then it keeps sigma.
+_NARROWEST_COARSE = 1.25
 # Cells that are blurred at once in the log domain.
 _AT_ONCE = 1 << 17
 # Where fewer of a box's cells are wanted, each is interpolated by itself.
@@ -225,10 +227,24 @@ class Grid:
         return 2.0 * distance
 
     def coarser(self) -> Grid | None:
-        """Return the grid of half the resolution and the same sigma in cells; None where it would be too small."""
+        """Return the grid of half the resolution; None where it would be too small.
+
+        A wide kernel stays as it is, so that potentials of the coarser grid are almost right on the finer one; of a
+        narrow one sigma in cells stays (both where :attr:`fall_of_gamma` lies between 1 and 4).
+        """
         if any(n % 2 or n < 16 for n in self.shape):
             return None
-        return Grid([n // 2 for n in self.shape], self.sigma, self.boundary)
+        return Grid([n // 2 for n in self.shape], self._coarser_sigma, self.boundary)
+
+    @property
+    def _coarser_sigma(self) -> float:
+        """Sigma of the coarser grid in its cells."""
+        return min(self.sigma, max(self.sigma / 2.0, _NARROWEST_COARSE))
+
+    @property
+    def fall_of_gamma(self) -> float:
+        """How many times larger gamma is on the coarser grid."""
+        return (2.0 * self._coarser_sigma / self.sigma) ** 2
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser grid, (k, *shape / 2): the means of 2 x 2 x 2 cells, which keep the mass."""

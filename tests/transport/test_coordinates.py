@@ -27,13 +27,13 @@ def family(shape, count=4, seed=1):
 
 
 @pytest.mark.parametrize("shape", [(48,), (24, 20), (12, 14, 13)])
-@pytest.mark.parametrize(("sharpness", "tolerance"), [(0.0, 1e-6), (0.75, 1e-6), (1.0, 1e-4)])
+@pytest.mark.parametrize(("sharpness", "tolerance"), [(0.0, 1e-6), (0.75, 1e-6), (1.0, 1e-5)])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_weights_of_a_barycenter_are_found_again(shape, sharpness, tolerance, seed):
-    """As well as the barycenter is solved: measured within 3e-6."""
+    """As well as the barycenter is solved."""
     mus, grid = family(shape), Grid(shape, 1.3)
     weights = np.random.default_rng(seed).dirichlet(np.ones(4))
-    member = barycenter(mus, weights, grid, sharpness=sharpness, tolerance=tolerance, max_iterations=1000)
+    member = barycenter(mus, weights, grid, sharpness=sharpness, tolerance=tolerance, max_iterations=3000)
     found = barycentric_coordinates(member.density, mus, grid, sharpness=sharpness)
     np.testing.assert_allclose(found.weights, weights, atol=1e-5)
     assert found.weights.sum() == pytest.approx(1.0, abs=1e-12)

@@ -217,6 +217,14 @@ def test_lengths_are_those_of_unit_volume():
     assert grid.gamma == pytest.approx(2 * (2.0 * grid.spacing) ** 2)
 
 
+@pytest.mark.parametrize(("sigma", "coarser"), [(1.0, 1.0), (1.25, 1.25), (2.0, 1.25), (2.5, 1.25), (6.0, 3.0)])
+def test_a_coarser_grid_keeps_the_kernel_as_far_as_its_cells_show_it(sigma, coarser):
+    grid = Grid((32, 16, 16), sigma)
+    assert grid.coarser().sigma == pytest.approx(coarser)
+    assert grid.coarser().gamma / grid.gamma == pytest.approx(grid.fall_of_gamma)
+    assert 1.0 <= grid.fall_of_gamma <= 4.0
+
+
 def test_restriction_keeps_mass_and_prolongation_keeps_lines():
     grid = Grid((16, 24, 32), 1.0)
     coarse = grid.coarser()
