@@ -5,6 +5,7 @@
 
     python3 run.py demo               morph the sample shapes; writes a .blend, a picture and an animation to out/
     python3 run.py test [ARGS]        run the tests; ARGS go to pytest, such as  -k grid  or  tests/transport
+    python3 run.py window --blender PATH    click, type and look in the window of a Blender (needs Linux and Xvfb)
     python3 run.py bench [ARGS]       measure the speed
     python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
     python3 run.py lint               check the style of the code
@@ -16,6 +17,7 @@ are neither read nor written. To choose the Python (and with it the Blender), pu
 
     python3 run.py --python 3.11 test     Blender 4.5 LTS, in .venv-3.11
     python3 run.py --python 3.13 test     Blender 5.2 LTS, in .venv-3.13
+    python3 run.py test --blender 5.0     this Blender (4.5, 5.0, 5.2) and the Python it needs, in .venv-blender-5.0
 """
 
 import sys
@@ -34,6 +36,7 @@ PROJECT = Path(__file__).resolve().parent
 COMMANDS = {
     "demo": [["-m", "convwass_addon", "demo"]],
     "test": [["-m", "pytest"]],
+    "window": [["-m", "tests.window"]],
     "bench": [["-m", "benchmarks"]],
     "package": [["-m", "tools.package"]],
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
@@ -57,7 +60,8 @@ def main(arguments):
     if command not in COMMANDS:
         print(f"run.py: there is no command {command!r}; these are: {', '.join(COMMANDS)}", file=sys.stderr)
         return 2
-    environment = prepared_environment(version)
+    blender, rest = take_blender(rest) if command == "test" else (None, rest)
+    environment = prepared_environment(version, blender)
     # Commands are about the project, `python` is about wherever the user is.
     folder = None if command == "python" else PROJECT
     for start in COMMANDS[command]:
@@ -76,12 +80,24 @@ def take_version(arguments):
     return arguments[1], arguments[2:]
 
 
-def prepared_environment(version):
-    """Return the environment for a Python version (None: the best there is), made now if it is not there."""
+def take_blender(arguments):
+    """Split ``--blender VERSION`` off the front of the arguments; the version is None where it is not given."""
+    if not arguments or arguments[0] != "--blender":
+        return None, arguments
+    if len(arguments) < 2 or arguments[1] not in pythons.BLENDERS:
+        raise pythons.NoPythonError(f"After --blender say one of: {', '.join(pythons.BLENDERS)}")
+    return arguments[1], arguments[2:]
+
+
+def prepared_environment(version, blender):
+    """Return the environment for a Python or a Blender (None: the best there is), made now if it is not there."""
     from tools.environment import Environment, SetupError
 
-    name, wanted = (".venv", pythons.WANTED) if version is None else (f".venv-{version}", (version,))
-    environment = Environment(PROJECT, PROJECT / name)
+    if blender is not None:
+        name, wanted = f".venv-blender-{blender}", (pythons.BLENDERS[blender],)
+    else:
+        name, wanted = (".venv", pythons.WANTED) if version is None else (f".venv-{version}", (version,))
+    environment = Environment(PROJECT, PROJECT / name, blender)
     try:
         environment.prepare(wanted)
     except (SetupError, OSError) as error:

@@ -67,10 +67,13 @@ class Environment:
         The folder that holds ``pyproject.toml``.
     folder : Path
         Where the environment is, or will be.
+    blender : str or None
+        The Blender whose module it has, such as ``"5.0"``; None leaves it to the Python.
     """
 
     project: Path
     folder: Path
+    blender: str | None = None
 
     @property
     def program(self) -> Path:
@@ -93,7 +96,8 @@ class Environment:
 
     def declared(self) -> str:
         """Hash of the dependencies that belong in here."""
-        return declared_hash(self.project / "pyproject.toml")
+        declared = declared_hash(self.project / "pyproject.toml")
+        return declared if self.blender is None else f"{declared} with Blender {self.blender}"
 
     def prepare(self, wanted: Iterable[str] = pythons.WANTED) -> None:
         """Make the environment, unless it is there and still right.
@@ -129,7 +133,8 @@ class Environment:
 
     def _install(self, interpreter: pythons.Interpreter) -> None:
         start = time.monotonic()
-        _say(f"Setting up {self.shown} with Python {interpreter.version} ({interpreter.path}).")
+        blender = self.blender or pythons.USUAL_BLENDER[interpreter.minor]
+        _say(f"Setting up {self.shown} with Python {interpreter.version} ({interpreter.path}) and Blender {blender}.")
         _say("This happens once. It downloads about 500 MB and takes one to four minutes.")
         self._remove()
         self.folder.mkdir(parents=True)
@@ -138,7 +143,7 @@ class Environment:
         self._run([interpreter.path, "-m", "venv", str(self.folder)], "Making the environment failed.")
         _say("  installing Blender's module bpy, the numerical packages and the test tools (one to three minutes)")
         self._run(
-            [*self._pip_install(quiet=not sys.stdout.isatty()), "--editable", ".[test]"],
+            [*self._pip_install(quiet=not sys.stdout.isatty()), "--editable", ".[test]", f"bpy=={blender}.*"],
             "Installing failed; pip's message is above. The first start needs a network; try again once it is there.\n"
             "Blender's module bpy exists for Linux and Windows on x86-64 and for macOS.",
         )

@@ -20,6 +20,12 @@ from pathlib import Path
 WANTED = ("3.13", "3.11")
 """The Python versions that ``bpy`` has wheels for, best first."""
 
+BLENDERS = {"5.2": "3.13", "5.0": "3.11", "4.5": "3.11"}
+"""The Python of each Blender that the project is tried with."""
+
+USUAL_BLENDER = {"3.13": "5.2", "3.11": "4.5"}
+"""The Blender that each Python gets unless another one is asked for: the newest long-term one."""
+
 _PROBE = """
 import importlib.util, json, os, struct, sys, sysconfig
 print(json.dumps({

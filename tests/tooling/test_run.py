@@ -69,6 +69,25 @@ def test_version_without_blender_is_refused(arguments, started):
         run.main(arguments)
 
 
+@pytest.mark.parametrize(("blender", "python"), [("4.5", "3.11"), ("5.0", "3.11"), ("5.2", "3.13")])
+def test_stated_blender_has_an_environment_of_its_own(started, blender, python):
+    run.main(["test", "--blender", blender, "-k", "grid"])
+    assert started[0] == (f".venv-blender-{blender}", python)
+    assert started[1][0] == ["-m", "pytest", "-k", "grid"]
+
+
+@pytest.mark.parametrize("arguments", [["test", "--blender"], ["test", "--blender", "3.6"]])
+def test_blender_that_is_not_tried_is_refused(arguments, started):
+    with pytest.raises(pythons.NoPythonError, match=r"one of: 5\.2, 5\.0, 4\.5"):
+        run.main(arguments)
+    assert started == []
+
+
+def test_a_window_is_told_which_blender_to_open(started):
+    run.main(["window", "--blender", "/opt/blender"])
+    assert started[-1][0] == ["-m", "tests.window", "--blender", "/opt/blender"]
+
+
 def test_first_failure_ends_the_command(monkeypatch, started):
     monkeypatch.setattr(run, "run_child", lambda *start: started.append(start) or 3)
     assert run.main(["lint"]) == 3

@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside Blender's window: real mouse and keys for the scenario, which goes on between redraws."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+# Seconds that Blender gets to take in a mouse or a key, and to draw what follows from it.
+_REACTION = 0.25
+# Pixels between the places where a button is looked for.
+_SEARCH_STEP = 11
+
+
+class Window:
+    """The window as its user has it: eyes, mouse and keyboard.
+
+    Methods that take time are generators of pauses: ``yield from window.click(x, y)``.
+    """
+
+    def __init__(self, pictures: Path) -> None:
+        self.pictures = pictures
+
+    @property
+    def area(self) -> bpy.types.Area:
+        """The largest 3D viewport."""
+        areas = bpy.context.window_manager.windows[0].screen.areas
+        return max((a for a in areas if a.type == "VIEW_3D"), key=lambda a: a.width * a.height)
+
+    def region(self, kind: str) -> bpy.types.Region:
+        """Return the viewport's region of a kind: "WINDOW" or, for the sidebar, "UI"."""
+        return next(region for region in self.area.regions if region.type == kind)
+
+    def override(self, kind: str = "WINDOW"):
+        """Return a context in which operators find the viewport."""
+        window = bpy.context.window_manager.windows[0]
+        return bpy.context.temp_override(window=window, screen=window.screen, area=self.area, region=self.region(kind))
+
+    def say(self, text: str) -> None:
+        """Write a line for the one who started the test."""
+        print(f"* {text}", flush=True)
+
+    def picture(self, name: str) -> Iterator[float]:
+        """Keep what the screen shows."""
+        yield 2 * _REACTION
+        subprocess.run(["import", "-window", "root", str(self.pictures / f"{name}.png")], check=True)
+
+    def open_tab(self, name: str) -> Iterator[float]:
+        """Open the sidebar on a tab."""
+        self.area.spaces.active.show_region_ui = True
+        self.area.tag_redraw()
+        yield 4 * _REACTION
+        self.region("UI").active_panel_category = name
+        self.area.tag_redraw()
+        yield 4 * _REACTION
+
+    def move(self, x: float, y: float) -> Iterator[float]:
+        """Move the mouse; y counts from the top, as on the screen."""
+        yield from self._input("mousemove", round(x), round(y))
+
+    def click(self, x: float, y: float, button: int = 1) -> Iterator[float]:
+        """Move and click."""
+        yield from self.move(x, y)
+        yield from self._input("click", button)
+
+    def key(self, *names: str) -> Iterator[float]:
+        """Press keys, such as "Escape" or "ctrl+z"; where the mouse is matters."""
+        yield from self._input("key", *names)
+
+    def into_view(self, right: float = 0.4, down: float = 0.5) -> Iterator[float]:
+        """Move the mouse into the viewport."""
+        region = self.region("WINDOW")
+        yield from self.move(region.x + right * region.width, self._height - region.y - (1 - down) * region.height)
+
+    def on_screen(self, point: tuple[float, float, float]) -> tuple[float, float]:
+        """Return where a point of the scene is seen, from the top left."""
+        from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+        region = self.region("WINDOW")
+        seen = location_3d_to_region_2d(region, self.area.spaces.active.region_3d, point)
+        return region.x + seen.x, self._height - region.y - seen.y
+
+    def press(self, operator: str) -> Iterator[float]:
+        """Find the sidebar's button for an operator, as one who looks for it, and click it.
+
+        Blender does not tell where its buttons are. It can copy the call of the button under the mouse.
+        """
+        region = self.region("UI")
+        x = region.x + region.width / 2
+        for below in range(30, region.height, _SEARCH_STEP):
+            yield from self.move(x, self._height - region.y - region.height + below)
+            bpy.context.window_manager.clipboard = ""
+            with self.override("UI"):
+                if bpy.ops.ui.copy_python_command_button.poll():
+                    bpy.ops.ui.copy_python_command_button()
+            if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
+                yield from self._input("click", 1)
+                return
+        raise AssertionError(f"the sidebar shows no button for {operator}")
+
+    def wait(self, until: Callable[[], bool], seconds: float, what: str) -> Iterator[float]:
+        """Let Blender go on until something is so; an error if it takes too long."""
+        end = time.monotonic() + seconds
+        while not until():
+            if time.monotonic() > end:
+                raise AssertionError(f"{what}: not within {seconds:g} s")
+            yield 0.05
+
+    @property
+    def _height(self) -> int:
+        return bpy.context.window_manager.windows[0].height
+
+    def _input(self, *words: object) -> Iterator[float]:
+        # Sent while Blender's own event loop runs: it waits for the answer to some of them.
+        sender = subprocess.Popen(["xdotool", *map(str, words)])
+        while sender.poll() is None:
+            yield 0.02
+        yield _REACTION
+
+
+def _work(window: Window) -> Iterator[float]:
+    from scenario import scenario
+
+    yield 1.0
+    yield from scenario(window)
+
+
+def _tick() -> float:
+    try:
+        return next(_STEPS)
+    except StopIteration:
+        code = 0
+    except BaseException:
+        traceback.print_exc()
+        error = sys.exc_info()[1]
+        _WINDOW.say(f"WRONG: {error}")
+        subprocess.run(["import", "-window", "root", str(_WINDOW.pictures / "wrong.png")], check=False)
+        code = 1
+    sys.stdout.flush()
+    # No questions about unsaved files.
+    os._exit(code)
+
+
+_WINDOW = Window(Path(sys.argv[sys.argv.index("--") + 1]))
+_STEPS = _work(_WINDOW)
+bpy.app.timers.register(_tick, first_interval=1.0, persistent=True)

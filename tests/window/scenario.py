@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a user does on the first day: bake, stop one, undo, play, drag the blend pad, save and come back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    from inside import Window
+
+_MORPH = "convwass_morph"
+
+
+def scenario(window: Window) -> Iterator[float]:
+    """Do everything in turn; an AssertionError says what went wrong."""
+    yield from _opens_the_tab(window)
+    yield from _bakes_to_the_end(window)
+    yield from _stops_with_escape(window)
+    yield from _presses_undo_while_it_bakes(window)
+    yield from _plays(window)
+    yield from _drags_the_pad(window)
+    yield from _saves_and_comes_back(window)
+
+
+def _opens_the_tab(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    yield from window.open_tab("Convwass")
+    yield from window.picture("1 tab")
+    window.say("the tab opens")
+
+
+def _bakes_to_the_end(window: Window) -> Iterator[float]:
+    _settings().resolution, _settings().frames = 80, 24
+    yield from window.press("convwass.bake_morph")
+    seen, previews = set(), 0
+    pictured = False
+    while _progress().running or not seen:
+        seen.add(round(_progress().fraction, 3))
+        previews = max(previews, len(_meshes()))
+        if previews > 2 and not pictured:
+            pictured = True
+            yield from window.picture("2 baking")
+        yield 0.05
+    assert len(seen) > 4, f"the bar stood still: {sorted(seen)}"
+    assert len(_morphs()) == 1, "there is no morph after the bake"
+    bpy.context.scene.frame_set(6)
+    yield from window.picture("3 baked")
+    window.say(f"a bake by its button: the bar showed {len(seen)} values, {len(_frames(_morphs()[0]))} frames")
+
+
+def _stops_with_escape(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    _settings().resolution, _settings().frames = 96, 40
+    yield from window.press("convwass.bake_morph")
+    yield from window.wait(lambda: _progress().fraction > 0.3, 120, "the bake gets to a third")
+    yield from window.into_view()
+    yield from window.key("Escape")
+    yield from window.wait(lambda: not _progress().running, 20, "Escape stops the bake")
+    yield from window.picture("4 stopped")
+    kept = _frames(_morphs()[0]) if _morphs() else []
+    assert 2 <= len(kept) < 41, f"{len(kept)} frames are kept after Escape"
+    window.say(f"Escape stops a bake and keeps {len(kept)} frames")
+
+
+def _presses_undo_while_it_bakes(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.context.object.location.x += 0.1
+    bpy.ops.ed.undo_push(message="moved")
+    _settings().resolution, _settings().frames = 64, 12
+    yield from window.press("convwass.bake_morph")
+    yield from window.wait(lambda: _progress().fraction > 0.2, 60, "the bake begins")
+    yield from window.into_view()
+    yield from window.key("ctrl+z")
+    yield from window.wait(lambda: not _progress().running, 90, "the bake ends after an undo")
+    yield from window.picture("5 undone")
+    window.say("undo while a bake runs harms nothing")
+
+
+def _plays(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    _settings().resolution, _settings().frames = 48, 12
+    yield from _baked(window)
+    yield from window.press("convwass.make_player")
+    yield from window.picture("6 player")
+    window.say("a player is made by its button")
+
+
+def _drags_the_pad(window: Window) -> Iterator[float]:
+    yield from _new_scene(window, count=3)
+    _settings().layout, _settings().steps, _settings().resolution = "TRIANGLE", 5, 48
+    yield from _baked(window)
+    yield from window.press("convwass.make_blend_pad")
+    with window.override():
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_all()
+    yield 2.0
+    empty = next(obj for obj in bpy.data.objects if obj.type == "EMPTY")
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    empty.select_set(True)
+    bpy.context.view_layer.objects.active = empty
+    before = _evaluated_sizes()
+    x, y = window.on_screen(empty.matrix_world.translation)
+    yield from window.picture("7 pad")
+    yield from window.move(x, y)
+    yield from window.key("g")
+    for step in range(1, 5):
+        yield from window.move(x + 20 * step, y - 8 * step)
+    yield from window.click(x + 80, y - 32)
+    yield from window.picture("8 pad dragged")
+    assert _evaluated_sizes() != before, "dragging the pad's handle changes nothing"
+    window.say("the blend follows the handle of the pad")
+
+
+def _saves_and_comes_back(window: Window) -> Iterator[float]:
+    names = sorted(obj.name for obj in bpy.data.objects)
+    sizes = _evaluated_sizes()
+    with TemporaryDirectory() as folder:
+        path = str(Path(folder) / "pad ä.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        yield 2.0
+    assert sorted(obj.name for obj in bpy.data.objects) == names
+    assert _evaluated_sizes() == sizes, "the file shows something else after opening"
+    yield from window.open_tab("Convwass")
+    yield from window.picture("9 opened again")
+    window.say("saved, opened again, the same")
+
+
+def _new_scene(window: Window, count: int = 2) -> Iterator[float]:
+    """Begin with some shapes side by side, all selected."""
+    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
+    yield 1.5
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    makers = (bpy.ops.mesh.primitive_monkey_add, bpy.ops.mesh.primitive_torus_add, bpy.ops.mesh.primitive_cone_add)
+    with window.override():
+        for place, make in enumerate(makers[:count]):
+            make(location=(3.0 * place, 0.0, 0.0))
+        bpy.ops.object.select_all(action="SELECT")
+        bpy.ops.view3d.view_all()
+    yield from window.open_tab("Convwass")
+
+
+def _baked(window: Window) -> Iterator[float]:
+    before = len(_morphs())
+    yield from window.press("convwass.bake_morph")
+    yield from window.wait(lambda: len(_morphs()) > before and not _progress().running, 120, "the bake ends")
+    yield 1.0
+
+
+def _settings() -> bpy.types.PropertyGroup:
+    return bpy.context.scene.convwass_morph
+
+
+def _progress() -> bpy.types.PropertyGroup:
+    return bpy.context.window_manager.convwass_progress
+
+
+def _meshes() -> list[bpy.types.Object]:
+    return [obj for obj in bpy.data.objects if obj.type == "MESH"]
+
+
+def _morphs() -> list[bpy.types.Collection]:
+    return [collection for collection in bpy.data.collections if _MORPH in collection]
+
+
+def _frames(morph: bpy.types.Collection) -> list[bpy.types.Object]:
+    return [obj for obj in morph.objects if "convwass_weights" in obj]
+
+
+def _evaluated_sizes() -> list[int]:
+    """Return how many vertices every visible mesh has, geometry nodes included."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    depsgraph.update()
+    shown = [obj.evaluated_get(depsgraph) for obj in _meshes() if obj.visible_get()]
+    return [len(obj.to_mesh().vertices) for obj in shown]
