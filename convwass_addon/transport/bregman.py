@@ -121,8 +121,8 @@ class BregmanIteration:
 
     This is the paper's round with prod_i v_i^alpha_i = d^s built in, so that nothing accumulates: the state is right
     for its weights after one round from any start. Without the last step v would hold the d of the round before, and
-    the delay would let errors of d ring. The momentum m (Polyak 1964) is for the slow errors of sharp barycenters. mu is
-    normalized to mass 1 inside the round, because the root in d otherwise makes the total mass swing for a dozen
+    the delay would let errors of d ring. The momentum m (Polyak 1964) is for the slow errors of sharp barycenters. mu
+    is normalized to mass 1 inside the round, because the root in d otherwise makes the total mass swing for a dozen
     rounds; v keeps the mass before that, which goes to 1.
 
     Where mass may vanish and grow, every update has an exponent: :class:`.fidelity.Unbalanced`.

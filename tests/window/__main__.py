@@ -4,9 +4,9 @@
 
 python3 run.py window --blender PATH [--zip ZIP] [--out FOLDER]
 
-Installs the extension into a fresh profile, opens Blender's window on a display of its own and lets `scenario.py` click,
-type and take pictures, which are left in the folder. Needs Linux with Xvfb, xdotool and ImageMagick; with ``--zip`` any
-Python from 3.11 runs it.
+Installs the extension into a fresh profile, opens Blender's window on a display of its own and lets `scenario.py`
+click, type and take pictures, which are left in the folder. Needs Linux with Xvfb, xdotool and ImageMagick; with
+``--zip`` any Python from 3.11 runs it.
 """
 
 from __future__ import annotations
