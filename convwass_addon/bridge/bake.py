@@ -13,6 +13,7 @@ import numpy as np
 from ..applications.blending import MorphFrame
 from ..applications.layouts import Blend
 from ..errors import ConvwassError, InputError
+from .disk_output import remove_disk_outputs
 from .handles import Handle, found
 from .keyframes import FrameRange, key_visibility
 from .materials import MATERIAL_NAME, input_color, morph_material
@@ -263,12 +264,18 @@ def remove_bake(collection: bpy.types.Collection) -> None:
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     parents = [parent for parent in roots if collection in set(parent.children)]
     _remove_objects(frame_objects(collection))
+    remove_disk_outputs(collection)
     for parent in parents:
         for obj in set(collection.objects) - set(parent.objects):
             parent.objects.link(obj)
         for child in set(collection.children) - set(parent.children):
             parent.children.link(child)
     bpy.data.collections.remove(collection)
+
+
+def remove_frames(collection: bpy.types.Collection) -> None:
+    """Remove a morph's frames and keep everything else of it: something other shows them now."""
+    _remove_objects(frame_objects(collection))
 
 
 def _remove_objects(objects: list[bpy.types.Object]) -> None:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import bake_morph, manage_morph
+from . import bake_morph, manage_morph, output_morph
 
-register, unregister = bpy.utils.register_classes_factory((*bake_morph.classes, *manage_morph.classes))
+register, unregister = bpy.utils.register_classes_factory(
+    (*bake_morph.classes, *manage_morph.classes, *output_morph.classes)
+)

@@ -17,7 +17,9 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
 
 
-class _OnActiveMorph:
+class OnActiveMorph:
+    """An operator on a morph that has been baked."""
+
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -28,7 +30,7 @@ class _OnActiveMorph:
         return True
 
 
-class CONVWASS_OT_select_morph_inputs(_OnActiveMorph, bpy.types.Operator):
+class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
     """Show and select the shapes that the active morph was baked from, and take over its settings"""
 
     bl_idname = "convwass.select_morph_inputs"
@@ -52,7 +54,7 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveMorph, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_delete_morph(_OnActiveMorph, bpy.types.Operator):
+class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
     """Delete the active morph and its meshes, and show the shapes it was baked from"""
 
     bl_idname = "convwass.delete_morph"

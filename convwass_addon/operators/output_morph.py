@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Move a baked morph out of the .blend file: to a sequence of volumes, or to an Alembic or USD file."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import EnumProperty, StringProperty
+
+from ..bridge.bake import remove_frames
+from ..bridge.cache_output import as_cache
+from ..bridge.disk_output import DiskOutput, output_folder
+from ..bridge.volume_output import as_volume
+from ..errors import ConvwassError
+from .manage_morph import OnActiveMorph, active_morph
+
+DEFAULT_FOLDER = "//convwass"
+"""Beside the .blend file."""
+
+
+class _OutputMorph(OnActiveMorph):
+    bl_options = {"REGISTER", "UNDO"}
+
+    folder: StringProperty(
+        name="Folder",
+        description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
+        default=DEFAULT_FOLDER,
+        subtype="DIR_PATH",
+    )
+
+    def execute(self, context):
+        morph = active_morph(context)
+        manager = context.window_manager
+        manager.progress_begin(0, 100)
+        try:
+            output = self._written(context, morph)
+        except ConvwassError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            manager.progress_end()
+        remove_frames(morph)
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        context.view_layer.objects.active = output.shown
+        output.shown.select_set(True)
+        message = rpt_("{:s}: {:d} files, {:.1f} MB in {:s}")
+        folder = output.files[0].parent
+        self.report({"INFO"}, message.format(output.shown.name, len(output.files), output.megabytes, str(folder)))
+        return {"FINISHED"}
+
+    def _written(self, context: bpy.types.Context, morph: bpy.types.Collection) -> DiskOutput:
+        raise NotImplementedError
+
+
+class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
+    """Move the active morph to VDB files, shown by a Volume object and a mesh whose level stays editable"""
+
+    bl_idname = "convwass.make_volume"
+    bl_label = "Make Volume"
+
+    def _written(self, context, morph):
+        folder = output_folder(self.folder, morph)
+        return as_volume(morph, folder, lambda share: context.window_manager.progress_update(int(100 * share)))
+
+
+class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
+    """Move the active morph to an Alembic or USD file, shown by one object with a Mesh Sequence Cache"""
+
+    bl_idname = "convwass.make_cache"
+    bl_label = "Make Cache"
+
+    kind: EnumProperty(
+        name="Format",
+        description="Which file is written",
+        items=(
+            ("alembic", "Alembic", "One .abc file, which most programs read"),
+            ("usd", "USD", "One .usdc file"),
+        ),
+    )
+
+    def _written(self, context, morph):
+        return as_cache(morph, output_folder(self.folder, morph), self.kind)
+
+
+classes = (CONVWASS_OT_make_volume, CONVWASS_OT_make_cache)

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Morphs on disk: volumes and caches, read back by Blender frame by frame."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import bpy
+import pytest
+
+from convwass_addon.applications.blending import MorphFrame
+from convwass_addon.applications.layouts import path_blends, triangle_blends
+from convwass_addon.bridge.bake import MorphBake, remove_bake, remove_frames
+from convwass_addon.bridge.cache_output import as_cache
+from convwass_addon.bridge.disk_output import disk_outputs, for_blender, output_folder, packed_bytes
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.stored import frame_objects
+from convwass_addon.bridge.volume_output import as_volume
+from convwass_addon.errors import Cancelled, InputError
+
+CELL = 5.0 / 64
+
+
+def bake(scene, make_object, mesh, blends, shapes):
+    """Bake octahedra that rise by one with every frame, from scene frame 3 on."""
+    objects = [make_object(name) for name in shapes]
+    made = MorphBake.begin(scene, objects, blends, {"resolution": 64}, 3)
+    for number, blend in enumerate(blends):
+        own = None if blend.source is not None else mesh.moved((0, 0, number))
+        made.add(MorphFrame(blend, own, {}))
+    return made.finish(hide_inputs=True)
+
+
+@pytest.fixture
+def collection(bare_scene, make_object, octahedron):
+    return bake(bare_scene, make_object, octahedron, path_blends(2, 3), "AB")
+
+
+def shown_heights(obj, frame):
+    bpy.context.scene.frame_set(frame)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    if not len(obj.evaluated_get(depsgraph).to_mesh().vertices):
+        return None
+    return triangle_mesh(obj, depsgraph).bounds[:, 2]
+
+
+OUTPUTS = {
+    "volume": (as_volume, 0.15),
+    "alembic": (lambda collection, folder: as_cache(collection, folder, "alembic"), 1e-5),
+    "usd": (lambda collection, folder: as_cache(collection, folder, "usd"), 1e-5),
+}
+
+
+@pytest.mark.parametrize("kind", OUTPUTS)
+def test_every_frame_shows_its_shape(collection, tmp_path, kind):
+    write, within = OUTPUTS[kind]
+    output = write(collection, tmp_path)
+    for frame, height in ((1, 0), (3, 0), (4, 1), (5, 2), (6, 0), (9, 0)):
+        low, high = shown_heights(output.shown, frame)
+        assert low == pytest.approx(height - 1, abs=within), frame
+        assert high == pytest.approx(height + 1, abs=within), frame
+        # Blurred corners lose as much on both sides.
+        assert (low + high) / 2 == pytest.approx(height, abs=1e-3), frame
+    assert output.size == sum(file.stat().st_size for file in output.files) > 0
+
+
+def test_the_level_of_a_volume_stays_editable(collection, tmp_path):
+    shown = as_volume(collection, tmp_path).shown
+    volumes = []
+    for level in (0.25, 0.5, 0.75):
+        shown.modifiers["Volume to Mesh"].threshold = level
+        bpy.context.view_layer.update()
+        volumes.append(triangle_mesh(shown, bpy.context.evaluated_depsgraph_get()).volume)
+    assert volumes == sorted(volumes, reverse=True)
+    assert volumes[1] == pytest.approx(4 / 3, rel=0.06)
+    assert volumes[0] - volumes[2] > 0.1
+
+
+def test_a_sheet_is_one_volume_of_all(bare_scene, make_object, octahedron, tmp_path):
+    sheet = bake(bare_scene, make_object, octahedron, triangle_blends(3, 2), "ABC")
+    output = as_volume(sheet, tmp_path)
+    assert len(output.files) == 1
+    mesh = triangle_mesh(output.shown, bpy.context.evaluated_depsgraph_get())
+    assert mesh.volume == pytest.approx(3 * 4 / 3, rel=0.1)
+
+
+@pytest.mark.parametrize("kind", OUTPUTS)
+def test_frames_may_go_and_the_file_may_move(collection, tmp_path, kind):
+    """Files are kept relative to the .blend, and read by a Blender that has never heard of the add-on."""
+    (tmp_path / "before").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before" / "morph ä.blend"))
+    output = OUTPUTS[kind][0](collection, output_folder("//", collection))
+    remove_frames(collection)
+    assert frame_objects(collection) == []
+    assert shown_heights(output.shown, 5)[1] == pytest.approx(3, abs=0.15)
+    name = output.shown.name
+    bpy.ops.wm.save_mainfile()
+    moved = (tmp_path / "before").rename(tmp_path / "after") / "morph ä.blend"
+    program = f"""
+import bpy, sys
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+obj = bpy.data.objects[{name!r}]
+for frame, height in ((3, 1), (5, 3), (6, 1)):
+    bpy.context.scene.frame_set(frame)
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    assert abs(max((obj.matrix_world @ v.co).z for v in mesh.vertices) - height) < 0.15, frame
+print("shown")
+"""
+    done = subprocess.run([sys.executable, "-c", program, str(moved)], capture_output=True, text=True, check=False)
+    assert "shown" in done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("kind", OUTPUTS)
+def test_deleting_the_morph_leaves_nothing_but_the_files(
+    bare_scene, make_object, octahedron, tmp_path, inventory, kind
+):
+    before = inventory()
+    collection = bake(bare_scene, make_object, octahedron, path_blends(2, 2), "AB")
+    output = OUTPUTS[kind][0](collection, tmp_path)
+    assert output.shown in disk_outputs(collection)
+    remove_bake(collection)
+    left = {entry for entry in inventory() - before if entry[0] not in ("OBJECT", "MESH")}
+    assert {entry[0] for entry in left} <= {"MATERIAL"}
+    assert all(file.is_file() for file in output.files)
+
+
+def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_path, inventory):
+    before = inventory()
+
+    def stop(share):
+        if share > 0.4:
+            raise Cancelled("Cancelled.")
+
+    with pytest.raises(Cancelled):
+        as_volume(collection, tmp_path, stop)
+    assert inventory() == before
+    assert {file.name for file in tmp_path.iterdir()} == {"Morph_A_to_B_0003.vdb", "Morph_A_to_B_0004.vdb"}
+
+
+def test_no_frames_and_no_folder_are_said(collection, tmp_path):
+    with pytest.raises(InputError, match="save that first"):
+        output_folder("//convwass", collection)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made"):
+        output_folder(str(tmp_path / "file"), collection)
+    remove_frames(collection)
+    with pytest.raises(InputError, match="holds no frames"):
+        as_volume(collection, tmp_path)
+    with pytest.raises(InputError, match="holds no frames"):
+        as_cache(collection, tmp_path, "usd")
+
+
+def test_paths_are_relative_where_the_file_has_a_place(tmp_path):
+    assert for_blender(tmp_path / "x.vdb") == str(tmp_path / "x.vdb")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "here.blend"))
+    assert for_blender(tmp_path / "files" / "x.vdb") == "//files/x.vdb"
+
+
+def test_packed_meshes_weigh_what_their_arrays_do(make_object):
+    first = make_object("A")
+    twin = bpy.data.objects.new("Twin", first.data)
+    assert packed_bytes([first]) == packed_bytes([first, twin]) == 6 * 12 + 24 * 8 + 12 * 8 + 8 * 4
