@@ -72,8 +72,10 @@ class TriangleMesh:
     @cached_property
     def face_volumes(self) -> NDArray[np.float64]:
         """Signed volumes of the tetrahedra that the triangles span with the middle of the bounds, (m,)."""
-        a, b, c = np.moveaxis(self.corners - self.bounds.mean(axis=0), 1, 0)
-        return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+        points = np.ascontiguousarray((self.vertices - self.bounds.mean(axis=0)).T)
+        # Coordinate by coordinate, which takes half of the time of np.cross.
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (points[:, corner] for corner in self.faces.T)
+        return (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
 
     @cached_property
     def volume(self) -> float:

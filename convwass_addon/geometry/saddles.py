@@ -1,79 +1,102 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a level set changes its topology as the level passes: saddles of a density on a grid."""
+"""Where a level set changes its topology as the level passes: saddles of a density on a grid.
+
+A cell changes nothing if its denser neighbors hang together in one piece and its other neighbors do, too (a simple
+point: Bertrand and Malandain 1994, with 26-connected insides and 6-connected outsides). Neighborhoods are numbers of 26
+bits, so that all cells are looked at together.
+"""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 _OFFSETS = np.array([o for o in np.ndindex(3, 3, 3) if o != (1, 1, 1)]) - 1
 _STEPS = np.abs(_OFFSETS[:, None] - _OFFSETS)
-# Neighbors of a cell that touch each other: by a corner or more (cells inside), by a face (cells outside).
-_TOUCH = _STEPS.max(axis=2) <= 1
-_ABUT = _STEPS.sum(axis=2) <= 1
+# Bits of the neighbors that a grid's walls leave to cells within, and how many bits a table takes at a time.
+_BITS = np.uint32(1) << np.arange(26, dtype=np.uint32)
+_DIGIT = 9
 # Cells outside hang together through faces, so those that touch the cell by a corner only do not count.
-_IN_REACH = np.abs(_OFFSETS).sum(axis=1) <= 2
-_FACES = np.abs(_OFFSETS).sum(axis=1) == 1
-_LATER = np.arange(26) >= 13
-# Labels travel one cell a round, around at most this many.
-_ROUNDS = 12
+_IN_REACH = np.bitwise_or.reduce(_BITS[np.abs(_OFFSETS).sum(axis=1) <= 2])
+_FACES = np.bitwise_or.reduce(_BITS[np.abs(_OFFSETS).sum(axis=1) == 1])
 
 
-@dataclass(frozen=True)
-class Saddles:
-    """Cells at which the topology of the set of denser cells changes.
-
-    Attributes
-    ----------
-    bridges : (m, 3) int64
-        Cells that join what hung together nowhere near before: two pieces meet, or a handle closes.
-    lids : (n, 3) int64
-        Cells that part what lies outside: a hole through a handle fills, or a bubble closes.
-    """
-
-    bridges: NDArray[np.int64]
-    lids: NDArray[np.int64]
+def _tables(adjacent: NDArray[np.bool_]) -> list[NDArray[np.uint32]]:
+    """Return, for every nine bits, the neighbors they name and those adjacent to them."""
+    reached = np.bitwise_or.reduce(np.where(adjacent, _BITS, np.uint32(0)), axis=1) | _BITS
+    tables = []
+    for start in range(0, 26, _DIGIT):
+        digits = np.arange(2**_DIGIT, dtype=np.uint32)
+        table = np.zeros(len(digits), np.uint32)
+        for bit, reach in enumerate(reached[start : start + _DIGIT]):
+            table[digits >> np.uint32(bit) & 1 > 0] |= reach
+        tables.append(table)
+    return tables
 
 
-def saddles(density: NDArray[np.float64], low: float, high: float) -> Saddles:
-    """Find the saddles of a density between two levels.
+# Neighbors of a cell that touch each other: by a corner or more (cells inside), by a face (cells outside).
+_TOUCHING = _tables(_STEPS.max(axis=2) <= 1)
+_ABUTTING = _tables(_STEPS.sum(axis=2) <= 1)
 
-    A cell changes nothing if its denser neighbors hang together in one piece and its other neighbors do, too (a simple
-    point: Bertrand and Malandain 1994, with 26-connected insides and 6-connected outsides).
+
+def bridges(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
+    """Find cells that join what hung together nowhere near before: two pieces meet, or a handle closes.
 
     Parameters
     ----------
-    density : (nx, ny, nz) float64
+    density : (nx, ny, nz)
         Cells at the grid's wall are not looked at.
     low, high : float
-        Densities to look at.
+        Densities to look at, the upper one included.
+
+    Returns
+    -------
+    (m, 3) int64
     """
+    cells = _between(density, low, high)
+    denser = _denser(density, cells)
+    return cells[_grown(denser & -denser, denser, _TOUCHING) != denser]
+
+
+def lids(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
+    """Find cells that part what lies outside: a hole through a handle fills, or a bubble closes.
+
+    The parameters and the result are as for :func:`bridges`.
+    """
+    cells = _between(density, low, high)
+    others = ~_denser(density, cells) & _IN_REACH
+    faces = others & _FACES
+    return cells[(faces & ~_grown(faces & -faces, others, _ABUTTING)) != 0]
+
+
+def _between(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
     inner = density[1:-1, 1:-1, 1:-1]
-    cells = np.argwhere((inner > low) & (inner <= high)) + 1
-    around = _OFFSETS[:, None] + cells
-    own, near = density[tuple(cells.T)], density[tuple(np.moveaxis(around, 2, 0))]
-    # Of equal cells the later one counts as denser, so that every set of them has an order.
-    denser = (near > own) | ((near == own) & _LATER[:, None])
-    joined = _components(denser, denser, _TOUCH)
-    others = ~denser & _IN_REACH[:, None]
-    parted = _components(others, others & _FACES[:, None], _ABUT)
-    return Saddles(cells[joined > 1], cells[parted > 1])
+    return np.argwhere((inner > low) & (inner <= high)) + 1
 
 
-def _components(
-    present: NDArray[np.bool_], counted: NDArray[np.bool_], adjacent: NDArray[np.bool_]
-) -> NDArray[np.int64]:
-    """Count the connected groups of `present` neighbors, (26, n), that hold one that is `counted`."""
-    nothing = len(present)
-    labels = np.where(present, np.arange(nothing, dtype=np.int8)[:, None], np.int8(nothing))
-    for _ in range(_ROUNDS):
-        before = labels.copy()
-        for neighbor in range(nothing):
-            labels[neighbor] = np.where(present[neighbor], labels[adjacent[neighbor]].min(axis=0), nothing)
-        if np.array_equal(before, labels):
-            break
-    # The first of a group's neighbors keeps its own name.
-    return sum((counted & (labels == name)).any(axis=0).astype(np.int64) for name in range(nothing))
+def _denser(density: NDArray[np.floating], cells: NDArray[np.int64]) -> NDArray[np.uint32]:
+    """Return which of their neighbors are denser than cells, (n, 3), as bits, (n,)."""
+    values = np.ascontiguousarray(density).ravel()
+    places = np.ravel_multi_index(tuple(cells.T), density.shape)
+    own = values[places]
+    found = np.zeros(len(cells), np.uint32)
+    for bit, (i, j, k) in enumerate(_OFFSETS):
+        near = values[places + ((i * density.shape[1] + j) * density.shape[2] + k)]
+        # Of equal cells the later one counts as denser, so that every set of them has an order.
+        found |= (near >= own if bit >= 13 else near > own).astype(np.uint32) << np.uint32(bit)
+    return found
+
+
+def _grown(
+    start: NDArray[np.uint32], within: NDArray[np.uint32], tables: list[NDArray[np.uint32]]
+) -> NDArray[np.uint32]:
+    """Return all neighbors that hang together with those of `start`."""
+    first, second, third = tables
+    mask = np.uint32(2**_DIGIT - 1)
+    while True:
+        grown = first[start & mask] | second[start >> np.uint32(_DIGIT) & mask] | third[start >> np.uint32(2 * _DIGIT)]
+        grown &= within
+        if np.array_equal(grown, start):
+            return start
+        start = grown

@@ -8,13 +8,15 @@ it out; the volume it had then goes to the thick parts, since the surface enclos
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, find_objects, gaussian_filter, label
 
 from ..errors import InputError
+from .near import capped_squares
 
 Box = tuple[slice, ...]
 
@@ -38,6 +40,8 @@ _LEAST_SHARE = 1e-4
 # Shown volume is compared with mass over the first share of the reach, wider than the rim that a blur leaves on both
 # sides of the surface, and over so many cells at least.
 _WINDOW, _LEAST_WINDOW = 2.0 / 3.0, 2.0
+# They are averaged on coarser cells where the window is so many of them wide.
+_FINE_WINDOW = 1.25
 # Shares of its volume below this come from counting whole cells, and from curvature.
 _LEAST_DEFICIT = 0.1
 # Parts that are listed one by one.
@@ -72,6 +76,14 @@ class LostPart:
     low: tuple[int, int, int]
     high: tuple[int, int, int]
 
+    def moved(self, offset: Sequence[int]) -> LostPart:
+        """Return the part at another place, (3,) cells away."""
+        center, low, high = (
+            tuple(type(x)(x + d) for x, d in zip(place, offset, strict=True))
+            for place in (self.center, self.low, self.high)
+        )
+        return replace(self, center=center, low=low, high=high)
+
 
 @dataclass(frozen=True)
 class LostParts:
@@ -101,8 +113,12 @@ class LostParts:
         """Return all figures, ready for JSON."""
         return asdict(self)
 
+    def moved(self, offset: Sequence[int]) -> LostParts:
+        """Return the same on a grid of which this one is a part that begins at a cell, (3,)."""
+        return replace(self, parts=tuple(part.moved(offset) for part in self.parts))
 
-def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[np.float64]:
+
+def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[np.float32]:
     """Raise thin parts of a density until a level that suits the thick ones suits them too.
 
     The density is divided by what it is on the surface of a part of the same thickness, which is a function of the
@@ -119,7 +135,7 @@ def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[
 
     Returns
     -------
-    (nx, ny, nz) float64
+    (nx, ny, nz) float32
         For `surface_enclosing`. At thick parts, the density in units of the solid's; zero where that is below 1e-6. A
         constant factor of the density changes nothing.
 
@@ -129,13 +145,16 @@ def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[
         No mass, or no volume.
     """
     solid = _in_solids(density, volume)
-    result = np.zeros(solid.shape)
+    result = np.zeros(solid.shape, np.float32)
     box = _box(solid > _NEGLIGIBLE, 0)
-    values = np.where(solid[box] > _NEGLIGIBLE, solid[box], 0.0)
+    values = np.where(solid[box] > _NEGLIGIBLE, solid[box], np.float32(0.0))
     around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
     typical = gaussian_filter(values * values, _AROUND, truncate=_TRUNCATE, mode="constant")
     np.divide(typical, around, out=typical, where=values > 0.0)
-    result[box] = values * (_FLAT / np.clip(typical, _SCATTERED, _FLAT)) ** _POWER
+    # Most cells hold nothing, or belong to thick parts.
+    thin = np.flatnonzero((values > 0.0) & (typical < _FLAT))
+    values.ravel()[thin] *= (_FLAT / np.maximum(typical.ravel()[thin], _SCATTERED)) ** np.float32(_POWER)
+    result[box] = values
     return result
 
 
@@ -168,38 +187,49 @@ def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: f
     solid = _in_solids(density, volume)
     box = _box((solid > _NEGLIGIBLE) | shown, 1)
     values, inside = solid[box], shown[box]
-    away = distance_transform_edt(~inside)
     # The surface lies about half a cell beyond the centers of the cells inside.
-    far = away > reach + 0.5
-    part = np.zeros(values.shape, np.int64)
-    if values.sum(where=far) >= _LEAST_SHARE * volume:
-        part = _parted(values, away, far, reach)
-    masses = np.bincount(part.ravel(), values.ravel())
+    away = capped_squares(inside, reach + 0.5)
+    far = away > (reach + 0.5) ** 2
+    beyond = float(values.sum(where=far, dtype=np.float64))
+    parts = _Parts.none() if beyond < _LEAST_SHARE * volume else _parted(values, away, far, reach)
+    masses = np.bincount(parts.labels.ravel(), values[parts.box].ravel())
     kept = np.flatnonzero(masses[1:] >= _LEAST_SHARE * volume) + 1
-    is_kept = np.zeros(len(masses), bool)
-    is_kept[kept] = True
-    lost = is_kept[part]
+    lost = np.zeros(values.shape, bool)
+    lost[parts.box] = np.isin(parts.labels, kept)
     largest = kept[np.argsort(-masses[kept], kind="stable")][:_LISTED]
-    boxes = find_objects(part)
-    start = np.array([span.start for span in box])
+    start = [span.start + inner.start for span, inner in zip(box, parts.box, strict=True)]
+    boxes = find_objects(parts.labels)
+    measured = (_measured(values[parts.box], parts.labels, int(one), boxes[one - 1], volume) for one in largest)
     return LostParts(
         share=float(masses[kept].sum()) / volume,
         thinned=_thinned(values, inside, lost, reach) / volume,
-        scattered=float(values.sum(where=far & ~lost)) / volume,
+        scattered=(beyond - float(values.sum(where=far & lost, dtype=np.float64))) / volume,
         count=len(kept),
-        parts=tuple(_measured(values, part, int(one), boxes[one - 1], start, volume) for one in largest),
+        parts=tuple(part.moved(start) for part in measured),
     )
 
 
-def _in_solids(density: NDArray[np.floating], volume: float) -> NDArray[np.float64]:
+@dataclass(frozen=True)
+class _Parts:
+    """Cells of parts that are not shown, in the box that holds them all: 1, 2, ..., and zero elsewhere."""
+
+    box: Box
+    labels: NDArray[np.int32]
+
+    @classmethod
+    def none(cls) -> _Parts:
+        return cls((slice(0, 1),) * 3, np.zeros((1, 1, 1), np.int32))
+
+
+def _in_solids(density: NDArray[np.floating], volume: float) -> NDArray[np.float32]:
     """Return the density in units of that which the mass would have, spread evenly in the volume."""
-    density = np.asarray(density, dtype=np.float64)
     # Sums of very large or very small densities may overflow or vanish.
     peak = float(density.max(initial=0.0))
     if not 0.0 < peak < np.inf or not volume > 0.0:
         raise InputError("A density without mass, or no volume for it, has no parts.")
-    relative = density / peak
-    return relative * (volume / relative.sum())
+    relative = (density / peak).astype(np.float32, copy=False)
+    relative *= np.float32(volume / relative.sum(dtype=np.float64))
+    return relative
 
 
 def _box(wanted: NDArray[np.bool_], margin: int) -> Box:
@@ -211,42 +241,50 @@ def _box(wanted: NDArray[np.bool_], margin: int) -> Box:
     return tuple(spans)
 
 
-def _parted(
-    values: NDArray[np.float64], away: NDArray[np.float64], far: NDArray[np.bool_], reach: float
-) -> NDArray[np.int64]:
+def _parted(values: NDArray[np.float32], away: NDArray[np.integer], far: NDArray[np.bool_], reach: float) -> _Parts:
     """Give a number to every part that is not shown: what is connected far from the surface, and the rim of that."""
-    cores, count = label(far & (values > _PART), np.ones((3, 3, 3)))
-    part = np.zeros(values.shape, np.int64)
-    if count == 0:
-        return part
+    seeds = far & (values > _PART)
+    if not seeds.any():
+        return _Parts.none()
+    box = _box(seeds, int(np.ceil(reach)) + 1)
+    cores, _ = label(seeds[box], np.ones((3, 3, 3)))
     distance, nearest = distance_transform_edt(cores == 0, return_indices=True)
-    rim = (distance <= reach) & (distance < away)
-    part[rim] = cores[tuple(nearest)][rim]
-    return part
+    rim = (distance <= reach) & (distance**2 < away[box])
+    return _Parts(box, np.where(rim, cores[tuple(nearest)], 0))
 
 
-def _thinned(values: NDArray[np.float64], inside: NDArray[np.bool_], lost: NDArray[np.bool_], reach: float) -> float:
+def _thinned(values: NDArray[np.float32], inside: NDArray[np.bool_], lost: NDArray[np.bool_], reach: float) -> float:
     """Return the cells that parts are short of for their mass, where some of them is shown."""
     window = max(_WINDOW * reach, _LEAST_WINDOW)
-    mass = gaussian_filter(np.where(lost, 0.0, values), window, mode="constant")
-    volume = gaussian_filter(inside.astype(np.float64), window, mode="constant")
+    # Averages over a wide window vary little from cell to cell.
+    factor = max(int(window / _FINE_WINDOW), 1)
+    shown = np.where(lost, np.float32(0.0), values)
+    own, filled = (_block_means(array, factor) for array in (shown, inside.astype(np.float32)))
+    mass, volume = (gaussian_filter(array, window / factor, mode="constant") for array in (own, filled))
     deficit = 1.0 - np.divide(volume, mass, out=np.ones_like(mass), where=mass > _NEGLIGIBLE)
-    return float((values * deficit).sum(where=(deficit > _LEAST_DEFICIT) & (volume > 0.0) & ~lost))
+    return factor**3 * float((own * deficit).sum(where=(deficit > _LEAST_DEFICIT) & (volume > 0.0), dtype=np.float64))
+
+
+def _block_means(array: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
+    """Return the means over blocks of `factor` cells along every axis, with zeros beyond the array."""
+    array = np.pad(array, [(0, -size % factor) for size in array.shape])
+    for axis in range(array.ndim):
+        before = (slice(None),) * axis
+        array = sum(array[(*before, slice(start, None, factor))] for start in range(factor))
+    return array / np.float32(factor**3)
 
 
 def _measured(
-    values: NDArray[np.float64],
-    part: NDArray[np.int64],
+    values: NDArray[np.float32],
+    part: NDArray[np.int32],
     index: int,
     box: Box,
-    start: NDArray[np.int64],
     volume: float,
 ) -> LostPart:
     """Measure one part: its moments give the length, its mass the thickness that goes with it."""
     where = np.argwhere(part[box] == index)
     weights = values[box][tuple(where.T)]
-    low = start + [span.start for span in box]
-    high = start + [span.stop for span in box]
+    low, high = (np.array(ends) for ends in zip(*((span.start, span.stop) for span in box), strict=True))
     cells = float(weights.sum())
     center = weights @ where / cells
     spread = where - center

@@ -8,9 +8,10 @@ from hypothesis import given, settings, strategies as st
 from scipy.ndimage import gaussian_filter
 
 from convwass_addon.errors import InputError
+from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
-from convwass_addon.geometry.mending import Connectivity, mended_surface
-from convwass_addon.geometry.saddles import saddles
+from convwass_addon.geometry.mending import mended_surface
+from convwass_addon.geometry.saddles import bridges, lids
 
 SHAPE = (40, 32, 28)
 CELLS = np.stack(np.meshgrid(*[np.arange(n) + 0.5 for n in SHAPE], indexing="ij"), axis=-1)
@@ -146,17 +147,17 @@ def test_bubbles_are_filled():
 def test_saddles_of_two_bumps_and_of_a_ring():
     bumps = ball((12, 16.5, 14.5), 6) + ball((27, 16.5, 14.5), 6)
     # The density falls from both to the middle between them.
-    there = saddles(bumps, 0.5 * bumps[19, 16, 14], 1.5 * bumps[19, 16, 14])
-    assert any(np.abs(place - [19, 16, 14]).max() <= 1 for place in there.bridges)
+    there = bridges(bumps, 0.5 * bumps[19, 16, 14], 1.5 * bumps[19, 16, 14])
+    assert any(np.abs(place - [19, 16, 14]).max() <= 1 for place in there)
     hole = ring((20.5, 16.5, 14.5), 7, 3)
     low = hole[20, 16, 14]
-    assert any(np.abs(place - [20, 16, 14]).max() <= 1 for place in saddles(hole, 0.5 * low, 1.5 * low).lids)
+    assert any(np.abs(place - [20, 16, 14]).max() <= 1 for place in lids(hole, 0.5 * low, 1.5 * low))
 
 
 def test_a_smooth_slope_has_no_saddles():
     slope = np.exp(-np.linalg.norm(CELLS - [20.3, 16.2, 14.4], axis=-1) / 5)
-    there = saddles(slope, slope.min(), 0.8 * slope.max())
-    assert len(there.bridges) == len(there.lids) == 0
+    assert len(bridges(slope, slope.min(), 0.8 * slope.max())) == 0
+    assert len(lids(slope, slope.min(), 0.8 * slope.max())) == 0
 
 
 @settings(max_examples=6, deadline=None)

@@ -83,13 +83,13 @@ def test_a_flat_face_stays_where_it_is():
     density = np.broadcast_to(ndtr(20.2 - np.arange(40) - 0.5)[:, None, None], (40, 30, 30))
     result = locally_normalized(density, float(density.sum()))
     middle = (slice(None), 15, 15)
-    np.testing.assert_allclose(result[6:19, 6:-6, 6:-6], density[6:19, 6:-6, 6:-6], atol=1e-12)
+    np.testing.assert_allclose(result[6:19, 6:-6, 6:-6], density[6:19, 6:-6, 6:-6], atol=1e-6)
     assert np.interp(-0.5, -result[middle], np.arange(40) + 0.5) == pytest.approx(20.2, abs=0.15)
 
 
 def test_a_constant_stays_constant():
     density = np.full((20, 22, 24), 3.0)
-    np.testing.assert_allclose(locally_normalized(density, density.size)[5:-5, 5:-5, 5:-5], 1.0)
+    np.testing.assert_allclose(locally_normalized(density, density.size)[5:-5, 5:-5, 5:-5], 1.0, rtol=1e-6)
 
 
 @settings(max_examples=20, deadline=None)
@@ -97,7 +97,7 @@ def test_a_constant_stays_constant():
 def test_only_the_ratios_of_the_densities_matter(seed, exponent):
     density = gaussian_filter(np.random.default_rng(seed).random((12, 14, 16)) ** 4, 1.0)
     expected = locally_normalized(density, 200.0)
-    np.testing.assert_allclose(locally_normalized(density * 10.0**exponent, 200.0), expected, rtol=1e-9)
+    np.testing.assert_allclose(locally_normalized(density * 10.0**exponent, 200.0), expected, rtol=1e-5)
 
 
 @settings(max_examples=20, deadline=None)
@@ -107,8 +107,8 @@ def test_nothing_is_lowered_and_nothing_raised_beyond_the_bound(seed):
     volume = 300.0
     solid = density * (volume / density.sum())
     ratio = locally_normalized(density, volume) / solid
-    assert ratio.min() >= 1.0 - 1e-12
-    assert ratio.max() <= (0.75 / 0.2) ** 0.7 + 1e-12
+    assert ratio.min() >= 1.0 - 1e-6
+    assert ratio.max() <= (0.75 / 0.2) ** 0.7 * (1.0 + 1e-6)
     # Density that is hardly there is raised, but not into what a level shows.
     assert (locally_normalized(density, volume)[solid < 0.1] < 0.26).all()
 
@@ -192,8 +192,16 @@ def test_a_thinned_rod_is_reported_and_a_rod_of_full_width_is_not():
 def test_what_is_lost_does_not_depend_on_the_unit_of_the_density():
     density, shown = removed_rod()
     one, other = lost_parts(density, shown, 4.0), lost_parts(density * 1e-200, shown, 4.0)
-    assert other.share == pytest.approx(one.share, rel=1e-9)
-    assert other.parts[0].center == pytest.approx(one.parts[0].center)
+    assert other.share == pytest.approx(one.share, rel=1e-5)
+    assert other.parts[0].center == pytest.approx(one.parts[0].center, rel=1e-5)
+
+
+def test_parts_move_with_the_grid_that_they_are_cut_from():
+    density, shown = removed_rod()
+    whole = lost_parts(density, shown, 4.0)
+    cut = lost_parts(density[2:, 3:, 1:], shown[2:, 3:, 1:], 4.0).moved((2, 3, 1))
+    assert cut.parts[0].center == pytest.approx(whole.parts[0].center, abs=1e-3)
+    assert (cut.parts[0].low, cut.parts[0].high) == (whole.parts[0].low, whole.parts[0].high)
 
 
 def test_the_record_is_json():

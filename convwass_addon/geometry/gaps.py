@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the pieces of a level set meet as the level falls, and how wide their gaps are there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
+from skimage.segmentation import watershed
+
+from .bumps import around
+from .isosurface import bounding_box
+
+# Cells on either side of a gap that are looked at.
+_WIDEST_GAP = 10
+# Cells that a gap may lie away from the box of the smaller one of its pieces.
+_LONGEST = 12
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Where two pieces meet first.
+
+    Attributes
+    ----------
+    place : (int, int, int)
+        The cell that joins them.
+    width : float
+        The sum of its distances from both, in cells.
+    """
+
+    place: tuple[int, int, int]
+    width: float
+
+
+def densest_gaps(density: NDArray[np.floating], labels: NDArray[np.int32], lowest: float, wanted: int) -> list[Gap]:
+    """Find the gaps between pieces, the densest first, that bridge pieces not joined by a denser one.
+
+    Parameters
+    ----------
+    density : (nx, ny, nz)
+        What the pieces are a level set of.
+    labels : (nx, ny, nz) int32
+        Of the pieces, 1, 2, ...; zero elsewhere.
+    lowest : float
+        Density below which a gap is too deep.
+    wanted : int
+        How many gaps to return at most.
+    """
+    count = int(labels.max())
+    box = _around_smaller(labels)
+    density, labels = density[box], labels[box]
+    inside = labels > 0
+    # What lies deep inside of a piece is of no interest.
+    rim = inside & ~binary_erosion(inside, border_value=1)
+    basins = watershed(-density, np.where(rim, labels, 0), mask=(density > lowest) & (rim | ~inside))
+    first, second, places, heights = (np.concatenate(part) for part in zip(*_contacts(basins, density), strict=True))
+    joined = np.arange(count + 1)
+    gaps = []
+    for contact in np.argsort(-heights, kind="stable"):
+        a, b = joined[first[contact]], joined[second[contact]]
+        if a == b:
+            continue
+        joined[joined == b] = a
+        place = tuple(int(i) for i in np.unravel_index(places[contact], density.shape))
+        width = _width(labels, place, (first[contact], second[contact]))
+        gaps.append(Gap(tuple(at + span.start for at, span in zip(place, box, strict=True)), width))
+        if len(gaps) == wanted:
+            break
+    return gaps
+
+
+def _around_smaller(labels: NDArray[np.int32]) -> tuple[slice, ...]:
+    """Return the box of all pieces but the largest, and of the gaps around them."""
+    sizes = np.bincount(labels.ravel())
+    low, high = bounding_box((labels > 0) & (labels != 1 + int(np.argmax(sizes[1:]))))
+    return tuple(slice(max(a - _LONGEST, 0), b + _LONGEST) for a, b in zip(low, high, strict=True))
+
+
+def _contacts(basins: NDArray[np.int32], density: NDArray[np.floating]):
+    """Yield pairs of basins that touch along each axis, the less dense cell of both sides, and its density."""
+    index = np.arange(density.size).reshape(density.shape)
+    for axis in range(3):
+        here = tuple(slice(None, -1) if a == axis else slice(None) for a in range(3))
+        there = tuple(slice(1, None) if a == axis else slice(None) for a in range(3))
+        a, b = basins[here], basins[there]
+        touching = (a != b) & (a > 0) & (b > 0)
+        one, other = index[here][touching], index[there][touching]
+        one_is_lower = density.ravel()[one] <= density.ravel()[other]
+        places = np.where(one_is_lower, one, other)
+        yield a[touching], b[touching], places, density.ravel()[places]
+
+
+def _width(labels: NDArray[np.int32], place: tuple[int, ...], pair: tuple[int, int]) -> float:
+    window = around(labels.shape, place, _WIDEST_GAP)
+    squared = sum((axis - at) ** 2 for axis, at in zip(np.ogrid[window], place, strict=True))
+    nearest = [squared[labels[window] == piece].min(initial=_WIDEST_GAP**2) for piece in pair]
+    return float(np.sqrt(nearest).sum())

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cut or fill false handles of a level set by small changes of its density."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .cuts import Cuts
+from .level_topology import euler_numbers_within
+from .saddles import bridges, lids
+
+# A handle is false where the level is within this share of the density of its thinnest place, or of that in its hole.
+_FALSE_HANDLE = 0.5
+# Density over the level where cells are raised, and where they are lowered, and the radii of it in cells.
+RAISED, LOWERED = 1.1, 0.85
+_RADII = (1.5, 2.25, 3.0)
+# The surface between cells may pass a saddle of the cells that lies closer to the level than this.
+_SLACK = 0.95
+# At how many places handles are looked for, and at how many at once.
+_TRIED = 240
+_AT_ONCE = 20
+# Cells that a change reaches on every side; its shapes, (2, 13, 13, 13), one at the middle and zero at the walls.
+_REACH = 6
+
+
+def _shape(radius: float) -> NDArray[np.float32]:
+    squared = sum(axis**2 for axis in np.ogrid[(slice(-_REACH, _REACH + 1),) * 3])
+    rim = np.exp(-(_REACH**2) / (2.0 * radius**2))
+    return np.maximum((np.exp(-squared / (2.0 * radius**2)) - rim) / (1.0 - rim), 0.0).astype(np.float32)
+
+
+_SHAPES = np.stack([_shape(radius) for radius in _RADII])
+
+
+def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> int:
+    """Move saddles near a level to its other side until so many handles have gone, those first that take least.
+
+    Parameters
+    ----------
+    density : (nx, ny, nz)
+        Changed in place.
+    level : float
+        Of the surface.
+    excess : int
+        How many to remove.
+
+    Returns
+    -------
+    int
+        How many have gone; the pieces are no more than before.
+    """
+    around = np.pad(density, _REACH)
+    search = _Search(around, level)
+    left = excess
+    cells, wanted = _places(density, level)
+    for start in range(0, len(cells), _AT_ONCE):
+        batch = slice(start, start + _AT_ONCE)
+        left -= search.change(cells[batch], wanted[batch], left)
+        if left <= 0:
+            break
+    density[...] = around[(slice(_REACH, -_REACH),) * 3]
+    return excess - left
+
+
+class _Search:
+    """A density, with a margin as wide as a change reaches, that is changed in place."""
+
+    def __init__(self, around: NDArray[np.floating], level: float) -> None:
+        self._around, self._level = around, level
+
+    def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> int:
+        """Try changes at cells, (n, 3), in turn; return how many handles have gone."""
+        gains = self._gains(cells, wanted)
+        lowers = wanted < self._level
+        cuts, fills = (self._taken(cells, wanted, np.where(these[:, None], gains, 0)) for these in (lowers, ~lowers))
+        gone = 0
+        later = np.zeros(len(cells), bool)
+        for index in np.flatnonzero((gains > 0).any(axis=1)):
+            if later[index]:
+                continue
+            # Cutting a piece in two changes the Euler number as cutting a handle does, closing a bubble as filling one.
+            if not (cuts if lowers[index] else fills).take(int(index)):
+                continue
+            radius = int(np.argmax(gains[index] > 0))
+            one = slice(index, index + 1)
+            self._around[_span(cells[index])] *= self._factors(cells[one], wanted[one])[0, radius]
+            gone += int(gains[index, radius])
+            if gone >= most:
+                return gone
+            # What is known of changes that this one overlaps no longer holds.
+            later[index + 1 :] |= np.abs(cells[index + 1 :] - cells[index]).max(axis=1) <= 2 * _REACH
+        return gone + self.change(cells[later], wanted[later], most - gone) if later.any() else gone
+
+    def _taken(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], gains: NDArray[np.int64]) -> Cuts:
+        """Return what useful changes take from the inside, if they are cuts, or from the outside, if they fill."""
+        inside = self._around > self._level
+        taken = {}
+        for index in np.flatnonzero((gains > 0).any(axis=1)):
+            one = slice(index, index + 1)
+            change = self._factors(cells[one], wanted[one])[0, np.argmax(gains[index] > 0)]
+            span = _span(cells[index])
+            flipped = np.argwhere(inside[span] != (self._around[span] * change > self._level))
+            if len(flipped):
+                taken[int(index)] = flipped + cells[index]
+        first = next(iter(taken.values()), None)
+        return Cuts(inside if first is None or inside[tuple(first[0])] else ~inside, taken)
+
+    def _factors(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Return by what each change of each radius multiplies the density around its cell, (n, radii, 13, 13, 13)."""
+        share = wanted / self._around[tuple((cells + _REACH).T)] - 1.0
+        return 1.0 + share[:, None, None, None, None] * _SHAPES
+
+    def _gains(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.int64]:
+        """Return how many handles each change of each radius would remove if it cuts no piece in two, (n, radii)."""
+        reach = np.arange(2 * _REACH + 1)
+        i, j, k = cells.T[:, :, None] + reach
+        before = self._around[i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]]
+        after = before[:, None] * self._factors(cells, wanted)
+        numbers = euler_numbers_within(after.reshape(-1, *before.shape[1:]), self._level).reshape(len(cells), -1)
+        return np.rint((numbers - euler_numbers_within(before, self._level)[:, None]) / 2).astype(np.int64)
+
+
+def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:
+    """Return the cells that a change at one reaches, in a density with a margin."""
+    return tuple(slice(int(at), int(at) + 2 * _REACH + 1) for at in cell)
+
+
+def _places(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
+    """Return the saddles that may be false, the nearest to the level first, and the densities to give them."""
+    thin = bridges(density, level * _SLACK, level / _FALSE_HANDLE)
+    holes = lids(density, level * _FALSE_HANDLE, level / _SLACK)
+    cells = np.concatenate([thin, holes])
+    wanted = np.repeat(np.array([LOWERED * level, RAISED * level], density.dtype), [len(thin), len(holes)])
+    order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:_TRIED]
+    return cells[order], wanted[order]

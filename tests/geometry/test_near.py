@@ -1,0 +1,21 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings, strategies as st
+from scipy.ndimage import distance_transform_edt
+
+from convwass_addon.geometry.near import capped_squares
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**31 - 1), st.floats(0.5, 20.0), st.floats(1e-4, 0.05))
+def test_distances_are_those_of_the_distance_transform_up_to_the_reach(seed, reach, share):
+    inside = np.random.default_rng(seed).random((17, 6, 23)) < share
+    inside[3, 2, 5] = True
+    exact = np.rint(distance_transform_edt(~inside) ** 2)
+    found = capped_squares(inside, reach)
+    near = exact <= reach**2
+    np.testing.assert_array_equal(found[near], exact[near])
+    assert (found[~near] > reach**2).all()
