@@ -156,6 +156,18 @@ def _add_layout_options(parser: ArgumentParser) -> None:
     )
     group.add_argument("--frames", type=int, default=24, help="path: frames from each shape to the next (%(default)s)")
     group.add_argument("--steps", type=int, default=5, help="grid, triangle: blends along each side (%(default)s)")
+    group.add_argument(
+        "--align",
+        choices=("placed", "centered", "principal-axes"),
+        default="placed",
+        help="lay the shapes onto the first one: center on center, or also long side on long side (%(default)s)",
+    )
+    group.add_argument(
+        "--scale",
+        choices=("placed", "equal-volume"),
+        default="placed",
+        help="leave the sizes of the shapes, or give all the volume of the first one (%(default)s)",
+    )
     group.add_argument("--weights", type=_numbers, help="one blend instead, such as 0.2,0.3,0.5: one number per shape")
     group.add_argument(
         "--at",
@@ -205,6 +217,11 @@ def _add_solver_options(parser: ArgumentParser) -> None:
     )
     group.add_argument(
         "--no-mend", action="store_true", help="leave crumbs, gaps and handles that the shapes do not have as they come"
+    )
+    group.add_argument(
+        "--no-carry",
+        action="store_true",
+        help="leave out the colors of the shapes, their vertex groups and the velocity, which blends carry along",
     )
     group.add_argument(
         "--parts",
@@ -270,6 +287,7 @@ def _morph(options: Namespace) -> dict[str, object]:
         mend=not options.no_mend,
         parts=options.parts,
         tolerance=options.tolerance,
+        carry=not options.no_carry,
     )
     blends = _blends(options, len(options.shapes))
     between = None
@@ -288,6 +306,7 @@ def _morph(options: Namespace) -> dict[str, object]:
         source = parse_source(text)
         inputs += import_objects(source.path, [source.object_name] if source.object_name else None)
     stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
+    stored["alignment"], stored["scaling"] = (_as_enum(choice) for choice in (options.align, options.scale))
     if between is not None:
         stored["at"] = between.numbers
     if computing.wanted is not None:
@@ -300,6 +319,10 @@ def _morph(options: Namespace) -> dict[str, object]:
     if export_format:
         written += export_frames(collection, options.export, export_format)
     return _report(collection, settings, records, written)
+
+
+def _as_enum(choice: str) -> str:
+    return choice.replace("-", "_").upper()
 
 
 def _demo(options: Namespace) -> dict[str, object]:

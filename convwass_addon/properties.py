@@ -4,11 +4,55 @@
 
 from __future__ import annotations
 
-import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from collections.abc import Sequence
 
-from .applications.layouts import Blend, grid_blends, path_blends, triangle_blends
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from .applications.morph_settings import MorphSettings
+from .bridge.stored import FIRST_FRAMES
+
+OUTPUTS = (
+    ("OBJECTS", "Objects", "One mesh object per frame, each visible in its frame alone"),
+    ("PLAYER", "Player", "One object with a value to animate that chooses the mesh; for a sheet, a pad to drag on"),
+    ("VOLUME", "Volume", "VDB files beside the .blend, and a mesh made of them whose level stays editable"),
+    ("CACHE", "Cache", "An Alembic file beside the .blend, and one object that reads it"),
+)
+"""What a bake makes, as items of an enum."""
+
+VERDICTS = (
+    ("UNCHECKED", "Not Checked", "Nobody has looked at this shape yet"),
+    ("SOUND", "Sound", "The shape is closed and its faces look outward"),
+    ("FLIPPED", "Flipped Faces", "Some faces look the wrong way; they are turned over for the morph"),
+    ("HOLES", "Holes", "The surface is open; what it nearly encloses is taken for its inside"),
+    ("NO_VOLUME", "No Volume", "The shape encloses nothing that could be moved, unless it is given thickness"),
+    ("UNUSABLE", "Unusable", "The shape cannot be read"),
+)
+"""What a check found out about an input, as items of an enum; from the third one on there is a warning."""
+
+STORED_OPTIONS = (
+    "layout",
+    "frames",
+    "frame_step",
+    "steps",
+    "order",
+    "reverse",
+    "alignment",
+    "scaling",
+    "start",
+    "start_frame",
+    "output",
+)
+"""Properties that are stored with a morph besides those of its solver."""
 
 
 class MorphProperties:
@@ -21,24 +65,70 @@ class MorphProperties:
             ("PATH", "Animation", "Walk through the shapes in order, one mesh per frame"),
             ("GRID", "Grid of Four", "Blend four shapes on a square sheet, one shape per corner"),
             ("TRIANGLE", "Triangle of Three", "Blend three shapes on a triangular sheet, one shape per corner"),
+            ("BLEND", "Single Blend", "Blend all shapes into one mesh, by their weights on the list of inputs"),
         ),
     )
     order: EnumProperty(
         name="Order",
-        description="Order of the selected shapes",
+        description="Order of the selected shapes; those on the list of inputs have the order of the list",
         items=(
             ("NAME", "By Name", "In the order of their names"),
             ("LEFT_TO_RIGHT", "Left to Right", "In the order of their places along the scene's X axis"),
         ),
     )
     reverse: BoolProperty(name="Reverse", description="Turn the order around")
+    alignment: EnumProperty(
+        name="Alignment",
+        description="How the shapes are laid onto the first one before they are morphed",
+        items=(
+            ("PLACED", "As Placed", "Shapes travel from where one stands to where the next one stands"),
+            ("CENTERED", "Centered", "All shapes stand where the first one stands, center of mass on center of mass"),
+            (
+                "PRINCIPAL_AXES",
+                "Principal Axes",
+                "Centered, and turned so that long sides lie on long sides and heavy ends on heavy ends",
+            ),
+        ),
+    )
+    scaling: EnumProperty(
+        name="Scale",
+        description="How large the shapes are",
+        items=(
+            ("PLACED", "As Placed", "As large as in the scene; blends grow or shrink from one to the next"),
+            ("EQUAL_VOLUME", "Equal Volume", "All shapes get the volume of the first one"),
+        ),
+    )
     frames: IntProperty(
         name="Frames",
-        description="Scene frames from each shape to the next; one mesh is made for every frame",
+        description="Scene frames from each shape to the next",
         default=24,
         min=2,
         soft_max=250,
         max=10000,
+    )
+    frame_step: IntProperty(
+        name="Step",
+        description="Make a mesh for every so many frames only, which shows until the next one",
+        default=1,
+        min=1,
+        soft_max=12,
+        max=1000,
+    )
+    start: EnumProperty(
+        name="Start",
+        description="Frame of the scene in which the morph begins",
+        items=(
+            ("SCENE", "Scene Start", "At the start of the scene, whose end becomes that of the morph"),
+            ("CURRENT", "Current Frame", "At the frame that is shown now"),
+            ("CUSTOM", "Custom", "At a frame of your choice"),
+        ),
+    )
+    start_frame: IntProperty(
+        name="Start Frame",
+        description="Frame of the first shape",
+        default=1,
+        min=FIRST_FRAMES[0],
+        max=FIRST_FRAMES[1],
     )
     steps: IntProperty(
         name="Steps",
@@ -136,17 +226,39 @@ class MorphProperties:
         description="Drop crumbs, bridge narrow gaps and close false holes, as far as the shapes themselves have none",
         default=True,
     )
+    carry: BoolProperty(
+        name="Carry Looks",
+        description="Let blends carry the colors, materials and vertex groups of the shapes, and the velocity for "
+        "motion blur",
+        default=True,
+    )
+    output: EnumProperty(name="Output", description="What a bake leaves in the scene", items=OUTPUTS)
     hide_inputs: BoolProperty(
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
     )
 
-    def blends(self, count: int) -> list[Blend]:
-        """Return the blends of `count` shapes that the layout asks for; raises InputError for a wrong count."""
+    def blends(self, count: int, weights: Sequence[float] | None = None) -> list[Blend]:
+        """Return the blends of `count` shapes that the layout asks for; raises InputError for a wrong count.
+
+        A single blend takes the `weights`, one per shape; all alike by default.
+        """
         if self.layout == "GRID":
             return grid_blends(count, self.steps)
         if self.layout == "TRIANGLE":
             return triangle_blends(count, self.steps)
-        return path_blends(count, self.frames)
+        if self.layout == "BLEND":
+            return single_blend([1.0] * count if weights is None else weights, count)
+        return path_blends(count, self.frames, self.frame_step)
+
+    def stored_options(self) -> dict[str, object]:
+        """Return what is stored with a morph besides the settings of its solver."""
+        return {name: getattr(self, name) for name in STORED_OPTIONS}
+
+    def first_frame(self, scene: bpy.types.Scene) -> int:
+        """Return the scene frame in which the morph begins."""
+        if self.start == "CUSTOM":
+            return self.start_frame
+        return scene.frame_current if self.start == "CURRENT" else scene.frame_start
 
     def solver_settings(self) -> MorphSettings:
         """Return the settings of the application; raises InputError where they make no sense."""
@@ -161,6 +273,7 @@ class MorphProperties:
             thin_parts=self.thin_parts,
             mend=self.mend,
             parts=self.parts,
+            carry=self.carry,
         )
 
     def sorted_shapes(self, objects: list[bpy.types.Object]) -> list[bpy.types.Object]:
@@ -174,33 +287,88 @@ class MorphProperties:
 
     def take_stored(self, stored: dict[str, object]) -> None:
         """Take over what a baked morph was asked for."""
-        shared = ("resolution", "level", "thickness", "parts", "locality", "thin_parts", "mend")
-        for name in ("layout", "frames", "steps", "order", "reverse", *shared):
-            if name in stored:
-                setattr(self, name, stored[name])
-        for name in ("blur", "sharpness"):
-            setattr(self, f"use_custom_{name}", stored[name] is not None)
-            if stored[name] is not None:
-                setattr(self, name, stored[name])
-        limit = stored["entropy_limit"]
-        self.entropy_limit = "OFF" if limit is None else "MAX" if limit == "max" else "NUMBER"
-        if self.entropy_limit == "NUMBER":
-            self.entropy_bound = limit
+        for name, value in stored_arguments(stored).items():
+            setattr(self, name, value)
+
+
+def stored_arguments(stored: dict[str, object]) -> dict[str, object]:
+    """Return what a baked morph was asked for as values of :class:`MorphProperties`."""
+    shared = ("resolution", "level", "thickness", "parts", "locality", "thin_parts", "mend", "carry")
+    found = {name: stored[name] for name in (*STORED_OPTIONS, *shared) if name in stored}
+    for name in ("blur", "sharpness"):
+        found[f"use_custom_{name}"] = stored[name] is not None
+        if stored[name] is not None:
+            found[name] = stored[name]
+    limit = stored["entropy_limit"]
+    found["entropy_limit"] = "OFF" if limit is None else "MAX" if limit == "max" else "NUMBER"
+    if found["entropy_limit"] == "NUMBER":
+        found["entropy_bound"] = limit
+    return found
+
+
+def _is_mesh(_item: CONVWASS_PG_input, obj: bpy.types.Object) -> bool:
+    return obj.type == "MESH"
+
+
+class CONVWASS_PG_input(bpy.types.PropertyGroup):
+    """A shape on the list of inputs."""
+
+    object: PointerProperty(
+        name="Shape", description="Mesh object that takes part in the morph", type=bpy.types.Object, poll=_is_mesh
+    )
+    weight: FloatProperty(
+        name="Weight",
+        description="Share of this shape in a single blend, compared with those of the others",
+        default=1.0,
+        min=0.0,
+        soft_max=1.0,
+    )
+    enabled: BoolProperty(name="Enabled", description="Whether this shape takes part in the morph", default=True)
+    verdict: EnumProperty(name="Check", description="What the last check found out", items=VERDICTS)
+    finding: StringProperty(name="Finding", description="What the last check found out, in a sentence")
+
+    @property
+    def warns(self) -> bool:
+        """Whether the last check found something wrong."""
+        return self.verdict not in ("UNCHECKED", "SOUND")
 
 
 class CONVWASS_PG_morph(MorphProperties, bpy.types.PropertyGroup):
     """Morph settings of a scene."""
 
+    inputs: CollectionProperty(
+        name="Inputs",
+        description="Shapes to morph, in this order; while there are none, those that are selected are morphed",
+        type=CONVWASS_PG_input,
+    )
+    active_input: IntProperty(name="Active Input", description="The input that buttons beside the list act on", min=0)
+
+    def take_inputs(self, objects: Sequence[bpy.types.Object], weights: Sequence[float] | None = None) -> None:
+        """Put shapes on the list, unless selecting them says as much: then empty it."""
+        self.inputs.clear()
+        self.active_input = 0
+        if weights is None and self.sorted_shapes(list(objects)) == list(objects):
+            return
+        for index, obj in enumerate(objects):
+            item = self.inputs.add()
+            item.object = obj
+            item.weight = 1.0 if weights is None else weights[index]
+
+    @property
+    def enabled_inputs(self) -> list[CONVWASS_PG_input]:
+        """The inputs on the list that take part."""
+        return [item for item in self.inputs if item.enabled]
+
 
 class CONVWASS_PG_progress(bpy.types.PropertyGroup):
     """The bake that is running in this window manager, if any."""
 
-    running: BoolProperty()
-    fraction: FloatProperty(min=0.0, max=1.0)
-    message: StringProperty()
+    running: BoolProperty(name="Running", description="Whether a morph is being baked")
+    fraction: FloatProperty(name="Progress", description="Share of the bake that is done", min=0.0, max=1.0)
+    message: StringProperty(name="Message", description="What is being done")
 
 
-_classes = (CONVWASS_PG_morph, CONVWASS_PG_progress)
+_classes = (CONVWASS_PG_input, CONVWASS_PG_morph, CONVWASS_PG_progress)
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
 
 

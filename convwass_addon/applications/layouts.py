@@ -36,27 +36,30 @@ class Blend:
         return self.weights.index(1.0) if 1.0 in self.weights else None
 
 
-def path_blends(count: int, frames: int) -> list[Blend]:
+def path_blends(count: int, frames: int, step: int = 1) -> list[Blend]:
     """Walk through `count` shapes in order, `frames` scene frames from each to the next.
 
-    The first shape stands at frame 0, the second at `frames`, and so on.
+    The first shape stands at frame 0, the second at `frames`, and so on; between two of them there is a blend every
+    `step` frames.
 
     Raises
     ------
     InputError
-        Fewer than two shapes or frames.
+        Fewer than two shapes or frames, or a step of no frame.
     """
     if count < 2:
         raise InputError("A morph needs at least two shapes; select or name one more.")
     if frames < 2:
         raise InputError(f"There must be at least 2 frames from one shape to the next, got {frames}.")
+    if step < 1:
+        raise InputError(f"The step must be at least 1 frame, got {step}.")
     blends = [Blend(_corner(count, 0), frame=0)]
     for leg in range(count - 1):
-        for step in range(1, frames + 1):
-            t = step / frames
+        for frame in [*range(step, frames, step), frames]:
+            t = frame / frames
             weights = [0.0] * count
             weights[leg], weights[leg + 1] = 1.0 - t, t
-            blends.append(Blend(tuple(weights), frame=leg * frames + step))
+            blends.append(Blend(tuple(weights), frame=leg * frames + frame))
     return blends
 
 

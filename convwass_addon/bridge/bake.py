@@ -9,16 +9,21 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..applications.blending import MorphFrame
+from ..applications.health import health
 from ..applications.layouts import Blend
 from ..errors import ConvwassError, InputError
+from ..geometry.alignment import RigidMove
+from .changes import signature, store_signatures
 from .disk_output import remove_disk_outputs
 from .handles import Handle, found
 from .keyframes import FrameRange, key_visibility
 from .materials import MATERIAL_NAME, input_color, morph_material
 from .objects import frozen_copy, write_mesh
-from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, frame_objects, store, summary
+from .stand_ins import remove_stand_ins
+from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, frame_objects, store, store_health, summary
 
 SHEET_SPACING = 1.3
 """Distance between neighbors in a sheet, in sizes of the largest input."""
@@ -57,6 +62,7 @@ class MorphBake:
         blends: Sequence[Blend],
         settings: dict[str, object],
         first_frame: int,
+        moves: Sequence[RigidMove] | None = None,
     ) -> MorphBake:
         """Make the collection, and copies of the inputs as they are now.
 
@@ -72,6 +78,8 @@ class MorphBake:
             What the user asked for, to be stored: numbers, texts, booleans, None and lists of these.
         first_frame : int
             Scene frame of the blend whose frame is 0.
+        moves : sequence of RigidMove, optional
+            How the copies of the inputs are moved, one per input.
 
         Raises
         ------
@@ -80,12 +88,13 @@ class MorphBake:
         """
         if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
             raise InputError(f"The first frame must be from {FIRST_FRAMES[0]} to {FIRST_FRAMES[1]}, not {first_frame}.")
-        shapes = _frozen_inputs(inputs)
+        shapes = _frozen_inputs(inputs, moves or [None] * len(inputs))
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
         scene.collection.children.link(collection)
         bake = cls(scene, collection, shapes, blends, StoredMorph([s.name for s in shapes], settings, first_frame, []))
         store(collection, bake._stored)
+        store_signatures(collection, [signature(obj) for obj in inputs])
         return bake
 
     def __init__(
@@ -105,6 +114,11 @@ class MorphBake:
         self._previews: dict[int, Handle] = {}
         self._action: Handle | None = None
         self._brings_material = MATERIAL_NAME not in bpy.data.materials
+
+    @property
+    def frozen(self) -> list[bpy.types.Mesh]:
+        """Copies of the inputs, one each, where frames show them; no frame may have used them yet."""
+        return [self._living(shape.mesh) for shape in self._inputs]
 
     def add(self, frame: MorphFrame) -> bpy.types.Object:
         """Make the object of a finished frame, out of that of its preview if there is one.
@@ -197,6 +211,10 @@ class MorphBake:
             for index in sorted(frames)
         ]
         store(collection, StoredMorph(self._stored.inputs, self._stored.settings, self._stored.first_frame, records))
+        numbers = [
+            index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
+        ]
+        store_health(collection, health(records, self._stored.settings, self._stored.inputs, numbers))
         self._drop_unused()
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)
@@ -261,6 +279,7 @@ class MorphBake:
 
 def remove_bake(collection: bpy.types.Collection) -> None:
     """Remove a morph with its frames; whatever else was put into its collection moves up one level."""
+    remove_stand_ins(collection)
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     parents = [parent for parent in roots if collection in set(parent.children)]
     _remove_objects(frame_objects(collection))
@@ -286,13 +305,15 @@ def _remove_objects(objects: list[bpy.types.Object]) -> None:
     bpy.data.batch_remove([block for block in data if block.users == 0])
 
 
-def _frozen_inputs(inputs: Sequence[bpy.types.Object]) -> list[_Input]:
+def _frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[_Input]:
     """Copy the inputs as they are; none where one of them cannot be copied."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shapes, meshes = [], []
     try:
-        for obj in inputs:
+        for obj, move in zip(inputs, moves, strict=True):
             meshes.append(frozen_copy(obj, depsgraph))
+            if move is not None:
+                meshes[-1].transform(Matrix(move.matrix))
             shapes.append(_described(obj, meshes[-1]))
     except InputError:
         bpy.data.batch_remove(meshes)

@@ -16,7 +16,9 @@ from ..applications.morph import MorphStep, morph
 from ..applications.morph_settings import MorphSettings
 from ..applications.parts import FaceLabels, matched
 from ..errors import InputError
+from ..geometry.alignment import aligned
 from .bake import MorphBake
+from .carrying import Carrying
 from .objects import labeled_mesh, triangle_mesh
 
 
@@ -36,7 +38,8 @@ class MorphJob:
     settings : MorphSettings
         How.
     options : dict
-        What else to store with the morph, so that it can be repeated: the layout and its numbers.
+        What else to store with the morph, so that it can be repeated: the layout and its numbers. `alignment` and
+        `scaling`, as for :func:`.alignment.aligned`, are heeded here.
     first_frame : int
         Scene frame of the first shape in a path.
 
@@ -68,9 +71,16 @@ class MorphJob:
             self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
             # Refuse before anything is made.
             matched(self._labels, self._names)
+        alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
+        moves = None
+        if (alignment, scaling) != ("PLACED", "PLACED"):
+            moves = aligned(self._shapes, alignment, scaling, self._names)
+            self._shapes = [move.moved(shape) for move, shape in zip(moves, self._shapes, strict=True)]
         self._blends = blends
         self._settings = settings
-        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame)
+        self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
+        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, moves)
+        self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
 
     def steps(
         self,
@@ -83,7 +93,7 @@ class MorphJob:
         previews: bool = False,
     ) -> Iterator[MorphStep]:
         """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
-        return morph(
+        steps = morph(
             self._shapes,
             self._names,
             self._blends,
@@ -95,7 +105,9 @@ class MorphJob:
             cache=cache,
             wanted=wanted,
             previews=previews,
+            looked_at=self._looked_at,
         )
+        return steps if self._carrying is None else self._carrying.looked_up(steps)
 
     def steps_between(
         self,
@@ -111,7 +123,7 @@ class MorphJob:
 
         See :func:`.between_frames.between_frames`.
         """
-        return between_frames(
+        steps = between_frames(
             self._shapes,
             self._names,
             path,
@@ -123,6 +135,7 @@ class MorphJob:
             workers=workers,
             executor=executor,
         )
+        return steps if self._carrying is None else self._carrying.looked_up(steps)
 
     @property
     def notices(self) -> list[str]:
@@ -134,13 +147,31 @@ class MorphJob:
         if step.preview is not None:
             self._bake.preview(step.preview)
         if step.frame is not None:
-            self._bake.add(step.frame)
+            obj = self._bake.add(step.frame)
+            if self._carrying is not None:
+                self._carrying.write(obj.data, step)
             self.records.append(step.frame.record)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
-        return self._bake.finish(hide_inputs)
+        try:
+            return self._bake.finish(hide_inputs)
+        finally:
+            self._drop_unused()
 
     def discard(self) -> None:
         """Remove everything that has been written."""
         self._bake.discard()
+        self._drop_unused()
+
+    def _drop_unused(self) -> None:
+        """Remove what was made to carry looks and has not been used."""
+        if self._carrying is not None:
+            self._carrying.drop_unused()
+
+
+def _looked_at(blends: Sequence[Blend], frame: int) -> int:
+    """Return the number of the blend that a frame after the first one of a path shows; on a sheet the first one."""
+    if blends[0].frame is None:
+        return 0
+    return min(range(len(blends)), key=lambda number: abs(blends[number].frame - frame))

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
 
+from ..applications.health import HealthNote, health_figures
 from ..errors import InputError
 
 SCHEMA = 1
@@ -22,6 +24,9 @@ WEIGHTS_KEY = "convwass_weights"
 
 INDEX_KEY = "convwass_index"
 """Custom property of a frame object: its place in the order of frames, from 0."""
+
+HEALTH_KEY = "convwass_health"
+"""Custom property of a morph's collection: JSON of what to know about the bake, kinds of notes and their values."""
 
 FIRST_FRAMES = (0, 1_048_574)
 """Least and greatest frame that Blender lets a scene start with."""
@@ -111,9 +116,23 @@ def summary(record: dict[str, object]) -> dict[str, object]:
     """Return the single figures of a record; its lists would swell the file, and JSON has no word for NaN."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in record.items()
+        for name, value in {**record, **health_figures(record)}.items()
         if value is None or isinstance(value, (str, bool, int, float))
     }
+
+
+def store_health(collection: bpy.types.Collection, notes: Sequence[HealthNote]) -> None:
+    """Write what is to be known about a bake onto its collection."""
+    collection[HEALTH_KEY] = json.dumps([[note.kind, note.values] for note in notes], allow_nan=False)
+
+
+def stored_health(collection: bpy.types.Collection) -> list[HealthNote]:
+    """Read what `store_health` wrote; nothing where it is missing or damaged."""
+    try:
+        notes = [HealthNote(kind, values) for kind, values in json.loads(collection.get(HEALTH_KEY, "[]"))]
+        return [note for note in notes if note.text]
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return []
 
 
 def _checked(data: object) -> StoredMorph:

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import bake_morph, manage_morph, output_morph
+from . import bake_morph, edit_inputs, manage_morph, output_morph, play_morph
 
 register, unregister = bpy.utils.register_classes_factory(
-    (*bake_morph.classes, *manage_morph.classes, *output_morph.classes)
+    (*bake_morph.classes, *edit_inputs.classes, *manage_morph.classes, *output_morph.classes, *play_morph.classes)
 )

@@ -4,29 +4,71 @@
 
 from __future__ import annotations
 
+import math
+import time
 from functools import partial
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import StringProperty
 
 from ..applications.background import BackgroundJob
+from ..applications.frame_cache import FrameCache
 from ..applications.morph import MorphStep
 from ..bridge.job import MorphJob
+from ..bridge.replace import replace_bake
+from ..bridge.stand_ins import stand_ins
 from ..bridge.stored import frame_objects
 from ..errors import Cancelled, ConvwassError
+from ..preferences import preferences
 from ..properties import MorphProperties
+from .chosen_inputs import chosen_inputs
 
-_TIMER_SECONDS = 0.1
+_TIMER_SECONDS = 0.05
+# The window answers at least this often while many objects wait to be made.
+_BUSY_SECONDS = 0.1
+# What is made of a morph for which output and layout.
+_OUTPUT_OPERATORS = {
+    ("PLAYER", "PATH"): "make_player",
+    ("PLAYER", "GRID"): "make_blend_pad",
+    ("PLAYER", "TRIANGLE"): "make_blend_pad",
+    ("VOLUME", ""): "make_volume",
+    ("CACHE", ""): "make_cache",
+}
 
 
 class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
-    """Morph the selected meshes into each other by optimal transport, one mesh object per frame"""
+    """Morph shapes into each other by optimal transport: those on the list, or else the selected meshes"""
 
     bl_idname = "convwass.bake_morph"
     bl_label = "Bake Morph"
     bl_options = {"REGISTER", "UNDO"}
 
+    inputs: StringProperty(
+        name="Inputs",
+        description="Names of the objects to morph in their order, one per line or with commas between them; empty for "
+        "those on the list of inputs, or else the selected ones",
+        options={"SKIP_SAVE"},
+    )
+    weights: StringProperty(
+        name="Weights",
+        description="Numbers with commas between them, one per shape, for a single blend; empty for those on the list",
+        options={"SKIP_SAVE"},
+    )
+
+    replaces: StringProperty(
+        name="Replaces",
+        description="Name of a morph's collection whose frames the new ones take the place of; empty for a new morph",
+        options={"SKIP_SAVE"},
+    )
+    following: StringProperty(
+        name="Following",
+        description="Names of morphs to bake again when this one is done, one per line",
+        options={"SKIP_SAVE"},
+    )
+
     _job: MorphJob
+    _computing: dict[str, object]
     _background: BackgroundJob[MorphStep]
     _timer: bpy.types.Timer
 
@@ -35,7 +77,8 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         if context.mode != "OBJECT":
             cls.poll_message_set("Go to Object Mode first")
             return False
-        if sum(obj.type == "MESH" for obj in context.selected_objects) < 2:
+        # Which shapes are meant depends on the arguments.
+        if len(bpy.data.objects) < 2:
             cls.poll_message_set("Select at least two mesh objects")
             return False
         if context.window_manager.convwass_progress.running:
@@ -52,7 +95,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
-            for step in job.steps():
+            for step in job.steps(**self._computing):
                 job.write(step)
                 manager.progress_update(int(100 * step.fraction))
             return self._finish(context, job)
@@ -73,7 +116,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         except ConvwassError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._background = BackgroundJob(partial(self._job.steps, previews=True))
+        self._background = BackgroundJob(partial(self._job.steps, previews=True, **self._computing))
         self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         context.window_manager.modal_handler_add(self)
         self._show(context, 0.0, "Starting")
@@ -84,18 +127,15 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             self._background.cancel()
         elif event.type != "TIMER":
             return {"PASS_THROUGH"}
-        done = self._background.done
         try:
-            for step in self._background.poll():
-                self._job.write(step)
-                self._show(context, step.fraction, step.message)
+            written = self._write(context, math.inf if event.type == "ESC" else _BUSY_SECONDS)
         except ConvwassError as error:
             self._background.cancel()
             self._stop(context)
             self._job.discard()
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        return self._end(context) if done or event.type == "ESC" else {"PASS_THROUGH"}
+        return self._end(context) if written else {"PASS_THROUGH"}
 
     def cancel(self, context):
         self._background.cancel()
@@ -104,11 +144,25 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
 
     def _begin(self, context: bpy.types.Context) -> MorphJob:
         """Read the inputs; everything that can be refused is refused here or before the first frame."""
-        inputs = self.sorted_shapes([obj for obj in context.selected_objects if obj.type == "MESH"])
-        options = {name: getattr(self, name) for name in ("layout", "frames", "steps", "order", "reverse")}
-        blends, settings = self.blends(len(inputs)), self.solver_settings()
-        depsgraph = context.evaluated_depsgraph_get()
-        return MorphJob(context.scene, depsgraph, inputs, blends, settings, options, context.scene.frame_start)
+        self._computing = _computing()
+        chosen = chosen_inputs(context, self, self.inputs, self.weights)
+        weights = chosen.weights if self.layout == "BLEND" else None
+        options = {**self.stored_options(), "weights": weights}
+        blends, settings = self.blends(len(chosen.objects), weights), self.solver_settings()
+        depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
+        return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+
+    def _write(self, context: bpy.types.Context, seconds: float) -> bool:
+        """Write what has been done, for so long; return whether nothing more will come."""
+        done, until, step = self._background.done, time.monotonic() + seconds, None
+        for step in self._background.poll():
+            self._job.write(step)
+            if time.monotonic() > until:
+                done = False
+                break
+        if step is not None:
+            self._show(context, step.fraction, step.message)
+        return done
 
     def _end(self, context: bpy.types.Context) -> set[str]:
         """Finish or give up once the thread has ended."""
@@ -117,7 +171,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         try:
             if error is None:
                 return self._finish(context, self._job)
-            if isinstance(error, Cancelled) and self._job.records:
+            if isinstance(error, Cancelled) and self._job.records and not self.replaces:
                 collection = self._job.finish(self.hide_inputs)
                 self._select(context, frame_objects(collection)[0])
                 self.report({"WARNING"}, rpt_("Stopped; {:d} finished frames are kept").format(len(self._job.records)))
@@ -135,7 +189,11 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
 
     def _finish(self, context: bpy.types.Context, job: MorphJob) -> set[str]:
         collection = job.finish(self.hide_inputs)
+        replaced = bpy.data.collections.get(self.replaces)
+        if replaced is not None:
+            collection = replace_bake(replaced, collection)
         self._select(context, frame_objects(collection)[0])
+        self._hand_over(collection)
         slack = [record for record in job.records if not record.get("converged", True)]
         if slack:
             worst = max(record["marginal_error"] for record in slack)
@@ -145,7 +203,19 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             self.report({"WARNING"}, " ".join(job.notices))
         else:
             self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(collection.name, len(job.records)))
+        if self.following:
+            bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=self.following)
         return {"FINISHED"}
+
+    def _hand_over(self, morph: bpy.types.Collection) -> None:
+        """Make of the morph, which is selected, what the output asks for; the meshes are kept where that fails."""
+        name = _OUTPUT_OPERATORS.get((self.output, self.layout)) or _OUTPUT_OPERATORS.get((self.output, ""))
+        if name is None or stand_ins(morph):
+            return
+        try:
+            getattr(bpy.ops.convwass, name)()
+        except RuntimeError as error:
+            self.report({"WARNING"}, str(error).strip().removeprefix("Error: "))
 
     def _select(self, context: bpy.types.Context, shown: bpy.types.Object) -> None:
         """Make the morph the thing that is selected: the inputs may be hidden now."""
@@ -158,9 +228,11 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         progress = context.window_manager.convwass_progress
         progress.running, progress.fraction, progress.message = True, fraction, message
         context.workspace.status_text_set(f"{rpt_('Baking morph')}: {message}    Esc: {rpt_('stop')}")
+        # The sidebar alone: drawing the shapes again may take long, and new ones see to that themselves.
         for area in context.window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
 
     def _stop(self, context: bpy.types.Context) -> None:
         context.window_manager.event_timer_remove(self._timer)
@@ -169,6 +241,13 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             context.workspace.status_text_set(None)
         for area in context.window.screen.areas if context.window else ():
             area.tag_redraw()
+
+
+def _computing() -> dict[str, object]:
+    """Return how the preferences want frames to be computed; raises InputError for a folder that cannot be used."""
+    preferred = preferences()
+    cache = None if preferred.cache_folder is None else FrameCache(preferred.cache_folder)
+    return {"workers": preferred.workers, "cache": cache}
 
 
 classes = (CONVWASS_OT_bake_morph,)

@@ -5,15 +5,24 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.bake import remove_bake
-from ..bridge.stored import MORPH_KEY, stored_inputs, stored_settings
+from ..bridge.changes import changed_inputs
+from ..bridge.stand_ins import shown_morph
+from ..bridge.stored import MORPH_KEY, stored_inputs, stored_morph, stored_settings
 from ..errors import ConvwassError
+from ..properties import stored_arguments
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
-    """Return the morph that the active object or the active collection belongs to."""
-    candidates = [*(context.object.users_collection if context.object else ()), context.collection]
+    """Return the morph that the active object shows or belongs to, or that is the active collection."""
+    candidates = [
+        shown_morph(context.object),
+        *(context.object.users_collection if context.object else ()),
+        context.collection,
+    ]
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
 
 
@@ -50,8 +59,97 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
             obj.hide_render = False
             obj.select_set(True)
         context.view_layer.objects.active = inputs[-1]
-        context.scene.convwass_morph.take_stored(stored)
+        settings = context.scene.convwass_morph
+        settings.take_stored(stored)
+        settings.take_inputs(inputs, stored.get("weights"))
         return {"FINISHED"}
+
+
+class CONVWASS_OT_rebake_morph(bpy.types.Operator):
+    """Bake morphs again from the settings that are stored with them; players keep their keys"""
+
+    bl_idname = "convwass.rebake_morph"
+    bl_label = "Bake Again"
+    bl_options = {"REGISTER", "UNDO"}
+
+    which: EnumProperty(
+        name="Which",
+        description="Which morphs of the file to bake again",
+        items=(
+            ("ACTIVE", "Active", "The morph of the active object"),
+            ("STALE", "Stale", "All whose shapes have changed since they were baked"),
+            ("ALL", "All", "All morphs"),
+        ),
+        options={"SKIP_SAVE"},
+    )
+    morphs: StringProperty(
+        name="Morphs",
+        description="Names of the morphs' collections instead, one per line",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode first")
+            return False
+        if context.window_manager.convwass_progress.running:
+            cls.poll_message_set("A morph is being baked; press Esc in the viewport to stop it")
+            return False
+        if not any(MORPH_KEY in collection for collection in bpy.data.collections):
+            cls.poll_message_set("Bake a morph first")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        # One after the other in the background: each bake begins the next one.
+        return self._bake(context, "INVOKE_DEFAULT", lambda names: [(names[0], "\n".join(names[1:]))])
+
+    def execute(self, context):
+        return self._bake(context, "EXEC_DEFAULT", lambda names: [(name, "") for name in names])
+
+    def _bake(self, context, how, planned):
+        names = self._wanted(context)
+        if not names:
+            self.report({"INFO"}, rpt_("No morph needs to be baked again"))
+            return {"CANCELLED"}
+        try:
+            for name, following in planned(names):
+                bpy.ops.convwass.bake_morph(how, following=following, **_arguments(bpy.data.collections[name]))
+        except ConvwassError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except RuntimeError as error:
+            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def _wanted(self, context: bpy.types.Context) -> list[str]:
+        """Return the names of the morphs to bake."""
+        there = [collection for collection in bpy.data.collections if MORPH_KEY in collection]
+        if self.morphs:
+            names = self.morphs.split("\n")
+            return [collection.name for collection in there if collection.name in names]
+        if self.which == "ACTIVE":
+            active = active_morph(context)
+            return [] if active is None else [active.name]
+        return [collection.name for collection in there if self.which == "ALL" or changed_inputs(collection)]
+
+
+def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
+    """Return what Bake Morph has to be told to make a morph again; raises InputError where its shapes are gone."""
+    stored, inputs = stored_morph(morph), stored_inputs(morph)
+    known = {name: value for name, value in stored_arguments(stored.settings).items() if value is not None}
+    weights = stored.records[0]["weights"] if known.get("layout") == "BLEND" and stored.records else []
+    return {
+        **known,
+        "inputs": "\n".join(obj.name for obj in inputs),
+        "weights": ",".join(str(weight) for weight in weights),
+        "start": "CUSTOM",
+        "start_frame": stored.first_frame,
+        "hide_inputs": all(obj.hide_render for obj in inputs),
+        "replaces": morph.name,
+    }
 
 
 class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
@@ -74,4 +172,4 @@ class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
         return {"FINISHED"}
 
 
-classes = (CONVWASS_OT_select_morph_inputs, CONVWASS_OT_delete_morph)
+classes = (CONVWASS_OT_select_morph_inputs, CONVWASS_OT_rebake_morph, CONVWASS_OT_delete_morph)

@@ -11,6 +11,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..bridge.bake import remove_frames
 from ..bridge.cache_output import as_cache
 from ..bridge.disk_output import DiskOutput, output_folder
+from ..bridge.stand_ins import remove_stand_ins
 from ..bridge.volume_output import as_volume
 from ..errors import ConvwassError
 from .manage_morph import OnActiveMorph, active_morph
@@ -40,6 +41,7 @@ class _OutputMorph(OnActiveMorph):
             return {"CANCELLED"}
         finally:
             manager.progress_end()
+        remove_stand_ins(morph)
         remove_frames(morph)
         for obj in context.selected_objects:
             obj.select_set(False)

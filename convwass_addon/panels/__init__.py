@@ -6,6 +6,6 @@ from __future__ import annotations
 
 import bpy
 
-from . import morph
+from . import baked, morph
 
-register, unregister = bpy.utils.register_classes_factory(morph.classes)
+register, unregister = bpy.utils.register_classes_factory((*morph.classes, *baked.classes))

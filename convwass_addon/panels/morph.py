@@ -1,28 +1,54 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The morph panel in the sidebar of the 3D viewport."""
+"""The panels that ask what to morph and how."""
 
 from __future__ import annotations
 
 import bpy
+from bl_ui.utils import PresetPanel
+from bpy.app.translations import pgettext_iface as iface_
 
 from ..operators.bake_morph import CONVWASS_OT_bake_morph
-from ..operators.manage_morph import (
-    CONVWASS_OT_delete_morph,
-    CONVWASS_OT_select_morph_inputs,
-    active_morph,
+from ..operators.edit_inputs import (
+    CONVWASS_OT_add_inputs,
+    CONVWASS_OT_check_inputs,
+    CONVWASS_OT_clear_inputs,
+    CONVWASS_OT_move_input,
+    CONVWASS_OT_remove_input,
 )
-from ..properties import MorphProperties
+from ..properties import CONVWASS_PG_morph, MorphProperties
+from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
+from .sidebar import Sidebar, draw_wrapped
+
+# Selected shapes that are named; of more only the number is told.
+_NAMED = 8
+_NEEDED = {"GRID": 4, "TRIANGLE": 3}
 
 
-class _Sidebar:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Convwass"
+class CONVWASS_UL_inputs(bpy.types.UIList):
+    """Shapes to morph: whether each takes part, its name, its weight in a single blend, and what is wrong with it"""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.prop(item, "enabled", text="")
+        named = row.row(align=True)
+        named.active = item.enabled
+        if item.object is None:
+            named.prop(item, "object", text="")
+        else:
+            named.prop(item.object, "name", text="", emboss=False, icon="MESH_DATA")
+        if item.warns:
+            icon = "ERROR" if item.verdict in ("NO_VOLUME", "UNUSABLE") else "INFO"
+            named.operator(CONVWASS_OT_check_inputs.bl_idname, text="", icon=icon, emboss=False).index = index
+        if data.layout == "BLEND":
+            weight = named.row(align=True)
+            weight.ui_units_x = 3.0
+            weight.prop(item, "weight", text="")
 
 
-class CONVWASS_PT_morph(_Sidebar, bpy.types.Panel):
-    """Select shapes, set frames and resolution, bake"""
+class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
+    """Choose shapes, frames and resolution, and bake"""
 
     bl_label = "Morph"
     bl_idname = "CONVWASS_PT_morph"
@@ -32,50 +58,142 @@ class CONVWASS_PT_morph(_Sidebar, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = context.scene.convwass_morph
-        shapes = settings.sorted_shapes([obj for obj in context.selected_objects if obj.type == "MESH"])
-
-        box = layout.box().column(align=True)
-        if len(shapes) < 2:
-            box.label(text="Select two or more meshes", icon="INFO")
-        for index, obj in enumerate(shapes):
-            box.label(text=obj.name, icon="MESH_DATA" if index == 0 else "FORWARD")
+        if settings.inputs:
+            _draw_list(layout, settings)
+            count = len(settings.enabled_inputs)
+        else:
+            count = _draw_selection(layout, context, settings)
 
         column = layout.column()
-        row = column.row(align=True)
-        row.prop(settings, "order")
-        row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
         column.prop(settings, "layout")
-        column.prop(settings, "frames" if settings.layout == "PATH" else "steps")
+        if settings.layout == "PATH":
+            column.prop(settings, "frames")
+        elif settings.layout != "BLEND":
+            column.prop(settings, "steps")
         column.prop(settings, "resolution")
-        column.prop(settings, "parts")
-        column.prop(settings, "hide_inputs")
 
         progress = context.window_manager.convwass_progress
         if progress.running:
             layout.progress(factor=progress.fraction, text=progress.message)
             layout.label(text="Esc in the viewport stops it", icon="CANCEL")
             return
+        needed = _NEEDED.get(settings.layout)
         row = layout.row()
         row.scale_y = 1.6
+        row.enabled = count >= 2 if needed is None else count == needed
         operator = row.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
         for name in MorphProperties.__annotations__:
             setattr(operator, name, getattr(settings, name))
+        if needed is not None and count != needed:
+            text = iface_("This layout takes {:d} shapes, there are {:d}").format(needed, count)
+            draw_wrapped(layout, context, text, "INFO")
 
 
-class CONVWASS_PT_morph_solver(_Sidebar, bpy.types.Panel):
-    """Settings with good defaults"""
+def _draw_list(layout: bpy.types.UILayout, settings: CONVWASS_PG_morph) -> None:
+    """Draw the list of inputs with its buttons."""
+    row = layout.row()
+    row.template_list("CONVWASS_UL_inputs", "", settings, "inputs", settings, "active_input", rows=5)
+    column = row.column(align=True)
+    column.operator(CONVWASS_OT_add_inputs.bl_idname, text="", icon="ADD")
+    column.operator(CONVWASS_OT_remove_input.bl_idname, text="", icon="REMOVE")
+    column.separator()
+    column.operator(CONVWASS_OT_move_input.bl_idname, text="", icon="TRIA_UP").direction = "UP"
+    column.operator(CONVWASS_OT_move_input.bl_idname, text="", icon="TRIA_DOWN").direction = "DOWN"
+    column.separator()
+    column.operator(CONVWASS_OT_check_inputs.bl_idname, text="", icon="FILE_REFRESH")
+    column.operator(CONVWASS_OT_clear_inputs.bl_idname, text="", icon="X")
 
-    bl_label = "Solver"
-    bl_idname = "CONVWASS_PT_morph_solver"
+
+def _draw_selection(layout: bpy.types.UILayout, context: bpy.types.Context, settings: CONVWASS_PG_morph) -> int:
+    """Name the selected meshes, which are morphed while there is no list, and return how many there are."""
+    shapes = settings.sorted_shapes([obj for obj in context.selected_objects if obj.type == "MESH"])
+    box = layout.box().column(align=True)
+    if len(shapes) < 2:
+        box.label(text="Select two or more meshes", icon="INFO")
+    for index, obj in enumerate(shapes[:_NAMED]):
+        box.label(text=obj.name, icon="MESH_DATA" if index == 0 else "FORWARD", translate=False)
+    if len(shapes) > _NAMED:
+        box.label(text=iface_("and {:d} more").format(len(shapes) - _NAMED), icon="BLANK1", translate=False)
+    column = layout.column()
+    row = column.row(align=True)
+    row.prop(settings, "order")
+    row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
+    column.operator(CONVWASS_OT_add_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
+    return len(shapes)
+
+
+class _Subpanel(Sidebar):
     bl_parent_id = "CONVWASS_PT_morph"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.scene.convwass_morph
-        for switch, value in (("use_custom_blur", "blur"), ("use_custom_sharpness", "sharpness")):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.draw_settings(self.layout, context.scene.convwass_morph)
+
+
+class CONVWASS_PT_morph_placement(_Subpanel, bpy.types.Panel):
+    """How the shapes are laid onto each other"""
+
+    bl_label = "Matching"
+    bl_idname = "CONVWASS_PT_morph_placement"
+
+    def draw_settings(self, layout, settings):
+        layout.prop(settings, "alignment")
+        layout.prop(settings, "scaling")
+        layout.prop(settings, "parts")
+
+
+class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
+    """When the morph begins, and how often its mesh changes"""
+
+    bl_label = "Timing"
+    bl_idname = "CONVWASS_PT_morph_timing"
+
+    @classmethod
+    def poll(cls, context):
+        return context.scene.convwass_morph.layout == "PATH"
+
+    def draw_settings(self, layout, settings):
+        layout.prop(settings, "start")
+        if settings.start == "CUSTOM":
+            layout.prop(settings, "start_frame", text="Frame")
+        layout.prop(settings, "frame_step")
+
+
+class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
+    """What a bake leaves in the scene"""
+
+    bl_label = "Output"
+    bl_idname = "CONVWASS_PT_morph_output"
+
+    def draw_settings(self, layout, settings):
+        layout.prop(settings, "output", text="Type")
+        column = layout.column()
+        column.prop(settings, "hide_inputs")
+        column.prop(settings, "carry")
+
+
+class CONVWASS_PT_solver_presets(PresetPanel, bpy.types.Panel):
+    """Settings of the solver under a name"""
+
+    bl_label = "Solver Presets"
+    preset_subdir = SUBFOLDER
+    preset_operator = "script.execute_preset"
+    preset_add_operator = CONVWASS_OT_add_solver_preset.bl_idname
+
+
+class CONVWASS_PT_morph_solver(_Subpanel, bpy.types.Panel):
+    """Settings with good defaults"""
+
+    bl_label = "Solver"
+    bl_idname = "CONVWASS_PT_morph_solver"
+
+    def draw_header_preset(self, context):
+        CONVWASS_PT_solver_presets.draw_panel_header(self.layout)
+
+    def draw_settings(self, layout, settings):
+        for switch, value in (("use_custom_sharpness", "sharpness"), ("use_custom_blur", "blur")):
             row = layout.row(align=True, heading=settings.bl_rna.properties[value].name)
             row.prop(settings, switch, text="")
             field = row.row(align=True)
@@ -86,29 +204,19 @@ class CONVWASS_PT_morph_solver(_Sidebar, bpy.types.Panel):
         if settings.entropy_limit == "NUMBER":
             layout.prop(settings, "entropy_bound")
         layout.prop(settings, "level")
-        column = layout.column(heading="Surface")
+        column = layout.column()
         column.active = settings.level == "volume"
         column.prop(settings, "thin_parts")
         column.prop(settings, "mend")
         layout.prop(settings, "thickness")
 
 
-class CONVWASS_PT_baked_morph(_Sidebar, bpy.types.Panel):
-    """The morph that the active object belongs to"""
-
-    bl_label = "Baked Morph"
-    bl_idname = "CONVWASS_PT_baked_morph"
-
-    @classmethod
-    def poll(cls, context):
-        return active_morph(context) is not None
-
-    def draw(self, context):
-        layout = self.layout
-        layout.label(text=active_morph(context).name, icon="OUTLINER_COLLECTION")
-        column = layout.column(align=True)
-        column.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
-        column.operator(CONVWASS_OT_delete_morph.bl_idname, icon="TRASH")
-
-
-classes = (CONVWASS_PT_morph, CONVWASS_PT_morph_solver, CONVWASS_PT_baked_morph)
+classes = (
+    CONVWASS_UL_inputs,
+    CONVWASS_PT_morph,
+    CONVWASS_PT_morph_placement,
+    CONVWASS_PT_morph_timing,
+    CONVWASS_PT_morph_output,
+    CONVWASS_PT_solver_presets,
+    CONVWASS_PT_morph_solver,
+)

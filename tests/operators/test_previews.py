@@ -11,6 +11,9 @@ from types import MethodType, SimpleNamespace
 import bpy
 import pytest
 
+from convwass_addon.applications.layouts import path_blends, single_blend
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.bridge import job
 from convwass_addon.bridge.stored import frame_objects, stored_morph
 from convwass_addon.operators import bake_morph
 from tests.operators.test_bake_morph import census, morph_collection, two_shapes
@@ -24,8 +27,11 @@ ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
 class Pressed:
     """The operator between two events: its own methods, and the scene's settings as its properties."""
 
+    inputs = weights = ""
+
     def __init__(self):
         self.reports = []
+        self.replaces = self.following = ""
 
     def report(self, kind, message):
         self.reports.append(message)
@@ -86,12 +92,12 @@ def until(pressed, context, wanted):
 def test_every_frame_is_there_coarsely_and_then_finished(press, context):
     two_shapes()
     pressed = press(6)
-    job, previews, seen = pressed._job, {}, {}
-    add, preview = job._bake.add, job._bake.preview
+    running, previews, seen = pressed._job, {}, {}
+    add, preview = running._bake.add, running._bake.preview
 
     def previewing(frame):
         preview(frame)
-        obj = job._bake._previews[job._blends.index(frame.blend)].find()
+        obj = running._bake._previews[running._blends.index(frame.blend)].find()
         previews[frame.blend] = obj.session_uid, len(obj.data.vertices), obj.name, obj.animation_data.action_slot.handle
 
     def adding(frame):
@@ -99,7 +105,7 @@ def test_every_frame_is_there_coarsely_and_then_finished(press, context):
         seen[frame.blend] = obj.session_uid, len(obj.data.vertices), obj.name, obj.animation_data.action_slot.handle
         return obj
 
-    job._bake.preview, job._bake.add = previewing, adding
+    running._bake.preview, running._bake.add = previewing, adding
     assert until(pressed, context, lambda: False) == {"FINISHED"}
     assert len(previews) == len(seen) == 7
     for blend, (uid, vertices, name, slot) in seen.items():
@@ -154,6 +160,47 @@ def test_closing_the_window_leaves_nothing(press, context):
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     pressed.cancel(context)
     assert census() == before
+
+
+def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, monkeypatch):
+    """Each time as many are made as there is time for; here that is one."""
+    two_shapes()
+    pressed, written = press(3), []
+    monkeypatch.setattr(bake_morph, "_BUSY_SECONDS", -1.0)
+    write = pressed._job.write
+    pressed._job.write = lambda step: written.append(step) or write(step)
+    while not pressed._background.done:
+        time.sleep(0.005)
+    expected = 3 + 4 + 4
+    for number in range(1, expected + 1):
+        assert pressed.modal(context, TIMER) == {"PASS_THROUGH"}
+        assert len(written) == number
+    assert pressed.modal(context, TIMER) == {"FINISHED"}
+    assert len(frame_objects(morph_collection())) == 4
+
+
+def test_stopping_writes_all_that_waits(press, context, monkeypatch):
+    two_shapes()
+    pressed = press(3)
+    monkeypatch.setattr(bake_morph, "_BUSY_SECONDS", -1.0)
+    while not pressed._background.done:
+        time.sleep(0.005)
+    assert pressed.modal(context, ESCAPE) == {"FINISHED"}
+    assert len(frame_objects(morph_collection())) == 4
+
+
+@pytest.mark.parametrize(("current", "number"), [(1, 0), (5, 4), (-10, 0), (100, 6)])
+def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, number):
+    two_shapes()
+    asked = {}
+    monkeypatch.setattr(job, "morph", lambda *args, **options: asked.update(options))
+    bpy.context.scene.frame_set(current)
+    for blends, expected in ((path_blends(2, 6), number), (single_blend([1, 1], 2), 0)):
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        shapes = bpy.context.selected_objects
+        baking = job.MorphJob(bpy.context.scene, depsgraph, shapes, blends, MorphSettings(resolution=32), {}, 1)
+        baking.steps(previews=True)
+        assert asked["looked_at"] == expected
 
 
 def test_without_a_window_nothing_is_previewed(monkeypatch):

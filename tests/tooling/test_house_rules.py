@@ -41,12 +41,16 @@ MAY_IMPORT = {
     "applications": {"errors", "transport", "geometry"},
     "bridge": {"errors", "transport", "geometry", "applications"},
     "properties": {"errors", "applications", "bridge"},
-    "operators": {"errors", "applications", "bridge", "properties"},
-    "panels": {"errors", "applications", "bridge", "properties", "operators"},
+    "presets": set(),
+    "solver_presets": set(),
+    "preferences": {"solver_presets"},
+    "translations": set(),
+    "operators": {"errors", "applications", "bridge", "preferences", "properties", "solver_presets"},
+    "panels": {"errors", "applications", "bridge", "properties", "operators", "solver_presets"},
     "console": {"errors"},
     "cli": {"errors", "applications", "bridge", "console"},
     "__main__": {"cli", "console", "errors"},
-    "__init__": {"cli", "operators", "panels", "properties"},
+    "__init__": {"cli", "operators", "panels", "preferences", "properties", "solver_presets", "translations"},
 }
 """Which rooms of the package each room may import from, besides itself."""
 

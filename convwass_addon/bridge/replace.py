@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""New frames in the place of a morph's old ones, for whoever shows or uses that morph."""
+
+from __future__ import annotations
+
+import bpy
+
+from .bake import remove_frames
+from .blend_pad import make_blend_pad
+from .changes import SIGNATURES_KEY
+from .disk_output import remove_disk_outputs
+from .player import is_player, refresh_player
+from .stand_ins import remove_stand_ins, stand_ins
+from .stored import HEALTH_KEY, MORPH_KEY, frame_objects
+
+
+def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.types.Collection:
+    """Give a morph the frames and the description of another one, whose collection is removed.
+
+    A player keeps its keys, materials and modifiers. A blend pad is made anew. Objects that read files are removed.
+
+    Parameters
+    ----------
+    old : bpy.types.Collection
+        Keeps its name and its place.
+    new : bpy.types.Collection
+        A morph that has just been baked.
+
+    Returns
+    -------
+    bpy.types.Collection
+        `old`.
+    """
+    remove_frames(old)
+    remove_disk_outputs(old)
+    for obj in frame_objects(new):
+        old.objects.link(obj)
+    for key in (MORPH_KEY, HEALTH_KEY, SIGNATURES_KEY):
+        if key in new:
+            old[key] = new[key]
+    bpy.data.collections.remove(new)
+    shown_by = stand_ins(old)
+    if any(is_player(obj) for obj in shown_by):
+        refresh_player(old)
+    elif shown_by:
+        remove_stand_ins(old)
+        make_blend_pad(old)
+    return old

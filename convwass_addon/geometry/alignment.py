@@ -1,0 +1,238 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lay shapes onto each other: move, turn and scale them so that a morph changes their form and nothing else."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .mesh import TriangleMesh
+from .orientation import orient_outward
+
+Alignment = Literal["PLACED", "CENTERED", "PRINCIPAL_AXES"]
+Scaling = Literal["PLACED", "EQUAL_VOLUME"]
+
+# Spreads along two axes that differ by less than this share are equal: any directions between them would do.
+_EQUAL = 0.02
+# Turns that match the third moments as well as this share of the best one count as equally good.
+_AS_GOOD = 0.05
+# A mesh encloses something clear from this share of the cube of its size on.
+_CLEAR = 1e-5
+# The areas of an open shape's faces, with their directions, add up to that of its holes: the most of the whole area
+# with which there still is an inside. A bowl that is half of a ball has 0.5.
+_OPEN = 0.4
+_SIGNS = np.array([signs for signs in itertools.product((1.0, -1.0), repeat=3)])
+
+
+@dataclass(frozen=True)
+class RigidMove:
+    """A turn and a scale about a point, and where that point goes.
+
+    Attributes
+    ----------
+    rotation : (3, 3) float64
+        Without reflection.
+    scale : float
+        Larger than 0.
+    center : (3,) float64
+        The point, in the space of the shape.
+    target : (3,) float64
+        Where it goes.
+    """
+
+    rotation: NDArray[np.float64]
+    scale: float
+    center: NDArray[np.float64]
+    target: NDArray[np.float64]
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """The same as a (4, 4) matrix for column vectors."""
+        result = np.eye(4)
+        result[:3, :3] = self.scale * self.rotation
+        result[:3, 3] = self.target - result[:3, :3] @ self.center
+        return result
+
+    def moved(self, mesh: TriangleMesh) -> TriangleMesh:
+        """Return the mesh at its new place."""
+        return TriangleMesh(
+            (mesh.vertices - self.center) @ (self.scale * self.rotation).T + self.target,
+            mesh.faces,
+        )
+
+
+def aligned(
+    meshes: Sequence[TriangleMesh],
+    alignment: Alignment,
+    scaling: Scaling,
+    names: Sequence[str] = (),
+) -> tuple[RigidMove, ...]:
+    """Find out how to lay shapes onto the first one, which stays as it is.
+
+    Parameters
+    ----------
+    meshes : sequence of TriangleMesh
+        In one space. What is compared is the solid that they enclose, or the surface of those that enclose nothing.
+    alignment : "PLACED", "CENTERED" or "PRINCIPAL_AXES"
+        Leave all where they are; bring the centers of mass together; also turn the axes of inertia onto those of the
+        first shape. Which way round an axis goes is decided by the third moments: the side with the longer tail comes
+        to lie on the side with the longer tail. Where shapes are symmetric and all ways are as good, the smallest turn
+        is taken. Nothing is ever mirrored.
+    scaling : "PLACED" or "EQUAL_VOLUME"
+        Leave sizes, or give all the volume of the first shape.
+    names : sequence of str
+        What messages call the shapes.
+
+    Returns
+    -------
+    tuple of RigidMove
+        One per shape.
+
+    Raises
+    ------
+    InputError
+        A shape without volume where all are to have equal volumes.
+    """
+    solids = [_Solid.of(mesh) for mesh in meshes]
+    first = solids[0]
+    scales = _equal_volume_scales(solids, names) if scaling == "EQUAL_VOLUME" else [1.0] * len(solids)
+    moves = []
+    for index, (solid, scale) in enumerate(zip(solids, scales, strict=True)):
+        turns = alignment == "PRINCIPAL_AXES" and index > 0
+        rotation = _turn(solid, first) if turns else np.eye(3)
+        target = solid.center if alignment == "PLACED" else first.center
+        moves.append(RigidMove(rotation, scale, solid.center, target))
+    return tuple(moves)
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """Moments of a shape about its center: of the volume, or of the surface where it encloses nothing clear.
+
+    The second and third ones, (3, 3) and (3, 3, 3), are those of mass 1.
+    """
+
+    volume: float
+    center: NDArray[np.float64]
+    second: NDArray[np.float64]
+    third: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh) -> _Solid:
+        corners = orient_outward(mesh).corners
+        directed = _directed_areas(corners)
+        areas = np.linalg.norm(directed, axis=1)
+        # About the middle of the surface, the volume of an open shape does not depend on how it is turned.
+        middle = areas @ corners.mean(axis=1) / areas.sum()
+        corners = corners - middle
+        volumes = np.einsum("mi,mi->m", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+        volume = abs(float(volumes.sum()))
+        hole = float(np.linalg.norm(directed.sum(axis=0)))
+        if volume > _CLEAR * areas.sum() ** 1.5 and hole < _OPEN * areas.sum():
+            tetrahedra = np.concatenate([corners, np.zeros((len(corners), 1, 3))], axis=1)
+            solid = cls._of_simplices(tetrahedra, volumes / volumes.sum(), volume, middle)
+            if np.linalg.eigvalsh(solid.second)[0] > 0.0:
+                return solid
+        return cls._of_simplices(corners, areas / areas.sum(), 0.0, middle)
+
+    @classmethod
+    def _of_simplices(
+        cls, simplices: NDArray[np.float64], sizes: NDArray[np.float64], volume: float, origin: NDArray[np.float64]
+    ) -> _Solid:
+        center = np.einsum("m,mi->i", sizes, simplices.mean(axis=1))
+        second, third = _moments(simplices - center, sizes)
+        return cls(volume, center + origin, second, third)
+
+
+def _directed_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the normals of triangles, (m, 3), as long as their areas."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return 0.5 * np.cross(b - a, c - a)
+
+
+def _moments(
+    simplices: NDArray[np.float64], sizes: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the second and third moments about the origin of simplices, (m, corners, 3), of signed sizes (m,).
+
+    The mean of a monomial over a simplex is that of the complete homogeneous polynomials of its corners.
+    """
+    corners = simplices.shape[1]
+    total = simplices.sum(axis=1)
+    squares = np.einsum("mvi,mvj->mij", simplices, simplices)
+    second = np.einsum("m,mi,mj->ij", sizes, total, total) + np.einsum("m,mij->ij", sizes, squares)
+    mixed = np.einsum("m,mi,mjk->ijk", sizes, total, squares)
+    third = np.einsum("m,mi,mj,mk->ijk", sizes, total, total, total, optimize=True)
+    third += mixed + mixed.transpose(1, 0, 2) + mixed.transpose(1, 2, 0)
+    third += 2.0 * np.einsum("m,mvi,mvj,mvk->ijk", sizes, simplices, simplices, simplices, optimize=True)
+    return second / (corners * (corners + 1)), third / (corners * (corners + 1) * (corners + 2))
+
+
+def _equal_volume_scales(solids: Sequence[_Solid], names: Sequence[str]) -> list[float]:
+    for index, solid in enumerate(solids):
+        if solid.volume <= 0.0:
+            name = names[index] if names else f"Shape {index + 1}"
+            raise InputError(
+                f"'{name}' encloses no volume, so it cannot be scaled to that of the others. Give it thickness, or set "
+                "the scale to as placed."
+            )
+    return [float(np.cbrt(solids[0].volume / solid.volume)) for solid in solids]
+
+
+def _turn(solid: _Solid, first: _Solid) -> NDArray[np.float64]:
+    """Return the rotation, (3, 3), that turns the axes of one solid onto those of another."""
+    own, goal = _axes(solid.second), _axes(first.second)
+    goal_axes = _settled(goal, own.directions)
+    own_axes = _settled(own, goal_axes)
+    turns = np.array([(goal_axes * signs) @ own_axes.T for signs in _SIGNS])
+    turns = turns[np.linalg.det(turns) > 0.0]
+    moved = np.einsum("tai,tbj,tck,ijk->tabc", turns, turns, turns, solid.third, optimize=True)
+    size = np.linalg.norm(solid.third) * np.linalg.norm(first.third)
+    match = np.einsum("tabc,abc->t", moved, first.third) / max(size, np.finfo(float).tiny)
+    as_good = match >= match.max() - _AS_GOOD * np.ptp(match) - _negligible(solid, first)
+    angles = np.einsum("taa->t", turns)
+    return turns[np.argmax(np.where(as_good, angles, -np.inf))]
+
+
+def _negligible(solid: _Solid, first: _Solid) -> float:
+    """Difference of matches that means nothing: all of them where a shape is symmetric about its center."""
+    skews = [np.linalg.norm(one.third) / np.trace(one.second) ** 1.5 for one in (solid, first)]
+    return np.inf if min(skews) < 1e-4 else 1e-9
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """Columns of directions, (3, 3), by falling spread, and in which of them the spread is as good as equal."""
+
+    directions: NDArray[np.float64]
+    groups: tuple[tuple[int, ...], ...]
+
+
+def _axes(second: NDArray[np.float64]) -> _Axes:
+    values, vectors = np.linalg.eigh(second)
+    spreads, directions = np.sqrt(np.maximum(values[::-1], 0.0)), vectors[:, ::-1]
+    groups: list[list[int]] = [[0]]
+    for index in (1, 2):
+        if spreads[index - 1] - spreads[index] <= _EQUAL * spreads[0]:
+            groups[-1].append(index)
+        else:
+            groups.append([index])
+    return _Axes(directions, tuple(map(tuple, groups)))
+
+
+def _settled(axes: _Axes, near: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Choose directions, where any would do, as close as can be to those that they will be compared with."""
+    directions = axes.directions.copy()
+    for group in axes.groups:
+        if len(group) > 1:
+            own, wanted = directions[:, group], near[:, group]
+            u, _, vt = np.linalg.svd(own.T @ wanted)
+            directions[:, group] = own @ u @ vt
+    return directions

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which shapes a bake takes: those that are named, else those on the scene's list, else those that are selected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from ..errors import InputError
+from ..properties import MorphProperties
+
+
+@dataclass(frozen=True)
+class ChosenInputs:
+    """Shapes to morph.
+
+    Attributes
+    ----------
+    objects : list of bpy.types.Object
+        In the order of the morph.
+    weights : list of float
+        For a single blend, one per shape.
+    """
+
+    objects: list[bpy.types.Object]
+    weights: list[float]
+
+
+def chosen_inputs(
+    context: bpy.types.Context, settings: MorphProperties, names: str = "", weights: str = ""
+) -> ChosenInputs:
+    """Find the shapes to morph.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Whose scene and selection count.
+    settings : MorphProperties
+        For the order of shapes that are selected.
+    names : str
+        Names of objects, one per line or with commas between them; empty for those on the list or selected.
+    weights : str
+        Numbers with commas between them, one per shape; empty for those on the list, or all alike.
+
+    Raises
+    ------
+    InputError
+        Fewer than two shapes, names that are not there, or weights that do not fit.
+    """
+    listed = context.scene.convwass_morph.enabled_inputs
+    if names.strip():
+        objects = [_named(name) for name in split_names(names)]
+        numbers = [1.0] * len(objects)
+    elif context.scene.convwass_morph.inputs:
+        for item in listed:
+            if item.object is None or item.object.name not in context.scene.objects:
+                raise InputError("A shape on the list of inputs has been deleted; remove it from the list.")
+        objects, numbers = [item.object for item in listed], [item.weight for item in listed]
+    else:
+        objects = settings.sorted_shapes([obj for obj in context.selected_objects if obj.type == "MESH"])
+        numbers = [1.0] * len(objects)
+    if weights.strip():
+        numbers = _numbers(weights)
+    if len(objects) < 2:
+        raise InputError("Select at least two mesh objects, or put them on the list of inputs.")
+    return ChosenInputs(objects, numbers)
+
+
+def split_names(text: str) -> list[str]:
+    """Split a list of names: at the ends of lines if there are any, else at commas."""
+    names = text.splitlines() if "\n" in text.strip() else text.split(",")
+    return [name.strip() for name in names if name.strip()]
+
+
+def _named(name: str) -> bpy.types.Object:
+    obj = bpy.data.objects.get(name)
+    if obj is None:
+        raise InputError(f"There is no object named {name}; check the names of the inputs.")
+    return obj
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError as error:
+        raise InputError(f"Weights are numbers with commas between them, not {text!r}.") from error

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edit the list of shapes to morph, and check the shapes on it."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
+from bpy.props import EnumProperty, IntProperty
+
+from ..applications.shape_check import ShapeFindings, check_shape
+from ..bridge.objects import triangle_mesh
+from ..errors import ConvwassError, InputError
+from ..preferences import preferences
+from ..properties import CONVWASS_PG_input
+from ..solver_presets import apply_preset, is_untouched
+
+ACTIVE = -1
+"""Index that stands for the active input."""
+
+
+def _index_property() -> object:
+    return IntProperty(
+        name="Index", description="Place on the list, from 0; -1 is the active one", default=ACTIVE, min=ACTIVE
+    )
+
+
+class _EditInputs:
+    bl_options = {"REGISTER", "UNDO"}
+
+    def _place(self, context: bpy.types.Context) -> int:
+        """Return the index that is meant; raises InputError where there is none."""
+        settings = context.scene.convwass_morph
+        index = settings.active_input if self.index == ACTIVE else self.index
+        if not 0 <= index < len(settings.inputs):
+            raise InputError(rpt_("There is no input number {:d} on the list").format(index))
+        return index
+
+
+class _OnList(_EditInputs):
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.convwass_morph.inputs:
+            cls.poll_message_set("There are no shapes on the list yet")
+            return False
+        return True
+
+
+class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
+    """Put the selected meshes on the list of shapes to morph, and check them"""
+
+    bl_idname = "convwass.add_inputs"
+    bl_label = "Add Inputs"
+
+    @classmethod
+    def poll(cls, context):
+        if not any(obj.type == "MESH" for obj in context.selected_objects):
+            cls.poll_message_set("Select mesh objects to add")
+            return False
+        return True
+
+    def execute(self, context):
+        settings = context.scene.convwass_morph
+        if not settings.inputs and is_untouched(settings):
+            apply_preset(preferences(context).default_preset)
+        known = {item.object for item in settings.inputs}
+        meshes = [obj for obj in context.selected_objects if obj.type == "MESH" and obj not in known]
+        for obj in settings.sorted_shapes(meshes):
+            item = settings.inputs.add()
+            item.object = obj
+            check(item, context.evaluated_depsgraph_get())
+        settings.active_input = len(settings.inputs) - 1
+        if not meshes:
+            self.report({"INFO"}, rpt_("All selected meshes are on the list already"))
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):
+    """Take a shape off the list; the object stays as it is"""
+
+    bl_idname = "convwass.remove_input"
+    bl_label = "Remove Input"
+
+    index: _index_property()
+
+    def execute(self, context):
+        settings = context.scene.convwass_morph
+        try:
+            index = self._place(context)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        settings.inputs.remove(index)
+        if settings.active_input >= index:
+            settings.active_input = max(settings.active_input - 1, 0)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_move_input(_OnList, bpy.types.Operator):
+    """Move a shape to another place on the list, which is the order of the morph"""
+
+    bl_idname = "convwass.move_input"
+    bl_label = "Move Input"
+
+    index: _index_property()
+    direction: EnumProperty(
+        name="Direction",
+        description="Where to",
+        items=(("UP", "Up", "One place towards the beginning"), ("DOWN", "Down", "One place towards the end")),
+    )
+
+    def execute(self, context):
+        settings = context.scene.convwass_morph
+        try:
+            index = self._place(context)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        target = index + (1 if self.direction == "DOWN" else -1)
+        if not 0 <= target < len(settings.inputs):
+            return {"CANCELLED"}
+        settings.inputs.move(index, target)
+        if settings.active_input in (index, target):
+            settings.active_input = target if settings.active_input == index else index
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_clear_inputs(_OnList, bpy.types.Operator):
+    """Empty the list; then whatever is selected is morphed"""
+
+    bl_idname = "convwass.clear_inputs"
+    bl_label = "Clear Inputs"
+
+    def execute(self, context):
+        settings = context.scene.convwass_morph
+        settings.inputs.clear()
+        settings.active_input = 0
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_check_inputs(_OnList, bpy.types.Operator):
+    """Look again for holes, flipped faces and missing volume in the shapes on the list"""
+
+    bl_idname = "convwass.check_inputs"
+    bl_label = "Check Inputs"
+
+    index: IntProperty(
+        name="Index", description="Place on the list, from 0; -1 checks all of them", default=ACTIVE, min=ACTIVE
+    )
+
+    @classmethod
+    def description(cls, context, properties):
+        inputs = context.scene.convwass_morph.inputs
+        if 0 <= properties.index < len(inputs) and inputs[properties.index].finding:
+            return f"{inputs[properties.index].finding}.\n\n{tip_('Click to check again')}"
+        return tip_(cls.__doc__)
+
+    def execute(self, context):
+        inputs = list(context.scene.convwass_morph.inputs)
+        if self.index != ACTIVE:
+            inputs = inputs[self.index : self.index + 1]
+        depsgraph = context.evaluated_depsgraph_get()
+        for item in inputs:
+            check(item, depsgraph)
+        faulty = sum(item.warns for item in inputs)
+        if faulty:
+            self.report({"WARNING"}, rpt_("Shapes that need a look: {:d} of {:d}").format(faulty, len(inputs)))
+        else:
+            self.report({"INFO"}, rpt_("No faults were found"))
+        return {"FINISHED"}
+
+
+def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
+    """Look at the shape of an input, and note on the item what was found out."""
+    if item.object is None or not item.object.users_scene:
+        item.verdict, item.finding = "UNUSABLE", rpt_("The object has been deleted")
+        return
+    try:
+        findings = check_shape(triangle_mesh(item.object, depsgraph))
+    except ConvwassError as error:
+        item.verdict, item.finding = "UNUSABLE", str(error).rstrip(".")
+        return
+    item.verdict, item.finding = findings.worst, "; ".join(_sentences(findings))
+
+
+def _sentences(findings: ShapeFindings) -> list[str]:
+    """Return what to tell the user about a shape, the most important first."""
+    if not findings.has_volume:
+        return [rpt_("It encloses no volume: set Thickness, or add a Solidify modifier")]
+    found = []
+    if findings.open_edges:
+        found.append(rpt_("Holes with {:d} open edges; what they nearly enclose is filled").format(findings.open_edges))
+    if findings.flipped_faces:
+        found.append(rpt_("{:d} flipped triangles, turned over for the morph").format(findings.flipped_faces))
+    return found
+
+
+classes = (
+    CONVWASS_OT_add_inputs,
+    CONVWASS_OT_remove_input,
+    CONVWASS_OT_move_input,
+    CONVWASS_OT_clear_inputs,
+    CONVWASS_OT_check_inputs,
+)

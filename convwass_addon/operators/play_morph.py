@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Show a morph by one object: a player with a value to animate, or a pad on which an empty is dragged."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.blend_pad import make_blend_pad
+from ..bridge.player import make_player
+from ..bridge.stand_ins import remove_stand_ins, stand_ins
+from ..bridge.stored import frame_objects
+from ..errors import ConvwassError
+from .manage_morph import active_morph
+
+
+class _OnPlayedMorph:
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode first")
+            return False
+        if active_morph(context) is None:
+            cls.poll_message_set("Select an object of a baked morph")
+            return False
+        return True
+
+    def execute(self, context):
+        morph = active_morph(context)
+        try:
+            shown = self._change(morph)
+        except ConvwassError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        if shown is not None and shown.name in context.view_layer.objects:
+            context.view_layer.objects.active = shown
+            shown.select_set(True)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
+    """Show the active morph by one object, whose value Morph can be animated: 0 is the first shape, 1 the second"""
+
+    bl_idname = "convwass.make_player"
+    bl_label = "Make Player"
+
+    playback: bpy.props.EnumProperty(
+        name="Playback",
+        description="What is seen where the value goes past the last shape or before the first",
+        items=(
+            ("ONCE", "Once", "Stay at the last or the first shape"),
+            ("LOOP", "Loop", "Start again at the other end"),
+            ("PING_PONG", "Ping-Pong", "Go back and forth"),
+        ),
+    )
+    easing: bpy.props.EnumProperty(
+        name="Easing",
+        description="How the value goes from shape to shape; edit its curve for more",
+        items=(
+            ("LINEAR", "Linear", "At constant speed, just as the morph was baked"),
+            ("SMOOTH", "Smooth", "Slow away from every shape and slow into the next"),
+        ),
+    )
+
+    def _change(self, morph):
+        return make_player(morph, playback=self.playback, easing=self.easing)
+
+
+class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
+    """Show the active sheet by one object: the blend at an empty that is dragged or animated inside a pad"""
+
+    bl_idname = "convwass.make_blend_pad"
+    bl_label = "Make Blend Pad"
+
+    def _change(self, morph):
+        return make_blend_pad(morph).handle
+
+
+class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
+    """Remove the player or the blend pad of the active morph, and show its baked objects again"""
+
+    bl_idname = "convwass.remove_player"
+    bl_label = "Back to Baked Objects"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        morph = active_morph(context)
+        # Somebody may have deleted the player itself, and the objects are still hidden.
+        if not (stand_ins(morph) or morph.hide_viewport or morph.hide_render):
+            cls.poll_message_set("The active morph has neither a player nor a blend pad")
+            return False
+        return True
+
+    def _change(self, morph):
+        remove_stand_ins(morph)
+        return next(iter(frame_objects(morph)), None)
+
+
+classes = (CONVWASS_OT_make_player, CONVWASS_OT_make_blend_pad, CONVWASS_OT_remove_player)

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels about a morph that has been baked."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from ..applications.health import TEXTS, HealthNote
+from ..bridge.changes import changed_inputs
+from ..bridge.player import is_player, morph_value, playback
+from ..bridge.stored import WEIGHTS_KEY, stored_health
+from ..operators.manage_morph import active_morph
+from .sidebar import Sidebar, draw_wrapped
+
+_ICONS = {"INFO": "INFO", "WARNING": "ERROR", "ERROR": "CANCEL"}
+
+_WRITING = (("convwass.make_volume", "OUTLINER_OB_VOLUME"), ("convwass.make_cache", "FILE_CACHE"))
+_MANAGING = (
+    ("convwass.select_morph_inputs", "RESTRICT_SELECT_OFF"),
+    ("convwass.delete_morph", "TRASH"),
+)
+
+
+class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
+    """The morph that the active object belongs to"""
+
+    bl_label = "Baked Morph"
+    bl_idname = "CONVWASS_PT_baked_morph"
+
+    @classmethod
+    def poll(cls, context):
+        return active_morph(context) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        morph = active_morph(context)
+        layout.label(text=morph.name, icon="OUTLINER_COLLECTION", translate=False)
+        changed = changed_inputs(morph)
+        if changed:
+            text = iface_("Changed since it was baked: {:s}").format(", ".join(changed))
+            draw_wrapped(layout, context, text, "ERROR")
+        if is_player(context.object):
+            column = layout.column(align=True)
+            for value, name in ((morph_value(context.object), "Morph"), (playback(context.object), "Playback")):
+                column.prop(value.owner, value.path, text=iface_(name))
+        column = layout.column(align=True)
+        # Its own objects are hidden while something else shows it.
+        if morph.hide_viewport:
+            column.operator("convwass.remove_player", icon="LOOP_BACK")
+        else:
+            name, icon = ("player", "PLAY") if _is_animation(morph) else ("blend_pad", "EMPTY_AXIS")
+            column.operator(f"convwass.make_{name}", icon=icon)
+        column = layout.column(align=True)
+        for name, icon in _WRITING:
+            column.operator(name, icon=icon)
+        column = layout.column(align=True)
+        row = column.row(align=True)
+        row.operator("convwass.rebake_morph", icon="FILE_REFRESH")
+        row.operator_menu_enum("convwass.rebake_morph", "which", text="", icon="DOWNARROW_HLT")
+        for name, icon in _MANAGING:
+            column.operator(name, icon=icon)
+
+
+class CONVWASS_PT_morph_health(Sidebar, bpy.types.Panel):
+    """How good the meshes are, and what would make them better"""
+
+    bl_label = "Health"
+    bl_idname = "CONVWASS_PT_morph_health"
+    bl_parent_id = "CONVWASS_PT_baked_morph"
+
+    def draw(self, context):
+        notes = stored_health(active_morph(context))
+        if not notes:
+            self.layout.label(text="Nothing is known about it", icon="QUESTION")
+        for note in notes:
+            icon = "CHECKMARK" if note.kind == "GOOD" else _ICONS[note.severity]
+            draw_wrapped(self.layout, context, sentence(note), icon)
+
+
+def sentence(note: HealthNote) -> str:
+    """Return a note in the language of the user interface."""
+    try:
+        return note.filled(iface_(TEXTS[note.kind]))
+    except (KeyError, ValueError, IndexError):
+        # A translation that cannot be filled is no reason to draw nothing.
+        return note.text
+
+
+def _is_animation(morph: bpy.types.Collection) -> bool:
+    """Tell a path, whose frames are shown one at a time, from a sheet."""
+    frame = next((obj for obj in morph.objects if WEIGHTS_KEY in obj), None)
+    return frame is not None and frame.animation_data is not None
+
+
+classes = (CONVWASS_PT_baked_morph, CONVWASS_PT_morph_health)

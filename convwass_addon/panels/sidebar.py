@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels in the sidebar have in common."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+# Width of a letter on average, and what the icon and the margins take, both in pixels at a scale of 1.
+_LETTER, _MARGINS = 6.2, 60.0
+_FEWEST_LETTERS = 16
+
+
+class Sidebar:
+    """A panel on the add-on's tab."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Convwass"
+
+
+def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
+    """Write a sentence on as many lines as the width of the region asks for, the first one with an icon."""
+    width = context.region.width / context.preferences.system.ui_scale if context.region else 0.0
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for line in textwrap.wrap(text, max(int((width - _MARGINS) / _LETTER), _FEWEST_LETTERS)):
+        column.label(text=line, icon=icon, translate=False)
+        icon = "BLANK1"

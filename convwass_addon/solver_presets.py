@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets of the solver's settings: shipped ones in ``presets``, and those that users add to their own folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bl_operators.presets import AddPresetBase
+
+SUBFOLDER = "convwass/solver"
+"""Where presets lie within a folder of presets."""
+
+MENU = "CONVWASS_PT_solver_presets"
+"""The popover that lists them."""
+
+PRESET_PROPERTIES = (
+    "resolution",
+    "use_custom_blur",
+    "blur",
+    "use_custom_sharpness",
+    "sharpness",
+    "locality",
+    "entropy_limit",
+    "entropy_bound",
+    "level",
+    "thin_parts",
+    "mend",
+)
+"""What a preset sets; thickness and parts belong to the shapes."""
+
+
+class CONVWASS_OT_add_solver_preset(AddPresetBase, bpy.types.Operator):
+    """Add the solver's settings as a preset, or remove a preset"""
+
+    bl_idname = "convwass.add_solver_preset"
+    bl_label = "Add Solver Preset"
+    preset_menu = MENU
+    preset_subdir = SUBFOLDER
+    preset_defines = ("settings = bpy.context.scene.convwass_morph",)
+    preset_values = tuple(f"settings.{name}" for name in PRESET_PROPERTIES)
+
+
+def preset_names() -> list[str]:
+    """Return the names of all presets there are."""
+    folders = map(Path, bpy.utils.preset_paths(SUBFOLDER))
+    files = (path for folder in folders for path in folder.glob("*.py"))
+    return sorted(bpy.path.display_name(path.name, title_case=False) for path in files)
+
+
+def apply_preset(name: str) -> bool:
+    """Give the context's scene the settings of a preset; return whether there is one of that name."""
+    path = bpy.utils.preset_find(name, SUBFOLDER, display_name=True)
+    if not path:
+        return False
+    bpy.utils.execfile(path)
+    return True
+
+
+def is_untouched(settings: bpy.types.PropertyGroup) -> bool:
+    """Tell whether nobody has set any of the solver's settings of a scene."""
+    return not any(settings.is_property_set(name) for name in PRESET_PROPERTIES)
+
+
+_FOLDER = str(Path(__file__).parent)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory((CONVWASS_OT_add_solver_preset,))
+
+
+def register() -> None:
+    """Let Blender find the shipped presets, and add the operator that saves more."""
+    _register_classes()
+    bpy.utils.register_preset_path(_FOLDER)
+
+
+def unregister() -> None:
+    """Take both away."""
+    bpy.utils.unregister_preset_path(_FOLDER)
+    _unregister_classes()

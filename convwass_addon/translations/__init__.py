@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The texts of the user interface in other languages than English: a table per language."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import french, german
+
+TABLES: dict[str, dict[str, str]] = {"de_DE": german.TEXTS, "fr_FR": french.TEXTS}
+"""For every language, the translation of every English text."""
+
+# Blender looks for the labels of operators in the second context, and for everything else in the first.
+_CONTEXTS = ("*", "Operator")
+
+
+def register() -> None:
+    """Hand the tables to Blender."""
+    texts = {
+        language: {(context, english): own for english, own in table.items() for context in _CONTEXTS}
+        for language, table in TABLES.items()
+    }
+    bpy.app.translations.register(__package__, texts)
+
+
+def unregister() -> None:
+    """Take them back."""
+    bpy.app.translations.unregister(__package__)

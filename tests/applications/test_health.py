@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is said about bakes whose faults are known."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from convwass_addon.applications.health import (
+    TEXTS,
+    HealthNote,
+    finer,
+    health,
+    health_figures,
+    listed,
+    thin_parts,
+    wall_share,
+)
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.geometry.occupancy import occupancy
+
+from ..shapes import ball, box, joined
+
+SETTINGS = MorphSettings(resolution=64).as_dict()
+GOOD = {"converged": True, "marginal_error": 0.005, "sigma": 1.0, "wall": 0.0}
+
+
+def kinds(records, settings=SETTINGS, names=("Cow", "Duck"), numbers=None):
+    return [note.kind for note in health(records, settings, names, numbers)]
+
+
+def lost(share, thickness=1.3, length=14.0):
+    part = {"thickness": thickness, "length": length, "share": share}
+    return {"share": share, "thinned": 0.0, "scattered": 0.0, "count": 1, "parts": [part]}
+
+
+def body_with_leg(thickness, cells=(48, 32, 32)):
+    """Occupancy of a ball of 9 cells' radius with a square leg of 16 cells."""
+    middle = np.array([14.0, 16.0, 16.0])
+    mesh = joined(ball(9.0, middle), box((20.0, thickness, thickness), middle + np.array([16.0, 0.0, 0.0])))
+    return occupancy(mesh.corners, cells)
+
+
+def test_a_good_bake_is_said_to_be_good():
+    assert kinds([GOOD, GOOD]) == ["GOOD"]
+    assert kinds([]) == ["GOOD"]
+
+
+def test_what_is_not_converged_names_the_frames_and_the_worst_error():
+    slack = {"converged": False, "marginal_error": 0.034}
+    note = health([GOOD, GOOD | slack, GOOD | slack | {"marginal_error": 0.02}, GOOD], SETTINGS, ["A", "B"])[0]
+    assert note.severity == "ERROR"
+    assert note.text == "Less exact than asked for in 2-3, by up to 3.4%: try more blur"
+
+
+def test_lost_parts_are_measured_and_a_resolution_is_proposed():
+    note = health([GOOD, GOOD | {"lost": lost(0.021)}], SETTINGS, ["A", "B"], [10, 11])[0]
+    assert note.text == "Parts 1.3 cells thick and 14 long are lost in 11, up to 2.1% of the shape: try resolution 104"
+    assert kinds([GOOD | {"lost": lost(0.0005)}]) == ["GOOD"]
+
+
+def test_mass_at_the_wall_is_told():
+    assert kinds([GOOD | {"wall": 0.004}]) == ["WALL"]
+    assert kinds([GOOD | {"wall": 1e-5}]) == ["GOOD"]
+
+
+def test_the_wall_is_the_outermost_layer_of_cells():
+    density = np.ones((4, 5, 6))
+    assert wall_share(density) == pytest.approx(1 - 2 * 3 * 4 / 120)
+    density[[0, -1]] = density[:, [0, -1]] = density[:, :, [0, -1]] = 0.0
+    assert wall_share(density) == 0.0
+
+
+def test_a_blur_wider_than_the_automatic_one_is_told_and_one_that_was_asked_for_is_not():
+    assert kinds([GOOD, GOOD | {"sigma": 1.5625}]) == ["WIDENED"]
+    assert kinds([GOOD | {"sigma": 3.0}], SETTINGS | {"blur": 3.0}) == ["GOOD"]
+    assert kinds([GOOD | {"sigma": 2.0}], MorphSettings(resolution=160).as_dict()) == ["GOOD"]
+
+
+def test_notices_about_parts_are_passed_on_once():
+    notes = health([GOOD | {"notice": "Tail travels with the rest."}] * 3, SETTINGS, ["A", "B"])
+    assert [note.text for note in notes] == ["Tail travels with the rest."]
+
+
+@pytest.mark.parametrize("thickness", [1.2, 1.5])
+def test_thin_legs_are_measured_in_cells(thickness):
+    found = thin_parts(body_with_leg(thickness))
+    assert len(found["parts"]) == 1
+    # A square rod has the thickness of a round one of the same section.
+    assert found["parts"][0]["thickness"] == pytest.approx(thickness * 2 / np.sqrt(np.pi), rel=0.1)
+    assert found["parts"][0]["length"] == pytest.approx(14, abs=3)
+
+
+def test_legs_of_a_fraction_of_a_cell_are_noticed():
+    assert thin_parts(body_with_leg(0.5))["parts"] == ({"thickness": 0.5, "length": 0.0},)
+
+
+@pytest.mark.parametrize(
+    "shape", [body_with_leg(4.0), occupancy(box((20, 20, 20), (16, 16, 16)).corners, (32, 32, 32))]
+)
+def test_thick_parts_and_edges_are_no_thin_parts(shape):
+    assert thin_parts(shape) == {"share": 0, "parts": ()}
+
+
+def test_a_shape_that_is_thin_all_over_is_told():
+    sheet = occupancy(box((20, 20, 1.0), (16, 16, 8.5)).corners, (32, 32, 16))
+    found = thin_parts(sheet)
+    assert found["share"] == 1.0
+    assert found["parts"][0]["thickness"] == pytest.approx(1.0, abs=0.2)
+    thick_enough = occupancy(box((20, 20, 2.2), (16, 16, 8.0)).corners, (32, 32, 16))
+    assert thin_parts(thick_enough)["parts"] == ()
+
+
+def test_too_coarse_for_the_legs_of_the_cow():
+    record = {"input": 0, "thin": thin_parts(body_with_leg(1.1))}
+    note = health([record], SETTINGS, ["Cow", "Duck"])[0]
+    assert note.text.startswith("Resolution 64 is too coarse for thin parts of Cow (1.")
+    assert note.values["better"] in (104, 112)
+    assert thin_parts(body_with_leg(1.1 * note.values["better"] / 64, (64, 32, 32)))["parts"] == ()
+
+
+def test_figures_alone_say_the_same_as_whole_records_after_a_trip_through_json():
+    record = GOOD | {"lost": lost(0.05), "input": 1, "thin": thin_parts(body_with_leg(1.2))}
+    flat = {name: value for name, value in record.items() if not isinstance(value, dict)} | health_figures(record)
+    assert health([json.loads(json.dumps(flat))], SETTINGS, ["A", "B"]) == health([record], SETTINGS, ["A", "B"])
+
+
+def test_damaged_figures_are_taken_as_good():
+    assert kinds([{"lost_share": None, "wall": "much", "sigma": None, "input": 7, "thin_thickness": 1.0}]) == ["GOOD"]
+
+
+def test_every_template_can_be_filled():
+    values = {"resolution": 64, "name": "{x}", "cells": 1.0, "better": 96, "frames": "1-2", "share": 0.1}
+    values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x"}
+    for kind in TEXTS:
+        assert HealthNote(kind, values).text
+
+
+@given(st.sets(st.integers(0, 60)))
+def test_listed_numbers_are_all_there(numbers):
+    spans = [span.split("-") for span in listed(numbers).split(", ") if span]
+    assert {n for span in spans for n in range(int(span[0]), int(span[-1]) + 1)} == numbers
+
+
+@given(st.integers(16, 512), st.floats(0.2, 1.99))
+def test_a_finer_resolution_makes_thin_parts_thick_enough(resolution, cells):
+    better = finer(resolution, cells)
+    assert better > resolution or better == max(512, resolution)
+    assert better == 512 or better * cells / resolution >= 2.0

@@ -1,0 +1,386 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of inputs: edited by its buttons, checked when asked, and what is baked once it has entries."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.stored import frame_objects, stored_inputs, stored_morph, stored_settings
+from convwass_addon.operators.chosen_inputs import split_names
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+QUICK = {"frames": 2, "resolution": 24}
+
+
+def add(kind, name, **options):
+    getattr(bpy.ops.mesh, f"primitive_{kind}_add")(**options)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def select(*objects):
+    bpy.ops.object.select_all(action="DESELECT")
+    for obj in objects:
+        obj.select_set(True)
+
+
+@pytest.fixture
+def shapes():
+    """Three meshes, all selected, of the names B, A and C from left to right."""
+    made = [
+        add("cube", "B", size=2, location=(-3, 0, 0)),
+        add("uv_sphere", "A", segments=16, ring_count=8),
+        add("cone", "C", location=(4, 0, 0)),
+    ]
+    select(*made)
+    return made
+
+
+def settings():
+    return bpy.context.scene.convwass_morph
+
+
+def listed():
+    return [item.object.name for item in settings().inputs]
+
+
+def morph_collection():
+    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+
+
+def test_adding_keeps_the_order_asked_for_and_takes_nothing_twice(shapes):
+    assert bpy.ops.convwass.add_inputs() == {"FINISHED"}
+    assert listed() == ["A", "B", "C"]
+    assert bpy.ops.convwass.add_inputs() == {"FINISHED"}
+    assert listed() == ["A", "B", "C"]
+    bpy.ops.convwass.clear_inputs()
+    settings().order = "LEFT_TO_RIGHT"
+    bpy.ops.convwass.add_inputs()
+    assert listed() == ["B", "A", "C"]
+
+
+def test_only_meshes_are_added(shapes):
+    bpy.ops.object.empty_add()
+    select(*shapes, bpy.context.object)
+    bpy.ops.convwass.add_inputs()
+    assert listed() == ["A", "B", "C"]
+    select()
+    with pytest.raises(RuntimeError, match="Select mesh objects"):
+        bpy.ops.convwass.add_inputs()
+
+
+def test_the_active_one_or_the_one_of_an_index_is_removed(shapes):
+    bpy.ops.convwass.add_inputs()
+    assert settings().active_input == 2
+    bpy.ops.convwass.remove_input()
+    assert (listed(), settings().active_input) == (["A", "B"], 1)
+    bpy.ops.convwass.remove_input(index=0)
+    assert (listed(), settings().active_input) == (["B"], 0)
+    with pytest.raises(RuntimeError, match="no input number 7"):
+        bpy.ops.convwass.remove_input(index=7)
+    bpy.ops.convwass.remove_input()
+    with pytest.raises(RuntimeError, match="no shapes on the list"):
+        bpy.ops.convwass.remove_input()
+    assert len(bpy.data.objects) == 3
+
+
+def test_moving_stops_at_the_ends_and_keeps_the_active_one(shapes):
+    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.move_input(direction="UP")
+    assert (listed(), settings().active_input) == (["A", "C", "B"], 1)
+    bpy.ops.convwass.move_input(index=0, direction="DOWN")
+    assert (listed(), settings().active_input) == (["C", "A", "B"], 0)
+    assert bpy.ops.convwass.move_input(direction="UP") == {"CANCELLED"}
+    assert bpy.ops.convwass.move_input(index=2, direction="DOWN") == {"CANCELLED"}
+    assert listed() == ["C", "A", "B"]
+
+
+def test_undo_brings_the_list_back(shapes):
+    bpy.ops.convwass.add_inputs()
+    bpy.ops.ed.undo_push(message="added")
+    bpy.ops.convwass.clear_inputs()
+    bpy.ops.ed.undo_push(message="cleared")
+    bpy.ops.ed.undo()
+    assert listed() == ["A", "B", "C"]
+
+
+def test_shapes_are_checked_when_they_are_added_and_when_asked(shapes):
+    cube, _, cone = shapes
+    add("plane", "D", location=(8, 0, 0))
+    select(*bpy.data.objects)
+    cone.data.clear_geometry()
+    bpy.ops.convwass.add_inputs()
+    found = {item.object.name: item for item in settings().inputs}
+    assert {name: item.verdict for name, item in found.items()} == {
+        "A": "SOUND",
+        "B": "SOUND",
+        "C": "UNUSABLE",
+        "D": "NO_VOLUME",
+    }
+    assert "C is an empty mesh" in found["C"].finding
+    assert "Thickness" in found["D"].finding
+    assert [item.warns for item in settings().inputs] == [False, False, True, True]
+    # Nothing is noticed before it is asked for.
+    cube.data.polygons[0].flip()
+    cube.data.update_tag()
+    bpy.context.view_layer.update()
+    assert found["B"].verdict == "SOUND"
+    bpy.ops.convwass.check_inputs(index=1)
+    assert (found["B"].verdict, found["B"].finding[:19]) == ("FLIPPED", "2 flipped triangles")
+
+
+def test_holes_are_found(shapes):
+    import bmesh
+
+    cube = shapes[0]
+    mesh = bmesh.new()
+    mesh.from_mesh(cube.data)
+    mesh.faces.ensure_lookup_table()
+    bmesh.ops.delete(mesh, geom=[mesh.faces[0]], context="FACES_ONLY")
+    mesh.to_mesh(cube.data)
+    mesh.free()
+    bpy.ops.convwass.add_inputs()
+    item = next(item for item in settings().inputs if item.object == cube)
+    assert (item.verdict, item.finding[:24]) == ("HOLES", "Holes with 4 open edges;")
+
+
+def test_the_warning_says_what_is_wrong(shapes):
+    from convwass_addon.operators.edit_inputs import CONVWASS_OT_check_inputs
+
+    class Properties:
+        index = 0
+
+    bpy.ops.convwass.add_inputs()
+    settings().inputs[0].finding = "It is bad"
+    assert CONVWASS_OT_check_inputs.description(bpy.context, Properties).startswith("It is bad.")
+    Properties.index = -1
+    assert CONVWASS_OT_check_inputs.description(bpy.context, Properties).startswith("Look again")
+
+
+def test_the_list_is_baked_rather_than_the_selection(shapes):
+    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.move_input(index=0, direction="DOWN")
+    settings().inputs[2].enabled = False
+    select(shapes[2])
+    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    assert [obj.name for obj in stored_inputs(morph_collection())] == ["B", "A"]
+
+
+def test_names_are_baked_rather_than_the_list(shapes):
+    bpy.ops.convwass.add_inputs()
+    select()
+    assert bpy.ops.convwass.bake_morph(**QUICK, inputs="C, A") == {"FINISHED"}
+    assert stored_morph(morph_collection()).inputs == ["C", "A"]
+
+
+def test_names_with_commas_stand_on_lines_of_their_own(shapes):
+    shapes[0].name = "Cow, brown"
+    bpy.ops.convwass.bake_morph(**QUICK, inputs="Cow, brown\nA\n")
+    assert stored_morph(morph_collection()).inputs == ["Cow, brown", "A"]
+    assert split_names(" a ,b,, c d ") == ["a", "b", "c d"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"inputs": "A, Nobody"}, "no object named Nobody"),
+        ({"inputs": "A"}, "Select at least two mesh objects"),
+        ({"inputs": "A, B", "layout": "BLEND", "weights": "1, x"}, "Weights are numbers"),
+        ({"inputs": "A, B", "layout": "BLEND", "weights": "1, 2, 3"}, "2 shapes but 3 weights"),
+        ({"inputs": "A, B", "layout": "BLEND", "weights": "0, 0"}, "All weights are zero"),
+    ],
+)
+def test_wrong_arguments_are_refused_and_leave_nothing(shapes, arguments, message):
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.convwass.bake_morph(**QUICK, **arguments)
+    assert not bpy.data.collections.get("Morph A to B")
+    assert len(bpy.data.objects) == 3
+
+
+def test_a_shape_that_was_deleted_is_told(shapes):
+    bpy.ops.convwass.add_inputs()
+    select(shapes[0])
+    bpy.ops.object.delete()
+    with pytest.raises(RuntimeError, match="has been deleted"):
+        bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.check_inputs()
+    assert settings().inputs[1].verdict == "UNUSABLE"
+
+
+def test_a_single_blend_takes_the_weights_of_the_list(shapes):
+    bpy.ops.convwass.add_inputs()
+    for item, weight in zip(settings().inputs, (3.0, 1.0, 0.0), strict=True):
+        item.weight = weight
+    assert bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24) == {"FINISHED"}
+    (blend,) = frame_objects(morph_collection())
+    np.testing.assert_allclose(blend["convwass_weights"], (0.75, 0.25, 0.0))
+    assert not blend.hide_render
+
+
+def test_weights_can_be_named(shapes):
+    bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
+    np.testing.assert_allclose(frame_objects(morph_collection())[0]["convwass_weights"], (0.25, 0.75))
+
+
+def world_points(obj):
+    found = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3)
+
+
+def test_aligned_shapes_stand_at_the_place_of_the_first_in_all_frames(shapes):
+    cube, ball, _ = shapes
+    cube.rotation_euler.z = 0.4
+    ball.scale = (1.5, 0.7, 1.0)
+    bpy.context.view_layer.update()
+    bpy.ops.convwass.bake_morph(
+        frames=3, resolution=32, inputs="B, A", alignment="CENTERED", scaling="EQUAL_VOLUME", hide_inputs=False
+    )
+    frames = frame_objects(morph_collection())
+    assert len(frames) == 4
+    for obj in frames:
+        points = world_points(obj)
+        np.testing.assert_allclose((points.min(axis=0) + points.max(axis=0)) / 2, (-3, 0, 0), atol=0.1)
+        assert obj.location.length == 0.0
+    volumes = [summary_volume(obj) for obj in frames]
+    np.testing.assert_allclose(volumes, 8.0, rtol=0.02)
+    # The originals stay where they are.
+    assert (ball.location.x, ball.scale.x) == (0.0, 1.5)
+    stored = stored_settings(morph_collection())
+    assert (stored["alignment"], stored["scaling"]) == ("CENTERED", "EQUAL_VOLUME")
+
+
+def summary_volume(obj):
+    import bmesh
+
+    mesh = bmesh.new()
+    mesh.from_mesh(obj.data)
+    try:
+        return mesh.calc_volume(signed=True)
+    finally:
+        mesh.free()
+
+
+def test_principal_axes_turn_a_copy_back(shapes):
+    one = add("cone", "One", vertices=3, radius1=1.0, depth=3.0, location=(0, 0, 5))
+    one.data.transform(__import__("mathutils").Matrix.Diagonal((1.6, 1.0, 1.0, 1.0)))
+    other = one.copy()
+    bpy.context.scene.collection.objects.link(other)
+    other.name, other.location, other.rotation_euler = "Other", (5, 1, 0), (0.8, 0.3, 1.9)
+    bpy.context.view_layer.update()
+    bpy.ops.convwass.bake_morph(frames=2, resolution=24, inputs="One, Other", alignment="PRINCIPAL_AXES")
+    first, _, last = frame_objects(morph_collection())
+    np.testing.assert_allclose(world_points(last), world_points(first), atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "first"), [({}, 5), ({"start": "CURRENT"}, 40), ({"start": "CUSTOM", "start_frame": 7}, 7)]
+)
+def test_a_morph_begins_where_it_is_told(shapes, arguments, first):
+    scene = bpy.context.scene
+    scene.frame_start = 5
+    scene.frame_set(40)
+    bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", **arguments)
+    assert stored_morph(morph_collection()).first_frame == first
+    assert scene.frame_end == first + 2
+
+
+def test_a_step_makes_a_mesh_for_every_so_many_frames_and_for_every_shape(shapes):
+    bpy.ops.convwass.bake_morph(frames=5, frame_step=2, resolution=24, inputs="A,B,C")
+    frames = frame_objects(morph_collection())
+    assert len(frames) == 7
+    scene = bpy.context.scene
+    shown = []
+    for number in range(1, 12):
+        scene.frame_set(number)
+        shown.append([index for index, obj in enumerate(frames) if not obj.hide_render])
+    assert shown == [[0], [0], [1], [1], [2], [3], [3], [4], [4], [5], [6]]
+
+
+def test_health_is_stored_with_a_morph(shapes):
+    from convwass_addon.bridge.stored import HEALTH_KEY, stored_health
+
+    thin = add("cylinder", "Thin", radius=0.08, depth=3.0, location=(0, 0, 2))
+    ball = shapes[1]
+    select(thin, ball)
+    bpy.context.view_layer.objects.active = ball
+    bpy.ops.object.join()
+    ball.name = "A"
+    bpy.ops.convwass.bake_morph(frames=2, resolution=40, inputs="A, B", thickness=0.1)
+    collection = morph_collection()
+    kinds = {note.kind for note in stored_health(collection)}
+    assert "TOO_COARSE" in kinds
+    assert any("thin parts of A" in note.text for note in stored_health(collection))
+    for damage in ("", "[", "[1]", '[["GOOD"]]', '[["NO SUCH", {}]]', '[["LOST", {}]]', '{"a": 1}'):
+        collection[HEALTH_KEY] = damage
+        assert stored_health(collection) == []
+
+
+def test_selecting_the_inputs_of_a_morph_brings_back_their_order_and_weights(shapes):
+    bpy.ops.convwass.bake_morph(**QUICK, inputs="B, A")
+    bpy.ops.convwass.select_morph_inputs()
+    assert listed() == ["B", "A"]
+    delete_morph()
+    bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
+    bpy.ops.convwass.select_morph_inputs()
+    assert [item.weight for item in settings().inputs] == [1.0, 3.0]
+    assert settings().layout == "BLEND"
+    delete_morph()
+    bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B")
+    bpy.ops.convwass.select_morph_inputs()
+    assert listed() == []
+
+
+def delete_morph():
+    bpy.context.view_layer.objects.active = frame_objects(morph_collection())[0]
+    bpy.ops.convwass.delete_morph()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind"),
+    [
+        ({"output": "OBJECTS"}, None),
+        ({"output": "PLAYER"}, "MESH"),
+        ({"output": "PLAYER", "layout": "TRIANGLE", "steps": 2, "inputs": "A,B,C"}, "EMPTY"),
+        ({"output": "PLAYER", "layout": "BLEND"}, None),
+    ],
+)
+def test_the_output_is_made_of_the_morph(shapes, arguments, kind):
+    before = set(bpy.data.objects)
+    bpy.ops.convwass.bake_morph(**{**QUICK, "inputs": "A,B", **arguments})
+    frames = set(frame_objects(morph_collection()))
+    made = set(bpy.data.objects) - before - frames
+    assert bool(made) == (kind is not None)
+    assert kind is None or bpy.context.object.type == kind
+
+
+def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path):
+    """A file that was never saved has no folder for a cache."""
+    assert bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output="CACHE") == {"FINISHED"}
+    assert len(frame_objects(morph_collection())) == 3
+
+
+def test_every_property_and_operator_explains_itself():
+    from convwass_addon.preferences import CONVWASS_AP_preferences
+    from convwass_addon.properties import CONVWASS_PG_input, CONVWASS_PG_morph, CONVWASS_PG_progress
+
+    base = {prop.identifier for prop in bpy.types.PropertyGroup.bl_rna.properties}
+    base |= {prop.identifier for prop in bpy.types.AddonPreferences.bl_rna.properties}
+    own = [CONVWASS_PG_input, CONVWASS_PG_morph, CONVWASS_PG_progress, CONVWASS_AP_preferences]
+    groups = [(cls.__name__, [p for p in cls.bl_rna.properties if p.identifier not in base]) for cls in own]
+    # What Blender's own preset operator brings along is not ours to explain.
+    blenders = {"rna_type", "name", "remove_name", "remove_active"}
+    for name in dir(bpy.ops.convwass):
+        operator = getattr(bpy.ops.convwass, name).get_rna_type()
+        assert operator.description, name
+        assert not operator.description.endswith("."), name
+        groups.append((name, [prop for prop in operator.properties if prop.identifier not in blenders]))
+    for name, properties in groups:
+        for prop in properties:
+            assert prop.name, (name, prop.identifier)
+            assert prop.description, (name, prop.identifier)
+            assert not prop.description.endswith("."), (name, prop.identifier)

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Players and pads as the panel and scripts call them, on real bakes."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.player import is_player, morph_value
+from convwass_addon.bridge.stored import frame_objects
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def add_shapes(count):
+    for place, kind in enumerate(("cube", "uv_sphere", "torus", "cone")[:count]):
+        getattr(bpy.ops.mesh, f"primitive_{kind}_add")(location=(3 * place, 0, 0))
+    for obj in bpy.data.objects:
+        obj.select_set(True)
+
+
+def census():
+    kinds = ("objects", "meshes", "collections", "materials", "actions", "curves", "node_groups")
+    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
+
+
+def shown():
+    """Names of the objects with faces that a viewport shows."""
+    instances = bpy.context.evaluated_depsgraph_get().object_instances
+    return [i.object.name for i in instances if i.object.type == "MESH" and i.object.data.polygons]
+
+
+@pytest.fixture
+def path(empty_scene):
+    add_shapes(2)
+    bpy.ops.convwass.bake_morph(frames=3, resolution=32)
+    return bpy.context.object.users_collection[0]
+
+
+@pytest.fixture
+def sheet(empty_scene):
+    add_shapes(3)
+    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, resolution=32)
+    return bpy.context.object.users_collection[0]
+
+
+def test_there_and_back(path):
+    before = census()
+    assert bpy.ops.convwass.make_player() == {"FINISHED"}
+    player = bpy.context.object
+    assert is_player(player)
+    assert bpy.context.selected_objects == [player]
+    for frame in range(-2, 9):
+        bpy.context.scene.frame_set(frame)
+        assert shown() == [player.name]
+    assert bpy.ops.convwass.remove_player() == {"FINISHED"}
+    assert census() == before
+    assert bpy.context.object == frame_objects(path)[0]
+    bpy.context.scene.frame_set(3)
+    assert shown() == ["Morph 0003"]
+
+
+def test_by_arguments(path):
+    bpy.ops.convwass.make_player(playback="LOOP", easing="SMOOTH")
+    player = bpy.context.object
+    sizes = []
+    player.animation_data.action = None
+    for value in (1 / 3, 4 / 3):
+        morph_value(player).set(value)
+        bpy.context.view_layer.update()
+        sizes.append(len(player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices))
+    assert sizes[0] == sizes[1] == len(frame_objects(path)[1].data.vertices)
+
+
+def test_undo(path):
+    bpy.ops.ed.undo_push(message="path")
+    before = census()
+    bpy.ops.convwass.make_player()
+    bpy.ops.ed.undo_push(message="player")
+    bpy.ops.ed.undo()
+    assert census() == before
+    bpy.context.scene.frame_set(2)
+    assert shown() == ["Morph 0002"]
+    bpy.ops.ed.redo()
+    player = next(obj for obj in bpy.data.objects if is_player(obj))
+    bpy.context.scene.frame_set(2)
+    assert shown() == [player.name]
+
+
+def test_a_pad(sheet):
+    before = census()
+    assert bpy.ops.convwass.make_blend_pad() == {"FINISHED"}
+    assert bpy.context.object.type == "EMPTY"
+    result = next(obj for obj in bpy.data.objects if obj.name.endswith("Blend"))
+    assert result.name in shown()
+    assert not set(shown()) & {obj.name for obj in frame_objects(sheet)}
+    counts = set()
+    bounds = np.array(bpy.context.object.parent.bound_box)
+    for corner in bounds:
+        bpy.context.object.location = corner
+        bpy.context.view_layer.update()
+        counts.add(len(result.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices))
+    assert 8 in counts  # the cube itself
+    assert bpy.ops.convwass.remove_player() == {"FINISHED"}
+    assert census() == before
+    assert len(shown()) == 6
+
+
+def test_undo_of_a_pad(sheet):
+    bpy.ops.ed.undo_push(message="sheet")
+    before = census()
+    bpy.ops.convwass.make_blend_pad()
+    bpy.ops.ed.undo_push(message="pad")
+    bpy.ops.ed.undo()
+    assert census() == before
+
+
+def test_each_refuses_the_work_of_the_other(path):
+    with pytest.raises(RuntimeError, match="no whole sheet"):
+        bpy.ops.convwass.make_blend_pad()
+    bpy.ops.convwass.make_player()
+    with pytest.raises(RuntimeError, match="already"):
+        bpy.ops.convwass.make_player()
+
+
+def test_a_sheet_has_no_player(sheet):
+    with pytest.raises(RuntimeError, match="make a blend pad instead"):
+        bpy.ops.convwass.make_player()
+
+
+def test_a_player_that_was_deleted_leaves_a_way_back(path):
+    bpy.ops.convwass.make_player()
+    bpy.data.objects.remove(bpy.context.object)
+    bpy.context.view_layer.objects.active = None
+    layer = bpy.context.view_layer.layer_collection.children[path.name]
+    bpy.context.view_layer.active_layer_collection = layer
+    assert bpy.ops.convwass.remove_player() == {"FINISHED"}
+    assert shown() == ["Morph 0001"]
+
+
+def test_polls_say_what_is_missing(path):
+    with pytest.raises(RuntimeError, match="neither a player nor a blend pad"):
+        bpy.ops.convwass.remove_player()
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Object Mode"):
+        bpy.ops.convwass.make_player()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
+    for name in ("make_player", "make_blend_pad", "remove_player"):
+        with pytest.raises(RuntimeError, match="Select an object of a baked morph"):
+            getattr(bpy.ops.convwass, name)()
+
+
+@pytest.mark.parametrize("name", ["make_player", "make_blend_pad", "remove_player"])
+def test_everything_explains_itself(name):
+    kind = getattr(bpy.ops.convwass, name).get_rna_type()
+    texts = [kind.description, *(prop.description for prop in kind.properties if prop.identifier != "rna_type")]
+    assert all(text and not text.endswith(".") for text in texts)

@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking a morph again from what is stored with it."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.changes import changed_inputs
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.stored import frame_objects, stored_morph
+
+
+def bake(**options):
+    """Bake two spheres of a new pair; returns the morph."""
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    made = []
+    for x in (0.0, 3.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+        made.append(bpy.context.object)
+    for obj in made:
+        obj.select_set(True)
+    before = set(bpy.data.collections)
+    bpy.ops.convwass.bake_morph(**{"frames": 3, "resolution": 24, **options})
+    return next(collection for collection in bpy.data.collections if collection not in before)
+
+
+@pytest.fixture
+def morph(empty_scene):
+    return bake()
+
+
+def middle_width(morph):
+    """Width of a frame between the shapes."""
+    mesh = triangle_mesh(frame_objects(morph)[1], bpy.context.evaluated_depsgraph_get())
+    low, high = mesh.bounds
+    return (high - low)[2]
+
+
+def shapes(morph):
+    return [bpy.data.objects[name] for name in stored_morph(morph).inputs]
+
+
+def test_a_changed_shape_is_noticed_and_baked_again(morph):
+    name, width = morph.name, middle_width(morph)
+    assert changed_inputs(morph) == []
+    for obj in shapes(morph):
+        obj.scale.z = 2.0
+    bpy.context.view_layer.update()
+    assert changed_inputs(morph) == stored_morph(morph).inputs
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    again = bpy.data.collections[name]
+    assert sum("convwass_morph" in collection for collection in bpy.data.collections) == 1
+    assert len(frame_objects(again)) == 4
+    assert middle_width(again) == pytest.approx(2 * width, rel=0.05)
+    assert changed_inputs(again) == []
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda obj: setattr(obj.location, "x", 0.5),
+        lambda obj: obj.modifiers.new("Subdivision", "SUBSURF"),
+        lambda obj: setattr(obj.data.vertices[0], "co", (0, 0, 3)),
+        lambda obj: bpy.data.objects.remove(obj),
+    ],
+)
+def test_what_counts_as_a_change(morph, change):
+    obj = shapes(morph)[0]
+    name = obj.name
+    change(obj)
+    if name in bpy.data.objects:
+        obj.data.update()
+    bpy.context.view_layer.update()
+    assert changed_inputs(morph) == [name]
+
+
+def test_only_what_is_stale_is_baked(morph):
+    other = bake()
+    kept = frame_objects(morph)
+    shapes(other)[0].scale.z = 1.5
+    bpy.context.view_layer.update()
+    bpy.ops.convwass.rebake_morph(which="STALE")
+    assert frame_objects(morph) == kept
+    assert changed_inputs(other) == []
+    assert bpy.ops.convwass.rebake_morph(which="STALE") == {"CANCELLED"}
+    assert bpy.ops.convwass.rebake_morph(which="ALL") == {"FINISHED"}
+    assert len(frame_objects(morph)) == 4
+
+
+def test_settings_are_those_of_the_morph_and_not_of_the_panel(empty_scene):
+    morph = bake(use_custom_blur=True, blur=2.0, sharpness=0.25, use_custom_sharpness=True, frames=2)
+    before = stored_morph(morph)
+    bpy.context.scene.convwass_morph.resolution = 64
+    bpy.context.scene.frame_start = 17
+    bpy.ops.convwass.rebake_morph()
+    after = stored_morph(morph)
+    assert after.first_frame == before.first_frame
+    same = {name: value for name, value in before.settings.items() if name not in ("start", "start_frame")}
+    assert {name: after.settings[name] for name in same} == same
+
+
+def test_a_player_keeps_its_keys(morph):
+    bpy.ops.convwass.make_player()
+    player = bpy.context.object
+    keys = [key.co[:] for key in _curve(player).keyframe_points]
+    shapes(morph)[0].scale.z = 2.0
+    bpy.ops.convwass.rebake_morph()
+    assert player.name in bpy.data.objects
+    assert [key.co[:] for key in _curve(player).keyframe_points] == keys
+    bpy.context.scene.frame_set(2)
+    mesh = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    assert len(mesh.vertices) == len(frame_objects(morph)[1].data.vertices)
+
+
+def _curve(player):
+    from bpy_extras.anim_utils import action_get_channelbag_for_slot
+
+    data = player.animation_data
+    return action_get_channelbag_for_slot(data.action, data.action_slot).fcurves[0]
+
+
+def test_shapes_that_are_gone_are_named_and_the_morph_stays(morph):
+    kept, gone = frame_objects(morph), shapes(morph)[0].name
+    bpy.data.objects.remove(bpy.data.objects[gone])
+    bpy.context.view_layer.objects.active = kept[0]
+    with pytest.raises(RuntimeError, match=gone):
+        bpy.ops.convwass.rebake_morph()
+    assert frame_objects(morph) == kept
+
+
+def test_one_undo_brings_the_old_frames_back(morph):
+    name, width = morph.name, middle_width(morph)
+    for obj in shapes(morph):
+        obj.scale.z = 2.0
+    bpy.ops.ed.undo_push(message="changed")
+    bpy.ops.convwass.rebake_morph()
+    bpy.ops.ed.undo_push(message="baked again")
+    bpy.ops.ed.undo()
+    assert middle_width(bpy.data.collections[name]) == pytest.approx(width, rel=1e-6)
+
+
+def test_without_a_morph_it_says_so(empty_scene):
+    with pytest.raises(RuntimeError, match="Bake a morph first"):
+        bpy.ops.convwass.rebake_morph()

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets that are shipped, presets that users add, and the preferences that name one of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+import convwass_addon
+from convwass_addon import preferences, solver_presets
+from convwass_addon.preferences import Preferences
+from convwass_addon.properties import MorphProperties
+from convwass_addon.solver_presets import PRESET_PROPERTIES, SUBFOLDER, apply_preset, is_untouched, preset_names
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+SHIPPED = Path(convwass_addon.__file__).parent / "presets" / SUBFOLDER
+
+
+def settings():
+    return bpy.context.scene.convwass_morph
+
+
+def values():
+    return {name: getattr(settings(), name) for name in PRESET_PROPERTIES}
+
+
+def test_the_shipped_ones_are_found_and_get_finer():
+    assert preset_names() == ["Draft", "Fine", "Standard"]
+    found = {}
+    for name in preset_names():
+        assert apply_preset(name)
+        found[name] = settings().resolution
+    assert found["Draft"] < found["Standard"] < found["Fine"]
+    assert not apply_preset("No Such")
+
+
+def test_standard_is_what_a_new_scene_has():
+    before = values()
+    apply_preset("Standard")
+    assert values() == before
+
+
+@pytest.mark.parametrize("name", ["Draft", "Standard", "Fine"])
+def test_the_shipped_ones_set_everything(name):
+    for prop in PRESET_PROPERTIES:
+        assert f"settings.{prop} = " in (SHIPPED / f"{name}.py").read_text(encoding="utf-8")
+    settings().resolution, settings().use_custom_blur, settings().locality = 17, True, 0.5
+    apply_preset(name)
+    assert (settings().use_custom_blur, settings().locality) == (False, 0.0)
+
+
+def test_presets_leave_what_belongs_to_the_shapes():
+    solver = set(PRESET_PROPERTIES)
+    assert solver < set(MorphProperties.__annotations__)
+    assert not solver & {"thickness", "parts", "layout", "frames"}
+
+
+def test_users_add_and_remove_their_own():
+    settings().resolution, settings().use_custom_blur, settings().blur = 77, True, 2.5
+    assert bpy.ops.convwass.add_solver_preset(name="My Own") == {"FINISHED"}
+    try:
+        assert "My Own" in preset_names()
+        settings().resolution, settings().blur = 20, 1.0
+        path = bpy.utils.preset_find("My Own", SUBFOLDER, display_name=True)
+        bpy.ops.script.execute_preset(filepath=path, menu_idname=solver_presets.MENU)
+        assert (settings().resolution, settings().blur) == (77, 2.5)
+    finally:
+        bpy.ops.convwass.add_solver_preset(name="My Own", remove_name=True)
+    assert "My Own" not in preset_names()
+
+
+def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobody_has_touched(monkeypatch):
+    module = "convwass_addon.operators.edit_inputs.preferences"
+    monkeypatch.setattr(module, lambda _: Preferences(default_preset="Fine"))
+    bpy.ops.mesh.primitive_cube_add()
+    assert is_untouched(settings())
+    bpy.ops.convwass.add_inputs()
+    assert settings().resolution == 128
+    bpy.ops.convwass.clear_inputs()
+    settings().resolution = 33
+    bpy.ops.convwass.add_inputs()
+    assert settings().resolution == 33
+
+
+def with_preferences(**values):
+    """A context whose add-on has these preferences."""
+    own = SimpleNamespace(**{"cache_folder": "", "threads": 0, "default_preset": "Standard", **values})
+    addons = {"convwass_addon": SimpleNamespace(preferences=own)}
+    return SimpleNamespace(preferences=SimpleNamespace(addons=addons))
+
+
+def test_preferences_are_read(tmp_path):
+    assert preferences.preferences(bpy.context) == Preferences()
+    assert preferences.preferences(with_preferences()) == Preferences(None, None, "Standard")
+    read = preferences.preferences(with_preferences(cache_folder=str(tmp_path), threads=3, default_preset="Fine"))
+    assert read == Preferences(tmp_path, 3, "Fine")
+
+
+def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path):
+    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "cache", 1))
+    bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)
+    bpy.ops.object.select_all(action="SELECT")
+    assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
+    assert len(list((tmp_path / "cache").glob("*.frame"))) == 3
+
+
+def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "file"))
+    bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)
+    bpy.ops.object.select_all(action="SELECT")
+    with pytest.raises(RuntimeError, match="cache folder"):
+        bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    assert len(bpy.data.collections) == 0
+
+
+def test_preferences_show_all_that_they_have():
+    drawn = []
+    layout = SimpleNamespace(prop=lambda _, name: drawn.append(name))
+    preferences.CONVWASS_AP_preferences.draw(SimpleNamespace(layout=layout), bpy.context)
+    assert drawn == ["cache_folder", "threads", "default_preset"]
+    assert preferences._matching_presets(None, None, "f") == ["Draft", "Fine"]

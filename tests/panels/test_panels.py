@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels show, drawn into a layout that remembers; and that drawing does nothing else."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+from convwass_addon.applications.health import HealthNote
+from convwass_addon.bridge.stored import store_health
+from convwass_addon.panels.baked import sentence
+from convwass_addon.panels.sidebar import draw_wrapped
+
+from .fake_layout import FakeLayout
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+LAYOUTS = ("PATH", "GRID", "TRIANGLE", "BLEND")
+
+
+def panels():
+    names = sorted(name for name in dir(bpy.types) if name.startswith("CONVWASS_PT_"))
+    return [getattr(bpy.types, name) for name in names if name != "CONVWASS_PT_solver_presets"]
+
+
+def draw(panel, context=None):
+    """Return what a panel draws; nothing where it is not shown."""
+    context = context or bpy.context
+    if hasattr(panel, "poll") and not panel.poll(context):
+        return []
+    layout = FakeLayout()
+    shown = SimpleNamespace(layout=layout)
+    if hasattr(panel, "draw_settings"):
+        shown.draw_settings = partial(panel.draw_settings, shown)
+    if hasattr(panel, "draw_header_preset"):
+        panel.draw_header_preset(shown, context)
+    panel.draw(shown, context)
+    return layout.drawn
+
+
+def draw_all(context=None):
+    return [entry for panel in panels() for entry in draw(panel, context)]
+
+
+def settings():
+    return bpy.context.scene.convwass_morph
+
+
+@pytest.fixture
+def shapes():
+    bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)
+    bpy.ops.object.select_all(action="SELECT")
+
+
+@pytest.fixture
+def baked(shapes):
+    bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+
+
+def test_an_empty_scene_says_what_to_do():
+    assert ("label", "Select two or more meshes") in draw_all()
+
+
+def test_the_selection_is_named_until_there_is_a_list(shapes):
+    assert {("label", "Cube"), ("label", "Sphere"), ("text", "Make a List")} <= set(draw_all())
+    bpy.ops.convwass.add_inputs()
+    drawn = draw_all()
+    assert ("label", "Cube") not in drawn
+    assert ("prop", "order") not in drawn
+    assert drawn.count(("prop", "enabled")) == 2
+
+
+def test_a_long_selection_is_cut_short():
+    for _ in range(12):
+        bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.select_all(action="SELECT")
+    drawn = draw_all()
+    assert ("label", "and 4 more") in drawn
+
+
+def test_weights_are_shown_for_a_single_blend_only(shapes):
+    bpy.ops.convwass.add_inputs()
+    shown = {}
+    for layout in LAYOUTS:
+        settings().layout = layout
+        shown[layout] = ("prop", "weight") in draw_all()
+    assert shown == {"PATH": False, "GRID": False, "TRIANGLE": False, "BLEND": True}
+
+
+def test_only_faulty_shapes_have_a_warning(shapes):
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.add_inputs()
+    # One of them is the button beside the list.
+    assert draw_all().count(("operator", "convwass.check_inputs")) == 2
+
+
+def test_a_wrong_number_of_shapes_is_told(shapes):
+    settings().layout = "GRID"
+    assert "This layout takes 4 shapes, there are 2" in " ".join(text for _, text in draw_all())
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_setting_is_somewhere(shapes, layout):
+    """Each one that the operator takes, for some layout."""
+    settings().layout = layout
+    settings().start, settings().entropy_limit = "CUSTOM", "NUMBER"
+    drawn = {name for kind, name in draw_all() if kind == "prop"}
+    from convwass_addon.properties import MorphProperties
+
+    only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
+    only |= dict.fromkeys(("frame_step", "start", "start_frame"), ("PATH",))
+    expected = {name for name in MorphProperties.__annotations__ if layout in only.get(name, LAYOUTS)}
+    assert expected == drawn & set(MorphProperties.__annotations__)
+
+
+def test_a_running_bake_shows_its_bar_instead_of_the_button(shapes):
+    progress = bpy.context.window_manager.convwass_progress
+    progress.running, progress.fraction, progress.message = True, 0.5, "Blend 1 of 2"
+    try:
+        drawn = draw_all()
+    finally:
+        progress.running = False
+    assert ("progress", "Blend 1 of 2") in drawn
+    assert ("operator", "convwass.bake_morph") not in drawn
+
+
+def test_a_baked_morph_shows_its_buttons_and_its_health(baked):
+    assert ("operator", "convwass.delete_morph") in draw_all()
+    assert ("operator", "convwass.make_player") in draw_all()
+    store_health(baked, [HealthNote("NOT_CONVERGED", {"frames": "2-3", "error": 0.03})])
+    text = " ".join(text for kind, text in draw_all() if kind == "label")
+    assert "Less exact than asked for in 2-3, by up to 3.0%" in text
+    baked["convwass_health"] = json.dumps([["NOT_CONVERGED", {}]])
+    assert ("label", "Nothing is known about it") in draw_all()
+
+
+def test_a_translation_that_cannot_be_filled_leaves_the_english(monkeypatch):
+    monkeypatch.setattr("convwass_addon.panels.baked.iface_", lambda text: "{nonsense}")
+    assert sentence(HealthNote("NOTICE", {"text": "Hello"})) == "Hello"
+
+
+def test_sentences_are_wrapped_to_the_width_and_lose_nothing():
+    text = "Resolution 64 is too coarse for thin parts of Cow (1.2 cells): 112 keeps them"
+    system = SimpleNamespace(ui_scale=1.0)
+    for width in (1, 200, 280, 900):
+        context = SimpleNamespace(region=SimpleNamespace(width=width), preferences=SimpleNamespace(system=system))
+        layout = FakeLayout()
+        draw_wrapped(layout, context, text, "INFO")
+        lines = [line for _, line in layout.drawn]
+        assert " ".join(lines) == text
+        assert len(lines) == 1 or max(map(len, lines)) <= max(16, (width - 60) / 6.2)
+
+
+def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
+    def refuse(*_arguments, **_options):
+        raise AssertionError("drawing asked for work")
+
+    for name in ("check_shape", "triangle_mesh"):
+        monkeypatch.setattr(f"convwass_addon.operators.edit_inputs.{name}", refuse)
+    for name in ("morph", "aligned", "triangle_mesh"):
+        monkeypatch.setattr(f"convwass_addon.bridge.job.{name}", refuse)
+    monkeypatch.setattr("convwass_addon.bridge.bake.health", refuse)
+    for layout in LAYOUTS:
+        settings().layout = layout
+        before = contents()
+        draw_all()
+        assert contents() == before
+
+
+def contents():
+    """All that drawing could change: data-blocks, and settings of the scene."""
+    own = settings()
+    names = [prop.identifier for prop in own.bl_rna.properties if prop.identifier != "rna_type"]
+    values = {name: str(getattr(own, name)) for name in names}
+    return values, {(block.id_type, block.name) for block in bpy.data.user_map()}
+
+
+def test_a_morph_whose_shapes_have_changed_says_so(baked):
+    assert not [text for _, text in draw_all() if text.startswith("Changed since")]
+    bpy.data.objects["Cube"].location.z += 1.0
+    bpy.context.view_layer.update()
+    assert "Changed since it was baked: Cube" in " ".join(text for _, text in draw_all())
+
+
+def test_a_player_shows_its_value_and_the_way_back(baked):
+    bpy.ops.convwass.make_player()
+    drawn = draw(bpy.types.CONVWASS_PT_baked_morph)
+    offered = [name for kind, name in drawn if kind == "operator"]
+    assert "convwass.remove_player" in offered
+    assert "convwass.make_player" not in offered
+    assert [name for kind, name in drawn if kind == "text" and name in ("Morph", "Playback")] == ["Morph", "Playback"]
