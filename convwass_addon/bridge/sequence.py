@@ -1,12 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One object that is another mesh at each frame, made by geometry nodes."""
+"""Objects that show one of several meshes, chosen by geometry nodes: the one whose point in a table is the nearest."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import bpy
+import numpy as np
+
+MODIFIER = "Frames"
+"""Name of the modifier that chooses."""
 
 
 def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> bpy.types.Object:
@@ -29,69 +33,168 @@ def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], firs
     bpy.types.Object
         Not linked to a scene; to be removed with `remove_sequence`.
     """
-    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-    tree.is_modifier = True
-    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    choice = _index_switch(tree, len(shown), first_frame)
+    tree = frame_group(name)
+    time = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
+    index = nearest(tree, own_geometry(tree), along_x(tree, time))
     joints = {objects: _joint(tree, objects) for objects in set(shown)}
-    for place, objects in enumerate(shown):
-        tree.links.new(joints[objects].outputs["Geometry"], choice.inputs[1 + place])
-    own = _under_own_name(tree, choice.outputs["Output"])
-    tree.links.new(own, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
-    mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(1)
-    obj = bpy.data.objects.new(name, mesh)
-    obj.modifiers.new("Frames", "NODES").node_group = tree
-    return obj
+    output(tree, pick(tree, "GEOMETRY", index, [joints[objects] for objects in shown]), len(shown))
+    return table_object(name, [(first_frame + place, 0.0, 0.0) for place in range(len(shown))], tree)
 
 
 def remove_sequence(obj: bpy.types.Object) -> None:
     """Remove what `mesh_sequence` made."""
-    bpy.data.batch_remove([obj, obj.data, obj.modifiers["Frames"].node_group])
+    bpy.data.batch_remove([obj, obj.data, obj.modifiers[MODIFIER].node_group])
 
 
-def _index_switch(tree: bpy.types.NodeTree, count: int, first_frame: int) -> bpy.types.Node:
-    """Return a node that passes on its input number 1 + (scene frame - first frame)."""
-    time = tree.nodes.new("GeometryNodeInputSceneTime")
-    offset = tree.nodes.new("ShaderNodeMath")
-    offset.operation = "SUBTRACT"
-    offset.inputs[1].default_value = first_frame
-    tree.links.new(time.outputs["Frame"], offset.inputs[0])
-    choice = tree.nodes.new("GeometryNodeIndexSwitch")
-    choice.data_type = "GEOMETRY"
-    choice.index_switch_items.clear()
-    for _ in range(count):
-        choice.index_switch_items.new()
-    tree.links.new(offset.outputs[0], choice.inputs["Index"])
-    return choice
+def frame_group(name: str) -> bpy.types.NodeTree:
+    """Make a node group for a modifier: one geometry comes in, one goes out."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    tree.is_modifier = True
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    return tree
 
 
-def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.Node:
-    """Return a node with the geometry of all the objects, where they stand in the world."""
-    joint = tree.nodes.new("GeometryNodeJoinGeometry")
-    for obj in objects:
-        info = tree.nodes.new("GeometryNodeObjectInfo")
-        info.transform_space = "RELATIVE"
-        info.inputs["Object"].default_value = obj
-        tree.links.new(info.outputs["Geometry"], joint.inputs["Geometry"])
-    return joint
+def table_object(
+    name: str,
+    points: Sequence[Sequence[float]] | np.ndarray,
+    tree: bpy.types.NodeTree,
+    materials: Sequence[bpy.types.Material] = (),
+) -> bpy.types.Object:
+    """Make an object whose own mesh is the table its nodes look into: one vertex per row.
+
+    Parameters
+    ----------
+    name : str
+        Of the object and its mesh.
+    points : (n, 3) array_like
+        Local space.
+    tree : bpy.types.NodeTree
+        Ends in `output` with n rows.
+    materials : sequence of bpy.types.Material
+        Those of what is shown, so that the object's slots list them.
+
+    Returns
+    -------
+    bpy.types.Object
+        Not linked to a scene.
+    """
+    mesh = bpy.data.meshes.new(name)
+    write_table(mesh, points, materials)
+    obj = bpy.data.objects.new(name, mesh)
+    obj.modifiers.new(MODIFIER, "NODES").node_group = tree
+    return obj
 
 
-def _under_own_name(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Return the geometry as a mesh that keeps the name of the modified object's own.
+def write_table(
+    mesh: bpy.types.Mesh, points: Sequence[Sequence[float]] | np.ndarray, materials: Sequence[bpy.types.Material] = ()
+) -> None:
+    """Replace the geometry of a mesh by loose vertices at `points`, (n, 3), and its materials."""
+    mesh.clear_geometry()
+    mesh.vertices.add(len(points))
+    mesh.vertices.foreach_set("co", np.asarray(points, dtype=np.float32).ravel())
+    mesh.update()
+    mesh.materials.clear()
+    for material in materials:
+        mesh.materials.append(material)
+
+
+def own_geometry(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+    """Return the geometry of the modified object: its table."""
+    return tree.nodes.new("NodeGroupInput").outputs["Geometry"]
+
+
+def along_x(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return the place on the X axis at a number."""
+    node = tree.nodes.new("ShaderNodeCombineXYZ")
+    tree.links.new(value, node.inputs["X"])
+    return node.outputs["Vector"]
+
+
+def nearest(tree: bpy.types.NodeTree, table: bpy.types.NodeSocket, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return the number of the row of a table that is the nearest to a place."""
+    node = tree.nodes.new("GeometryNodeSampleNearest")
+    node.domain = "POINT"
+    tree.links.new(table, node.inputs["Geometry"])
+    tree.links.new(place, node.inputs["Sample Position"])
+    return node.outputs["Index"]
+
+
+def pick(
+    tree: bpy.types.NodeTree, kind: str, index: bpy.types.NodeSocket, items: Sequence[object]
+) -> bpy.types.NodeSocket:
+    """Return the item number `index`.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Where the node goes.
+    kind : str
+        What the items are, such as "GEOMETRY" or "VECTOR".
+    index : bpy.types.NodeSocket
+        A whole number.
+    items : sequence
+        Sockets, or values that stay as they are.
+    """
+    node = tree.nodes.new("GeometryNodeIndexSwitch")
+    node.data_type = kind
+    node.index_switch_items.clear()
+    for _ in items:
+        node.index_switch_items.new()
+    tree.links.new(index, node.inputs["Index"])
+    for place, item in enumerate(items):
+        socket = node.inputs[1 + place]
+        if isinstance(item, bpy.types.NodeSocket):
+            tree.links.new(item, socket)
+        else:
+            socket.default_value = item
+    return node.outputs["Output"]
+
+
+def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str = "ORIGINAL") -> bpy.types.Node:
+    """Return a node about another object.
+
+    Visibility does not matter to it.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Where the node goes.
+    obj : bpy.types.Object
+        The other object.
+    space : "ORIGINAL" or "RELATIVE"
+        Its geometry in its own local space and its place in the world, or both as seen from the modified object.
+    """
+    info = tree.nodes.new("GeometryNodeObjectInfo")
+    info.transform_space = space
+    info.inputs["Object"].default_value = obj
+    return info
+
+
+def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) -> None:
+    """End a group with a geometry, as a mesh that keeps the name of the modified object's own.
 
     Blender 5 takes over the name of the other object's mesh, and exporters then write a new mesh at each frame. A join
-    takes the name of its first part: the single vertex of the own mesh, deleted again afterwards.
+    takes the name of its first part: the table of so many rows, deleted again afterwards.
     """
     join = tree.nodes.new("GeometryNodeJoinGeometry")
     tree.links.new(geometry, join.inputs["Geometry"])
     # What is linked last comes first.
-    tree.links.new(tree.nodes.new("NodeGroupInput").outputs["Geometry"], join.inputs["Geometry"])
-    is_first = tree.nodes.new("FunctionNodeCompare")
-    is_first.data_type, is_first.operation = "INT", "EQUAL"
-    tree.links.new(tree.nodes.new("GeometryNodeInputIndex").outputs["Index"], is_first.inputs["A"])
+    tree.links.new(own_geometry(tree), join.inputs["Geometry"])
+    is_table = tree.nodes.new("FunctionNodeCompare")
+    is_table.data_type, is_table.operation = "INT", "LESS_THAN"
+    tree.links.new(tree.nodes.new("GeometryNodeInputIndex").outputs["Index"], is_table.inputs["A"])
+    is_table.inputs["B"].default_value = rows
     delete = tree.nodes.new("GeometryNodeDeleteGeometry")
     tree.links.new(join.outputs["Geometry"], delete.inputs["Geometry"])
-    tree.links.new(is_first.outputs["Result"], delete.inputs["Selection"])
-    return delete.outputs["Geometry"]
+    tree.links.new(is_table.outputs["Result"], delete.inputs["Selection"])
+    tree.links.new(delete.outputs["Geometry"], tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+
+
+def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.NodeSocket:
+    """Return the geometry of all the objects, where they stand in the world."""
+    joint = tree.nodes.new("GeometryNodeJoinGeometry")
+    for obj in objects:
+        info = object_info(tree, obj, space="RELATIVE")
+        tree.links.new(info.outputs["Geometry"], joint.inputs["Geometry"])
+    return joint.outputs["Geometry"]
