@@ -35,14 +35,13 @@ class BackgroundJob(Generic[Step]):
         self._thread = threading.Thread(target=self._run, name="convwass", daemon=True)
         self._thread.start()
 
-    def poll(self) -> list[Step]:
-        """Return the steps that have been done since the last call."""
-        steps = []
+    def poll(self) -> Iterator[Step]:
+        """Yield the steps that have been done, each once; those that nobody takes wait for the next call."""
         while True:
             try:
-                steps.append(self._queue.get_nowait())
+                yield self._queue.get_nowait()
             except queue.Empty:
-                return steps
+                return
 
     @property
     def done(self) -> bool:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -16,8 +16,10 @@ from ..errors import InputError
 from ..geometry.mending import Connectivity
 from ..geometry.mesh import TriangleMesh
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
+from .health import thin_parts, wall_share
 from .layouts import Blend
 from .morph_settings import MorphSettings
+from .origins import PartTransport, blend_origins
 from .parts import SplitShapes
 from .potentials import PartPotentials
 from .reading import connectivity_of, own_surface, read_surface
@@ -29,6 +31,9 @@ _WIDEN = 1.25
 _WAVER = 0.1
 # Sketches are solved on the finest of the coarser levels that has so few cells.
 _SKETCH_CELLS = 300_000
+# Most bytes per cell of the level it is solved on, measured, that a sketch keeps until its blend is finished: for all
+# cells, for those that the largest shape fills, and for every further part.
+_SKETCH_BYTES, _SKETCH_BYTES_FILLED, _SKETCH_BYTES_PART = 52, 85, 45
 
 
 @dataclass(frozen=True)
@@ -45,12 +50,16 @@ class MorphFrame:
         The solver's figures, the level, volume wanted and reached; ready for JSON.
     potentials : tuple of PartPotentials
         One per part, where they are kept: what blends next to it can be had from.
+    origins : (k, n, 3) float32 or None
+        Where in the scene the matter at every vertex of `mesh` comes from, on every input; None where that was not
+        asked for. See :func:`.origins.blend_origins`.
     """
 
     blend: Blend
     mesh: TriangleMesh | None
     record: dict[str, object]
     potentials: tuple[PartPotentials, ...] = ()
+    origins: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +94,7 @@ class MorphProblem:
     settings : MorphSettings
         How to blend them.
     connectivity : tuple of Connectivity
-        How every shape hangs together at this resolution.
+        How every shape hangs together at this resolution; empty where there are to be sketches only.
     notices : tuple of str
         What the user should know about the parts.
     keeps_potentials : bool
@@ -100,19 +109,37 @@ class MorphProblem:
     keeps_potentials: bool = False
 
     @classmethod
-    def of(
-        cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings, executor: Executor | None = None
-    ) -> MorphProblem:
-        """Prepare voxelized shapes for many blends of them, side by side in an executor's threads if there is one."""
+    def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
+        """Prepare voxelized shapes for many blends of them."""
+        return cls.for_sketches(shapes, lattice, settings).with_connectivity()
+
+    @classmethod
+    def for_sketches(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
+        """Prepare voxelized shapes for sketches of their blends, which are not mended."""
         grid = lattice.grid(settings.sigma)
         parts = tuple(
             MorphPart(name, Inputs.of(densities, grid), volumes)
             for name, densities, volumes in zip(shapes.names, shapes.densities, shapes.volumes, strict=True)
         )
-        own_densities = list(zip(*shapes.densities, strict=True))
+        return cls(parts, lattice, settings, (), shapes.notices)
+
+    def with_connectivity(self, executor: Executor | None = None) -> MorphProblem:
+        """Return what finished blends need; an executor's threads, if there is one, read the shapes side by side."""
         each = map if executor is None else executor.map
-        connectivity = each(lambda own: connectivity_of(sum(own), settings), own_densities)
-        return cls(parts, lattice, settings, tuple(connectivity), shapes.notices)
+        return replace(self, connectivity=tuple(each(self.shape_connectivity, range(len(self.volumes)))))
+
+    def shape_connectivity(self, index: int) -> Connectivity:
+        """Read how shape `index` hangs together, from all of its parts."""
+        return connectivity_of(self.occupancy(index), self.settings)
+
+    def occupancy(self, index: int) -> NDArray[np.float64]:
+        """Share of every cell that shape `index` fills, all of its parts together."""
+        occupancy = np.zeros(self.lattice.shape)
+        for part in self.parts:
+            level = part.inputs.levels[-1]
+            filled = np.exp(level.log_mus[index])
+            occupancy.reshape(-1)[level.regions[index].index] += filled * (part.volumes[index] / filled.sum())
+        return occupancy
 
     @property
     def sketch_depth(self) -> int:
@@ -121,6 +148,14 @@ class MorphProblem:
         if not coarser:
             return 0
         return len(coarser) + 1 - max(sum(cells <= _SKETCH_CELLS for cells in coarser), 1)
+
+    @property
+    def sketch_bytes(self) -> int:
+        """What one sketch keeps at the most until its blend is finished."""
+        cells = float(np.prod(self.lattice.shape))
+        filled = float(self.volumes.max()) / cells
+        of_cell = _SKETCH_BYTES + _SKETCH_BYTES_FILLED * filled + _SKETCH_BYTES_PART * (len(self.parts) - 1)
+        return int(cells / 8**self.sketch_depth * of_cell)
 
     @property
     def volumes(self) -> NDArray[np.float64]:
@@ -177,8 +212,8 @@ class Sketch:
 
 def sketch_blends(
     problem: MorphProblem, blends: Sequence[Blend], check: Callable[[], None] | None = None
-) -> list[Sketch]:
-    """Solve the coarse levels of a run of blends, each started from the one before.
+) -> Iterator[Sketch]:
+    """Solve the coarse levels of a run of blends, each when it is asked for and started from the one before.
 
     Parameters
     ----------
@@ -186,7 +221,7 @@ def sketch_blends(
         As for :func:`solve_blends`, which takes the sketches of the same run; a problem with a `sketch_depth`.
     """
     solver = _Solver(problem, check)
-    return [solver.sketch(blend) for blend in blends]
+    return (solver.sketch(blend) for blend in blends)
 
 
 def solve_blends(
@@ -237,7 +272,8 @@ class _Solver:
     def frame(self, blend: Blend, sketches: Sequence[PartSketch] = ()) -> MorphFrame:
         problem = self._problem
         if blend.source is not None:
-            return self._input_itself(blend)
+            itself = self._input_itself(blend)
+            return replace(itself, record={**itself.record, "thin": thin_parts(problem.occupancy(blend.source))})
         limits = problem.entropy_limits(blend)
         known = sketches or [None] * len(self._parts)
         solved = [part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True)]
@@ -295,6 +331,7 @@ def surfaced_frame(
         "weights": blend.weights,
         **_summary(solved),
         "sigma": max(sigmas),
+        "wall": wall_share(merged.density),
         "cells": problem.lattice.shape,
         "level": reading.surface.level,
         "volume": mesh.volume,
@@ -303,7 +340,27 @@ def surfaced_frame(
         **_about_parts(problem, shares, merged),
     }
     kept = zip(solved, sigmas, strict=True) if problem.keeps_potentials else ()
-    return MorphFrame(blend, mesh, record, tuple(PartPotentials.of(part, sigma) for part, sigma in kept))
+    potentials = tuple(PartPotentials.of(part, sigma) for part, sigma in kept)
+    origins = None
+    if problem.settings.carry:
+        origins = _origins(problem, blend, reading.surface.mesh.vertices, solved, sigmas, shares)
+    return MorphFrame(blend, mesh, record, potentials, origins)
+
+
+def _origins(
+    problem: MorphProblem,
+    blend: Blend,
+    surface: NDArray[np.float64],
+    solved: Sequence[Barycenter],
+    sigmas: Sequence[float],
+    volumes: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Follow the vertices of a surface, (n, 3) in cells, back to the inputs."""
+    transports = [
+        PartTransport(part, problem.lattice.grid(sigma), float(volume), problem.settings.reach)
+        for part, sigma, volume in zip(solved, sigmas, volumes, strict=True)
+    ]
+    return blend_origins(surface, transports, problem.lattice, blend.weights)
 
 
 def _about_parts(problem: MorphProblem, shares: NDArray[np.float64], merged: MergedParts) -> dict[str, object]:

@@ -105,7 +105,7 @@ class BakeCache:
             stored = self._read(path, key, blend)
             if stored is None:
                 raise ConvwassError(f"The cache folder {self._cache.folder} lost a frame meanwhile; bake again.")
-            frames.append(MorphFrame(blend, stored.mesh, stored.record, stored.potentials))
+            frames.append(MorphFrame(blend, stored.mesh, stored.record, stored.potentials, stored.origins))
         return frames
 
     def save(self, run: Sequence[Blend], frames: Sequence[MorphFrame]) -> None:
@@ -118,7 +118,7 @@ class BakeCache:
         """
         for blend, frame, path, key in zip(run, frames, self.paths(run), self._keys(run), strict=True):
             try:
-                write_frame(path, key, StoredFrame(frame.mesh, frame.record, frame.potentials))
+                write_frame(path, key, StoredFrame(frame.mesh, frame.record, frame.potentials, frame.origins))
             except OSError as error:
                 # Windows replaces no file that another machine is reading, which then is the same frame.
                 if self._read(path, key, blend) is None:
@@ -142,6 +142,8 @@ class BakeCache:
             suiting = all(part.suit(part.inside.shape, blend.weights) for part in stored.potentials)
             if not suiting or bool(stored.potentials) != (blend.source is None):
                 raise DamagedFrameError("its potentials are of another blend")
+            if stored.origins is not None and len(stored.origins) != len(blend.weights):
+                raise DamagedFrameError("its origins are of another blend")
             return stored
         except FileNotFoundError:
             return None

@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One finished frame as a file: a surface, the solver's figures and potentials, checked when they are read.
+"""One finished frame as a file: a surface, where it comes from, figures and potentials, checked when they are read.
 
 The file begins with `MAGIC`, the SHA-256 of all that follows it (32 bytes) and the length of the header (8 bytes, as
 all numbers little-endian). The header is JSON: ``key`` says which frame it is, ``record`` holds the figures and
 ``counts`` how many vertices and triangles there are, or null where there is no surface. ``potentials`` says for every
 part of the blend the ``shape`` of its grid, how many ``rows`` of potentials it has and for how many ``cells``, and its
-``sharpness`` and ``sigma``; an input that is shown as it is has none. Vertices (3 float64 each) and triangles (3 int32
-each) come next, and then for every part one bit per cell of the grid, which tells whether it has potentials, filled up
-to whole bytes with zeros, and the rows (float32).
+``sharpness`` and ``sigma``; an input that is shown as it is has none. ``origins`` says on how many inputs every vertex
+has an origin, or null. Vertices (3 float64 each) and triangles (3 int32 each) come next, then the origins of all
+vertices on the first input (3 float32 each), on the second, and so on, and then for every part one bit per cell of the
+grid, which tells whether it has potentials, filled up to whole bytes with zeros, and the rows (float32).
 """
 
 from __future__ import annotations
@@ -24,16 +25,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from .potentials import PartPotentials
 
-MAGIC = b"convwass frame 2\n"
+MAGIC = b"convwass frame 3\n"
 
 _DIGEST_BYTES = 32
 _LENGTH = struct.Struct("<Q")
-_VERTEX, _TRIANGLE, _POTENTIAL = 3 * 8, 3 * 4, 4
+_VERTEX, _TRIANGLE, _ORIGIN, _POTENTIAL = 3 * 8, 3 * 4, 3 * 4, 4
 # Far above any surface of the finest grid; what is larger is no frame, and is not even read.
 _MOST_BYTES = 2 << 30
 _MOST_HEADER_BYTES = 1 << 20
@@ -62,11 +64,14 @@ class StoredFrame:
         The solver's figures.
     potentials : tuple of PartPotentials
         One per part; none of an input that is shown as it is.
+    origins : (k, n, 3) float32 or None
+        Where the vertices of the surface come from.
     """
 
     mesh: TriangleMesh | None
     record: dict[str, object]
     potentials: tuple[PartPotentials, ...] = ()
+    origins: NDArray[np.float32] | None = None
 
 
 def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
@@ -125,6 +130,7 @@ def _packed(key: str, frame: StoredFrame) -> bytes:
     description = {
         "key": key,
         "counts": None if mesh is None else [len(mesh.vertices), len(mesh.faces)],
+        "origins": None if frame.origins is None else len(frame.origins),
         "potentials": [
             {
                 "shape": part.inside.shape,
@@ -139,6 +145,8 @@ def _packed(key: str, frame: StoredFrame) -> bytes:
     }
     header = json.dumps(description).encode()
     arrays = [] if mesh is None else [mesh.vertices.astype("<f8"), mesh.faces.astype("<i4")]
+    if frame.origins is not None:
+        arrays.append(frame.origins.astype("<f4"))
     for part in frame.potentials:
         arrays += [np.packbits(part.inside), part.columns.astype("<f4")]
     body = b"".join([_LENGTH.pack(len(header)), header, *(array.tobytes() for array in arrays)])
@@ -161,9 +169,10 @@ def _unpacked(content: memoryview, key: str) -> StoredFrame:
         raise ValueError("it is another frame")
     reader = _Reader(arrays)
     mesh = _mesh(header["counts"], reader)
+    origins = _origins(header["origins"], mesh, reader)
     potentials = _potentials(header["potentials"], reader)
     reader.end()
-    return StoredFrame(mesh, _record(header["record"]), potentials)
+    return StoredFrame(mesh, _record(header["record"]), potentials, origins)
 
 
 class _Reader:
@@ -192,6 +201,19 @@ def _mesh(counts: object, reader: _Reader) -> TriangleMesh | None:
     points = np.frombuffer(reader.take(vertices * _VERTEX), "<f8").astype(np.float64).reshape(-1, 3)
     faces = np.frombuffer(reader.take(triangles * _TRIANGLE), "<i4").astype(np.int64).reshape(-1, 3)
     return TriangleMesh.from_arrays(points, faces)
+
+
+def _origins(inputs: object, mesh: TriangleMesh | None, reader: _Reader) -> NDArray[np.float32] | None:
+    if inputs is None:
+        return None
+    (count,) = _counts([inputs], 1)
+    if mesh is None:
+        raise ValueError("its origins are of no vertices")
+    vertices = len(mesh.vertices)
+    origins = np.frombuffer(reader.take(count * vertices * _ORIGIN), "<f4").astype(np.float32)
+    if not np.isfinite(origins).all():
+        raise ValueError("its origins are not numbers")
+    return origins.reshape(count, vertices, 3)
 
 
 def _potentials(descriptions: object, reader: _Reader) -> tuple[PartPotentials, ...]:

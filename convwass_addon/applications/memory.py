@@ -40,6 +40,15 @@ def check_memory(needed: int, resolution: int, workers: int = 1) -> None:
     )
 
 
+def fitting_beside(needed: int, each: int, most: int) -> int:
+    """Return how many things, up to `most`, that take `each` bytes fit in memory beside a job's peak of `needed` bytes.
+
+    None may fit: they are things that the job can do without.
+    """
+    free = available_memory()
+    return most if free is None else min(max((free - needed) // each, 0), most)
+
+
 def available_memory() -> int | None:
     """Bytes of memory that can be used without swapping; None where the system does not say."""
     if sys.platform == "win32":

@@ -22,9 +22,12 @@ from ..geometry.mesh import TriangleMesh
 from .blending import MorphFrame, MorphProblem
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
+from .looks import Carried
+from .memory import fitting_beside
 from .morph_settings import MorphSettings
 from .parts import FaceLabels, Matching, joined, matched, part_volumes, unparted
 from .runs import (
+    RUN_LENGTH,
     Run,
     SketchedRuns,
     SolvedRun,
@@ -59,12 +62,15 @@ class MorphStep:
         A frame that has just been finished.
     preview : MorphFrame or None
         What a frame that is not finished yet will look like, coarsely.
+    carried : Carried or None
+        What the frame brings along from the inputs, once that has been looked up.
     """
 
     fraction: float
     message: str
     frame: MorphFrame | None = None
     preview: MorphFrame | None = None
+    carried: Carried | None = None
 
 
 def morph(
@@ -80,6 +86,7 @@ def morph(
     cache: FrameCache | None = None,
     wanted: range | None = None,
     previews: bool = False,
+    looked_at: int = 0,
 ) -> Iterator[MorphStep]:
     """Make the blends of the shapes, one after the other.
 
@@ -111,7 +118,10 @@ def morph(
         on how a morph was split.
     previews : bool
         Whether to solve the coarse levels of all blends first, and yield what can be seen of them; not where an
-        executor of the caller's computes, nor on a grid that has no coarser one. The frames are the same.
+        executor of the caller's computes, nor on a grid that has no coarser one, nor of more runs than there is memory
+        for. The frames are the same.
+    looked_at : int
+        Number of the blend that is being looked at, of those that are made: previews near to it come first.
 
     Yields
     ------
@@ -135,18 +145,22 @@ def morph(
         if missing:
             side_by_side = min(workers or 1, len(missing))
             threads = workers or os.cpu_count() or 1
-            problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, threads)
+            problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads)
             problem = replace(problem, keeps_potentials=store is not None)
             most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
-            if executor is not None:
-                pending = stack.enter_context(runs_elsewhere(problem, missing, executor))
-            elif previews and problem.sketch_depth:
-                sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, check, most))
+            if previews and executor is None and problem.sketch_depth:
+                needed = problem.lattice.memory(shapes, most, matching.count)
+                chosen = _previewed(missing, looked_at, problem.sketch_bytes, needed)
+                sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, chosen, check, most))
                 pending = sketched.frames
-                yield from _previews(sketched, sum(map(len, missing.values())), check)
+                yield from _previews(sketched, check)
                 begun += _PREVIEW_SHARE
             else:
-                pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
+                problem = _with_connectivity(problem, min(most, len(shapes)))
+                if executor is None:
+                    pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
+                else:
+                    pending = stack.enter_context(runs_elsewhere(problem, missing, executor))
             # Threads keep what they need of it.
             del problem
             solved = as_solved(pending, check)
@@ -155,7 +169,15 @@ def morph(
             yield MorphStep(begun + (1.0 - begun) * done / total, f"Blend {done} of {total}", frame)
 
 
-def _previews(runs: SketchedRuns, total: int, check: Callable[[], None] | None) -> Iterator[MorphStep]:
+def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: int) -> list[int]:
+    """Choose the runs to sketch, as many as there is memory for beside the job, the nearest to a blend first."""
+    nearest = sorted(runs, key=lambda index: abs(index - looked_at // RUN_LENGTH))
+    fitting = fitting_beside(needed, bytes_each, sum(map(len, runs.values())))
+    return nearest[: np.searchsorted(np.cumsum([len(runs[index]) for index in nearest]), fitting, side="right")]
+
+
+def _previews(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphStep]:
+    total = len(runs.sketches)
     for done, frame in enumerate(as_sketched(runs, check), start=1):
         yield MorphStep(VOXEL_SHARE + _PREVIEW_SHARE * done / total, f"Preview {done} of {total}", preview=frame)
 
@@ -172,6 +194,19 @@ def prepared_problem(
 
     Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
     """
+    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads)
+    return _with_connectivity(problem, min(threads, len(shapes)))
+
+
+def sketchable_problem(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    matching: Matching,
+    settings: MorphSettings,
+    workers: int,
+    threads: int = 1,
+) -> Generator[MorphStep, None, MorphProblem]:
+    """Do the same, and leave out what only finished blends need."""
     yield MorphStep(0.0, "Laying out the grid")
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
 
@@ -185,7 +220,12 @@ def prepared_problem(
         for index, own in enumerate(executor.map(volumes_of, range(len(shapes)))):
             volumes.append(own)
             yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
-        return MorphProblem.of(joined(matching, volumes), lattice, settings, executor)
+    return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings)
+
+
+def _with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:
+    with frame_workers(threads) as executor:
+        return problem.with_connectivity(executor)
 
 
 def _in_order(

@@ -55,6 +55,8 @@ class MorphSettings:
         where a sharpness near 1 is asked for, whose last details come slowly.
     max_iterations : int
         Most iterations per level of the solver.
+    carry : bool
+        Whether frames know where their matter comes from, so that colors and velocities can be carried along.
     """
 
     resolution: int = 100
@@ -69,6 +71,7 @@ class MorphSettings:
     mend: bool = True
     tolerance: float | None = None
     max_iterations: int = 200
+    carry: bool = True
 
     def __post_init__(self) -> None:
         """Refuse settings that make no sense.

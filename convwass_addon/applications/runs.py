@@ -8,9 +8,10 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..errors import Cancelled, InputError
+from ..geometry.mending import Connectivity
 from .blending import MorphFrame, MorphProblem, Sketch, sketch_blends, solve_blends
 from .cluster import ClusterExecutor
 from .layouts import Blend
@@ -51,12 +52,12 @@ class SketchedRuns:
     Attributes
     ----------
     sketches : dict
-        The index of the run for each future of a list of Sketch; all of them are begun before the first of `frames`.
+        The order of the futures of sketches; all of them are begun before the first of `frames`.
     frames : dict
         What is being solved.
     """
 
-    sketches: dict[Future[list[Sketch]], int]
+    sketches: dict[Future[Sketch], int]
     frames: Pending
 
 
@@ -94,23 +95,67 @@ def runs_in_threads(
 
 @contextmanager
 def sketched_runs_in_threads(
-    problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
+    problem: MorphProblem,
+    runs: dict[int, Run],
+    sketched: Sequence[int],
+    check: Callable[[], None] | None,
+    workers: int,
 ) -> Iterator[SketchedRuns]:
-    """Do the same for a problem with coarser levels, those of all runs before the finest of any."""
+    """Do the same for a problem with coarser levels, those of some runs before the finest of any.
+
+    Parameters
+    ----------
+    problem : MorphProblem
+        Without the connectivity of its shapes, which is read after the sketches.
+    runs : dict
+        All of them.
+    sketched : sequence of int
+        Indices of those that are sketched: the first blend of each, in this order, then the second of each, and so on,
+        so that the whole of a morph is seen early.
+    check, workers
+        As for :func:`runs_in_threads`.
+    """
     with _threads(check, workers) as (executor, check_both):
-        sketches = {executor.submit(sketch_blends, problem, run, check_both): index for index, run in runs.items()}
-        # Threads take up work in this order: where a run waits for its sketch, another thread is at it.
-        frames = {
-            executor.submit(_solve_sketched, problem, runs[index], check_both, sketch): index
-            for sketch, index in sketches.items()
-        }
-        yield SketchedRuns(sketches, frames)
+        yield _begun(executor, problem, runs, sketched, check_both)
+
+
+def _begun(
+    executor: Executor, problem: MorphProblem, runs: dict[int, Run], sketched: Sequence[int], check: Callable[[], None]
+) -> SketchedRuns:
+    """Hand everything to an executor in the order in which it is to be done; nothing but what waits keeps a sketch."""
+    # Threads take up work in this order: where it waits for other work, another thread is at that.
+    chains = {index: sketch_blends(problem, runs[index], check) for index in sketched}
+    sketches: dict[int, list[Future[Sketch]]] = {index: [] for index in sketched}
+    for place in range(RUN_LENGTH):
+        for index in sketched:
+            if place < len(runs[index]):
+                sketches[index].append(executor.submit(_next_sketch, chains[index], sketches[index][-1:]))
+    connectivity = [executor.submit(problem.shape_connectivity, index) for index in range(len(problem.volumes))]
+    frames = {
+        executor.submit(_solve_sketched, problem, run, check, connectivity, sketches.get(index)): index
+        for index, run in runs.items()
+    }
+    rounds = [own[place] for place in range(RUN_LENGTH) for own in sketches.values() if place < len(own)]
+    return SketchedRuns({future: number for number, future in enumerate(rounds)}, frames)
+
+
+def _next_sketch(chain: Iterator[Sketch], before: Sequence[Future[Sketch]]) -> Sketch:
+    """Take the next sketch of a run, once the one before is there."""
+    for one in before:
+        one.result()
+    return next(chain)
 
 
 def _solve_sketched(
-    problem: MorphProblem, run: Run, check: Callable[[], None], sketch: Future[list[Sketch]]
+    problem: MorphProblem,
+    run: Run,
+    check: Callable[[], None],
+    connectivity: Sequence[Future[Connectivity]],
+    sketches: Sequence[Future[Sketch]] | None,
 ) -> list[MorphFrame]:
-    return solve_blends(problem, run, check, sketch.result())
+    known = None if sketches is None else [sketch.result() for sketch in sketches]
+    whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity))
+    return solve_blends(whole, run, check, known)
 
 
 @contextmanager
@@ -172,10 +217,11 @@ def as_solved(pending: Pending, check: Callable[[], None] | None) -> Iterator[So
 
 
 def as_sketched(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphFrame]:
-    """Take sketches out of `runs` as they are finished, runs in any order, and yield those that can be looked at."""
+    """Take sketches out of `runs` as each is finished, and yield those that can be looked at."""
     for _, future in _as_completed(runs.sketches, check):
-        frames = [sketch.frame for sketch in future.result()]
-        yield from (frame for frame in frames if frame.mesh is not None or frame.blend.source is not None)
+        frame = future.result().frame
+        if frame.mesh is not None or frame.blend.source is not None:
+            yield frame
 
 
 def _as_completed(pending: dict[Future, int], check: Callable[[], None] | None) -> Iterator[tuple[int, Future]]:

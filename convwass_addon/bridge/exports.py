@@ -15,7 +15,8 @@ import numpy as np
 from ..errors import ConvwassError, InputError
 from .files import checked_target
 from .keyframes import is_shown
-from .materials import plain_copy, wears_object_color
+from .looks import VELOCITY, seen_colors, write_velocity
+from .materials import plain_copy, wears_color_attribute, wears_object_color
 from .sequence import mesh_sequence, remove_sequence
 from .stored import frame_objects
 from .workshop import reason, workshop
@@ -37,7 +38,8 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     OBJ, PLY, STL and glTF have no means to swap meshes over time that other programs understand, so they get one file
     per frame, numbered from 0001 in the order of the frames (glTF as .glb), with materials; those that take their base
     color from the object get that color. USD and Alembic get a single file over the frame range of the context's scene,
-    with one mesh whose topology changes; in USD the frames' colors are its displayColor. A sheet is a still in them.
+    with one mesh whose topology changes; the frames' colors are its displayColor, and how fast their points move its
+    velocities. A sheet is a still in them.
 
     Parameters
     ----------
@@ -135,14 +137,25 @@ def _colored_copies(objects: list[bpy.types.Object]) -> Iterator[dict[bpy.types.
             mesh = obj.data.copy()
             copies[obj] = bpy.data.objects.new(obj.name, mesh)
             copies[obj].matrix_world = obj.matrix_world
+            colors = seen_colors(mesh, obj.color)
             mesh.materials.clear()
-            for attribute in list(mesh.color_attributes):
-                mesh.color_attributes.remove(attribute)
-            colors = np.tile(np.array(obj.color, dtype=np.float32), len(mesh.vertices))
-            mesh.color_attributes.new("displayColor", "FLOAT_COLOR", "POINT").data.foreach_set("color", colors)
+            # By name: until Blender 5, what is left moves where the one that is removed was.
+            for name in [attribute.name for attribute in mesh.color_attributes]:
+                mesh.color_attributes.remove(mesh.color_attributes[name])
+            attribute = mesh.color_attributes.new("displayColor", "FLOAT_COLOR", "POINT")
+            attribute.data.foreach_set("color", colors.ravel())
+        _still_where_none_moves([copy.data for copy in copies.values()])
         yield copies
     finally:
         bpy.data.batch_remove([*copies.values(), *(copy.data for copy in copies.values())])
+
+
+def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
+    """Give meshes without velocity one of zero, where others have one: files have it at all frames or at none."""
+    moving = [mesh for mesh in meshes if VELOCITY in mesh.attributes]
+    for mesh in meshes if moving else ():
+        if mesh not in moving:
+            write_velocity(mesh, np.zeros((len(mesh.vertices), 3)))
 
 
 def _write(file: Path, chosen: _Format) -> None:
@@ -156,8 +169,13 @@ def _write(file: Path, chosen: _Format) -> None:
 
 @contextmanager
 def _plain_materials(objects: list[bpy.types.Object]) -> Iterator[None]:
-    """Give objects materials of their own color for a while, where they share one that reads the object's color."""
-    slots = [slot for obj in objects for slot in obj.material_slots if wears_object_color(slot.material)]
+    """Give objects materials of their own color for a while, where they share one that reads colors elsewhere."""
+    slots = [
+        slot
+        for obj in objects
+        for slot in obj.material_slots
+        if wears_object_color(slot.material) or wears_color_attribute(slot.material)
+    ]
     copies = [plain_copy(slot.material, tuple(slot.id_data.color)) for slot in slots]
     for slot, copy in zip(slots, copies, strict=True):
         slot.link = "OBJECT"

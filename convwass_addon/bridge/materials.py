@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material of morph frames, and the colors it mixes."""
+"""The materials of morph frames, and the colors they mix."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import bpy
 
@@ -32,7 +34,7 @@ def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
     material = next((slot.material for slot in obj.material_slots if slot.material), None)
     if material is None:
         return tuple(obj.color)
-    base = _base_color(material)
+    base = base_color(material)
     if base is None:
         return tuple(material.diffuse_color)
     if not base.is_linked:
@@ -41,11 +43,15 @@ def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
 
 
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:
-    """Return a copy of a morph material whose base color is `color` itself, for files that know no object colors."""
+    """Return a copy of a morph material whose base color is `color` itself, for files that know no object colors.
+
+    Where it is a color attribute, that stays for those who can read it.
+    """
     copy = material.copy()
-    base = _base_color(copy)
+    base = base_color(copy)
     for link in list(base.links):
-        copy.node_tree.links.remove(link)
+        if link.from_node.type == "OBJECT_INFO":
+            copy.node_tree.links.remove(link)
     base.default_value = color
     copy.diffuse_color = color
     return copy
@@ -53,15 +59,88 @@ def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, f
 
 def wears_object_color(material: bpy.types.Material | None) -> bool:
     """Tell whether a material takes its base color from the object."""
-    base = _base_color(material) if material else None
-    return base is not None and base.is_linked and base.links[0].from_node.type == "OBJECT_INFO"
+    return _color_source(material) == "OBJECT_INFO"
 
 
-def _base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
-    """Return the base color of the first Principled BSDF."""
-    nodes = material.node_tree.nodes if material.node_tree else ()
-    principled = next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
+def wears_color_attribute(material: bpy.types.Material | None) -> bool:
+    """Tell whether a material takes its base color from a color attribute, as that of frames that carry looks does."""
+    return _color_source(material) == "VERTEX_COLOR"
+
+
+def _color_source(material: bpy.types.Material | None) -> str | None:
+    """Return the type of the node that gives the base color; None where it is plain."""
+    base = base_color(material) if material else None
+    return base.links[0].from_node.type if base is not None and base.is_linked else None
+
+
+def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
+    """Return the base color of the first Principled BSDF; None where there is none."""
+    principled = _principled(material)
     return principled.inputs["Base Color"] if principled else None
+
+
+def carrying_material(
+    name: str, color: str, weight: str, materials: Sequence[bpy.types.Material | None]
+) -> bpy.types.Material:
+    """Make a material for frames that carry the looks of their inputs: they are mixed at every point.
+
+    Its base color is a color attribute. Its roughness and its metallic are those of the inputs' first materials, by the
+    share of every input; what has no such attributes is as rough as other frames.
+
+    Parameters
+    ----------
+    name : str
+        What to call it; Blender may add a number.
+    color : str
+        Name of the color attribute.
+    weight : str
+        Name of the attributes that hold the shares of the inputs, with ``{}`` for the number of an input from 1.
+    materials : sequence of bpy.types.Material or None
+        First materials of the inputs.
+    """
+    material = bpy.data.materials.new(name)
+    _wire(material)
+    tree = material.node_tree
+    principled = _principled(material)
+    (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
+    tree.nodes.remove(source)
+    colors = tree.nodes.new("ShaderNodeVertexColor")
+    colors.layer_name = color
+    colors.location = (-500.0, 0.0)
+    tree.links.new(colors.outputs["Color"], principled.inputs["Base Color"])
+    shares = []
+    for index in range(1, len(materials) + 1):
+        share = tree.nodes.new("ShaderNodeAttribute")
+        share.attribute_name = weight.format(index)
+        share.location = (-1100.0, -200.0 * index)
+        shares.append(share.outputs["Fac"])
+    for place, (key, usual) in enumerate((("Roughness", ROUGHNESS), ("Metallic", 0.0))):
+        mixed = None
+        for index, (share, own) in enumerate(zip(shares, materials, strict=True)):
+            sums = tree.nodes.new("ShaderNodeMath")
+            sums.operation = "MULTIPLY_ADD"
+            sums.location = (-900.0 + 160.0 * index, -200.0 - 400.0 * place)
+            tree.links.new(share, sums.inputs[0])
+            sums.inputs[1].default_value = _plain_value(own, key, usual) - usual
+            sums.inputs[2].default_value = usual
+            if mixed is not None:
+                tree.links.new(mixed, sums.inputs[2])
+            mixed = sums.outputs[0]
+        tree.links.new(mixed, principled.inputs[key])
+    return material
+
+
+def _plain_value(material: bpy.types.Material | None, name: str, usual: float) -> float:
+    """Return a value of a material's Principled BSDF, or the usual one where it has none or is not even."""
+    principled = _principled(material) if material else None
+    if principled is None or principled.inputs[name].is_linked:
+        return usual
+    return float(principled.inputs[name].default_value)
+
+
+def _principled(material: bpy.types.Material) -> bpy.types.Node | None:
+    nodes = material.node_tree.nodes if material.node_tree else ()
+    return next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
 
 
 def _wire(material: bpy.types.Material) -> None:

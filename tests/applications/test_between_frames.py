@@ -12,7 +12,7 @@ import pytest
 from convwass_addon.applications import between_frames as between
 from convwass_addon.applications.between_frames import between_frames, places_at
 from convwass_addon.applications.frame_cache import FrameCache
-from convwass_addon.applications.frame_file import StoredFrame, read_frame, write_frame
+from convwass_addon.applications.frame_file import read_frame, write_frame
 from convwass_addon.applications.layouts import path_blends, single_blend
 from convwass_addon.applications.morph import morph
 from convwass_addon.applications.morph_settings import MorphSettings
@@ -166,7 +166,7 @@ def rewritten(cache, index, change):
     path = cache.of(SHAPES, NAMES, None, QUICK).paths(run)[index % 4]
     frame = read_frame(path, path.stem)
     potentials = tuple(change(part) for part in frame.potentials)
-    write_frame(path, path.stem, StoredFrame(frame.mesh, frame.record, potentials))
+    write_frame(path, path.stem, dataclasses.replace(frame, potentials=potentials))
     return path
 
 
@@ -210,7 +210,7 @@ def test_damaged_potentials_are_named_and_made_again(tmp_path, damage):
         path.write_bytes(whole[:-4])
     else:
         frame = read_frame(path, path.stem)
-        write_frame(path, path.stem, StoredFrame(frame.mesh, frame.record))
+        write_frame(path, path.stem, dataclasses.replace(frame, potentials=()))
     kept = FrameCache(tmp_path)
     (found,) = at(kept, 5.5)
     assert len(kept.notices) == 1

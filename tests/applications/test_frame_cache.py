@@ -61,6 +61,8 @@ def assert_same(found, expected):
         if one.mesh is not None:
             np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
             np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
+            np.testing.assert_array_equal(one.origins, other.origins)
+            assert one.origins.shape == (2, len(one.mesh.vertices), 3)
 
 
 def written(path, frame=None, key=KEY):
@@ -87,7 +89,7 @@ def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_pat
 
 def test_what_is_all_there_needs_no_voxels(tmp_path, monkeypatch):
     expected = bake(FrameCache(tmp_path))
-    monkeypatch.setattr(morphing, "prepared_problem", None)
+    monkeypatch.setattr(morphing, "sketchable_problem", None)
     assert_same(bake(FrameCache(tmp_path)), expected)
 
 
@@ -242,7 +244,7 @@ def test_any_changed_byte_and_any_missing_end_is_noticed(tmp_path, data):
 
 
 VERTICES = np.zeros((2, 3)).tobytes()
-GOOD = {"key": KEY, "counts": [2, 1], "potentials": [], "record": {}}
+GOOD = {"key": KEY, "counts": [2, 1], "origins": None, "potentials": [], "record": {}}
 PART = {"shape": [2, 2, 3], "rows": 2, "cells": 3, "sharpness": 0.75, "sigma": 1.25}
 CELLS = np.packbits([1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1]).tobytes()
 ROWS = np.arange(6, dtype="<f4").tobytes()
@@ -250,6 +252,9 @@ ROWS = np.arange(6, dtype="<f4").tobytes()
 
 def triangle(*corners):
     return np.array(corners, "<i4").tobytes()
+
+
+FACED = VERTICES + triangle(0, 1, 1)
 
 
 def with_part(content, **changed):
@@ -271,7 +276,15 @@ def with_part(content, **changed):
         (sealed(GOOD | {"counts": None}, VERTICES), "size"),
         (sealed(GOOD | {"key": "1" * 64}, VERTICES + triangle(0, 1, 1)), "another frame"),
         (sealed({"key": KEY}, b""), "counts"),
-        (sealed({"key": KEY, "counts": None, "record": {}}, b""), "potentials"),
+        (sealed({"key": KEY, "counts": None, "record": {}}, b""), "origins"),
+        (sealed({"key": KEY, "counts": None, "origins": None, "record": {}}, b""), "potentials"),
+        (sealed(GOOD | {"origins": 2}, FACED + bytes(2 * 2 * 12 - 1)), "size that it says"),
+        (sealed(GOOD | {"origins": 10**18}, FACED), "size that it says"),
+        (sealed(GOOD | {"origins": -1}, FACED), "counts"),
+        (sealed(GOOD | {"origins": True}, FACED), "counts"),
+        (sealed(GOOD | {"origins": [1]}, FACED), "counts"),
+        (sealed(GOOD | {"origins": 1}, FACED + np.full(6, np.nan, "<f4").tobytes()), "not numbers"),
+        (sealed(GOOD | {"counts": None, "origins": 1}, b""), "no vertices"),
         (with_part(CELLS + ROWS[:-1]), "size that it says"),
         (with_part(CELLS + ROWS + b"x"), "size that it says"),
         (with_part(CELLS + ROWS, cells=10**18), "size of their cells"),

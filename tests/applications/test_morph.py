@@ -112,6 +112,13 @@ def test_sharpness_rises_towards_the_ends_only_by_itself():
     assert MorphSettings(sharpness=0.0).sharpness_at((0.001, 0.999)) == 0.0
 
 
+def test_the_automatic_tolerance_is_smaller_where_full_sharpness_is_asked_for():
+    assert MorphSettings().stopping_error == MorphSettings(sharpness=0.9).stopping_error == 0.01
+    assert MorphSettings(sharpness=1.0).stopping_error == pytest.approx(0.002)
+    assert MorphSettings(sharpness=0.96).stopping_error < 0.01
+    assert MorphSettings(sharpness=1.0, tolerance=0.05).stopping_error == 0.05
+
+
 def test_progress_never_goes_back_and_ends_at_one():
     steps = list(morph([ball(), box()], ["a", "b"], path_blends(2, 3), QUICK))
     fractions = [step.fraction for step in steps]

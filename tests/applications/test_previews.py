@@ -4,17 +4,24 @@
 
 from __future__ import annotations
 
+import gc
+import threading
+import time
+import tracemalloc
+import weakref
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from convwass_addon.applications import blending, runs
+from convwass_addon.applications import blending, memory, runs
 from convwass_addon.applications.frame_cache import FrameCache
 from convwass_addon.applications.layouts import path_blends, single_blend
 from convwass_addon.applications.morph import morph, prepared_problem
 from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import FaceLabels, unparted
+from convwass_addon.applications.parts import FaceLabels, matched, unparted
+from convwass_addon.applications.reading import connectivity_of
+from convwass_addon.applications.volumes import voxelize
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid
 from tests.shapes import ball, box, joined, torus
@@ -107,8 +114,10 @@ def test_and_so_they_are_in_parts():
     assert sum(step.preview is not None for step in steps_of(**options)) == 1
 
 
-def problem_of(shapes, settings):
-    steps = prepared_problem(shapes, NAMES[: len(shapes)], unparted(len(shapes)), settings, 1)
+def problem_of(shapes, settings, labels=None):
+    names = NAMES[: len(shapes)]
+    matching = unparted(len(shapes)) if labels is None else matched(labels, names)
+    steps = prepared_problem(shapes, names, matching, settings, 1)
     while True:
         try:
             next(steps)
@@ -118,7 +127,7 @@ def problem_of(shapes, settings):
 
 def test_what_was_sketched_is_not_solved_again(monkeypatch):
     problem, run = problem_of(SHAPES[:2], QUICK), path_blends(2, 3)
-    sketches = blending.sketch_blends(problem, run)
+    sketches = list(blending.sketch_blends(problem, run))
     begun = []
 
     def noting(*args, **options):
@@ -153,6 +162,123 @@ def test_a_grid_that_cannot_be_halved_has_no_previews():
     assert len(frames_of(steps)) == 3
 
 
+def parted_boxes():
+    """Two boxes whose halves are parts of their own."""
+    two = joined(box(center=(-1, 0, 0)), box(center=(1, 0, 0)))
+    return [two, two], [FaceLabels(("left", "right"), np.repeat([0, 1], 12))] * 2
+
+
+def test_nothing_waits_for_the_connectivity_of_the_shapes(monkeypatch):
+    """It is read while all previews are there already."""
+    seen, read = threading.Event(), []
+
+    def patient(*args):
+        read.append(seen.wait(20))
+        return real(*args)
+
+    real = blending.connectivity_of
+    monkeypatch.setattr(blending, "connectivity_of", patient)
+    for workers in (1, 2):
+        seen.clear()
+        blends, previews = path_blends(2, 5), 0
+        for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, previews=True, workers=workers):
+            previews += step.preview is not None
+            if previews == len(blends):
+                seen.set()
+    assert read == [True] * 4
+
+
+def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
+    """No sketch is finished here before all those before it have been seen."""
+    seen, waited = threading.Semaphore(0), []
+
+    def patient(*args):
+        if waited:
+            waited.append(seen.acquire(timeout=20))
+        else:
+            waited.append(True)
+        return real(*args)
+
+    real = blending._sketched_frame
+    monkeypatch.setattr(blending, "_sketched_frame", patient)
+    for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 6), QUICK, previews=True, workers=1):
+        if step.preview is not None and step.preview.mesh is not None:
+            seen.release()
+    assert waited == [True] * 5
+
+
+def test_previews_come_from_everywhere_the_nearest_run_first():
+    blends = path_blends(2, 11)
+    steps = steps_of(SHAPES[:2], blends, workers=1, looked_at=9)
+    order = [blends.index(step.preview.blend) for step in steps if step.preview]
+    assert order == [8, 4, 0, 9, 5, 1, 10, 6, 2, 11, 7, 3]
+    assert [frame.blend for frame in frames_of(steps)] == blends
+
+
+def test_no_more_is_sketched_than_there_is_memory_for(monkeypatch):
+    shapes, blends = SHAPES[:2], path_blends(2, 11)
+    problem = problem_of(shapes, QUICK)
+    frames = frames_of(steps_of(shapes, blends, workers=1))
+    for fitting, previews in ((12, 12), (11, 8), (4, 4), (3, 0), (0, 0)):
+        free = problem.lattice.memory(shapes, 1, 1) + fitting * problem.sketch_bytes
+        monkeypatch.setattr(memory, "available_memory", lambda free=free: free)
+        steps = steps_of(shapes, blends, workers=1)
+        assert sum(step.preview is not None for step in steps) == previews
+        assert_same(frames_of(steps), frames)
+
+
+@pytest.mark.parametrize("shapes", [[ball(), box()], [torus(1.0, 0.2), box((2.0, 0.3, 0.3))], parted_boxes()])
+@pytest.mark.parametrize("sharpness", [0.0, 0.75])
+def test_what_sketches_keep_is_estimated(shapes, sharpness):
+    labels, settings = None, MorphSettings(resolution=64, sharpness=sharpness)
+    if isinstance(shapes, tuple):
+        shapes, labels = shapes
+    problem, run = problem_of(shapes, settings, labels), path_blends(2, 5)[1:-1]
+    list(blending.sketch_blends(problem, run))
+    tracemalloc.start()
+    sketches = list(blending.sketch_blends(problem, run))
+    kept = tracemalloc.get_traced_memory()[0] / len(sketches)
+    tracemalloc.stop()
+    assert 0.4 < kept / problem.sketch_bytes < 1.0
+
+
+def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
+    sketched = []
+
+    def noting(*args, **options):
+        solved = real(*args, **options)
+        if "begun" not in options:
+            sketched.append(weakref.ref(solved))
+        return solved
+
+    real = blending.barycenter
+    monkeypatch.setattr(blending, "barycenter", noting)
+
+    def alive():
+        gc.collect()
+        return sum(one() is not None for one in sketched)
+
+    most = 0
+    for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 11), QUICK, previews=True, workers=1):
+        if step.preview is not None:
+            most = max(most, alive())
+        if step.fraction == 1.0:
+            # The last frame waits to be taken, and the thread that solved it may be about to let go.
+            deadline = time.monotonic() + 10
+            while alive() and time.monotonic() < deadline:
+                time.sleep(0.005)
+            assert not alive()
+    assert most == 10
+
+
+def test_connectivity_is_that_of_the_occupancy():
+    shapes, labels = parted_boxes()
+    for problem, own in ((problem_of(SHAPES, QUICK), SHAPES), (problem_of(shapes, QUICK, labels), shapes)):
+        filled = voxelize(own, NAMES[: len(own)], problem.lattice, 0.0)
+        assert problem.connectivity == tuple(connectivity_of(one, QUICK) for one in filled)
+    assert [one.handles for one in problem_of(SHAPES, QUICK).connectivity] == [1, 0, 0]
+
+
 def test_frames_of_the_cache_need_no_previews(tmp_path):
     cache = FrameCache(tmp_path)
     first = steps_of(cache=cache, wanted=range(4))
@@ -162,8 +288,15 @@ def test_frames_of_the_cache_need_no_previews(tmp_path):
     assert_same(frames_of(again)[:4], frames_of(first))
 
 
-def test_a_job_can_be_stopped_among_its_previews():
-    stopped = []
+def test_a_job_can_be_stopped_among_its_previews(monkeypatch):
+    stopped, sketched = [], []
+
+    def noting(*args):
+        sketched.append(args)
+        return real(*args)
+
+    real = blending._sketched_frame
+    monkeypatch.setattr(blending, "_sketched_frame", noting)
 
     def check():
         if stopped:
@@ -176,3 +309,4 @@ def test_a_job_can_be_stopped_among_its_previews():
     stopped.append(True)
     with pytest.raises(Cancelled):
         list(steps)
+    assert len(sketched) < 30

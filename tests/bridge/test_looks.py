@@ -1,0 +1,331 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks of inputs are read as renders show them, and frames get what their matter brings along."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.layouts import path_blends
+from convwass_addon.applications.looks import Carried, Painted, Plain, Seen, Textured
+from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.bridge.exports import export_frames
+from convwass_addon.bridge.job import MorphJob
+from convwass_addon.bridge.looks import read_look, seen_colors, write_carried
+from convwass_addon.bridge.objects import frozen_copy
+from convwass_addon.bridge.stored import frame_objects
+from tests.shapes import ball, joined
+
+RED, GREEN, BLUE, WHITE = (1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)
+
+
+def material(name, color=WHITE, roughness=0.5):
+    import bpy
+
+    made = bpy.data.materials.new(name)
+    if made.node_tree is None:
+        made.use_nodes = True
+    shader = principled(made)
+    shader.inputs["Base Color"].default_value = color
+    shader.inputs["Roughness"].default_value = roughness
+    return made
+
+
+def principled(made):
+    return next(node for node in made.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+
+def linked(made, kind, socket="Color"):
+    """Add a node that gives the base color."""
+    node = made.node_tree.nodes.new(kind)
+    made.node_tree.links.new(node.outputs[socket], principled(made).inputs["Base Color"])
+    return node
+
+
+def image(pixels, name="Image", is_float=False):
+    import bpy
+
+    values = np.asarray(pixels, np.float32)
+    made = bpy.data.images.new(name, values.shape[1], values.shape[0], float_buffer=is_float)
+    made.pixels.foreach_set(values.ravel())
+    return made
+
+
+def add_shape(make_object, name, mesh, *materials):
+    obj = make_object(name, mesh.vertices, (), mesh.faces)
+    for own in materials:
+        obj.data.materials.append(own)
+    return obj
+
+
+def paint(obj, colors, domain="POINT", kind="FLOAT_COLOR", name="Paint"):
+    attribute = obj.data.color_attributes.new(name, kind, domain)
+    attribute.data.foreach_set("color", np.asarray(colors, np.float32).ravel())
+    return attribute
+
+
+def look_of(obj, depsgraph):
+    return read_look(frozen_copy(obj, depsgraph), tuple(obj.color), [group.name for group in obj.vertex_groups])
+
+
+def bake(scene, inputs, steps=2, **settings):
+    import bpy
+
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    job = MorphJob(scene, depsgraph, inputs, path_blends(2, steps), MorphSettings(32, **settings), {}, 1)
+    for step in job.steps(workers=1):
+        job.write(step)
+    return job.finish(hide_inputs=True)
+
+
+def values(mesh, name, prop="value", size=1):
+    found = np.empty(len(mesh.vertices) * size, np.float32)
+    mesh.attributes[name].data.foreach_get(prop, found)
+    return found.reshape(-1, size)
+
+
+def two_balls(make_object):
+    return [
+        add_shape(make_object, name, ball(points=300), material(name, color))
+        for name, color in (("A", RED), ("B", BLUE))
+    ]
+
+
+def test_plain_colors_by_material(make_object, depsgraph):
+    obj = add_shape(make_object, "Shape", ball(points=200), material("A", RED), material("B", BLUE))
+    for polygon in obj.data.polygons:
+        polygon.material_index = int(polygon.center.z > 0)
+    look = look_of(obj, depsgraph)
+    assert look.paints == (Plain(RED), Plain(BLUE))
+    np.testing.assert_array_equal(look.at([[0, 0, 2.0], [0, 0, -2.0]]).colors, [BLUE, RED])
+
+
+def test_without_material_the_object_has_its_color_or_that_of_its_attribute(make_object, depsgraph):
+    plain = add_shape(make_object, "Plain", ball(points=100))
+    plain.color = GREEN
+    assert look_of(plain, depsgraph).paints == (Plain(GREEN),)
+    painted = add_shape(make_object, "Painted", ball(points=100))
+    heights = (ball(points=100).vertices[:, 2:] + 1) / 2
+    paint(painted, np.hstack([heights] * 3 + [np.ones_like(heights)]))
+    found = look_of(painted, depsgraph).at(ball(points=100).vertices * 1.5).colors
+    np.testing.assert_allclose(found[:, :1], heights, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("domain", "kind"), [("CORNER", "BYTE_COLOR"), ("POINT", "BYTE_COLOR"), ("CORNER", "FLOAT_COLOR")]
+)
+def test_a_material_may_show_any_color_attribute(make_object, depsgraph, domain, kind):
+    made = material("Shows")
+    linked(made, "ShaderNodeVertexColor").layer_name = "Second"
+    obj = add_shape(make_object, "Shape", ball(points=100), made)
+    count = len(obj.data.vertices if domain == "POINT" else obj.data.loops)
+    paint(obj, np.tile(RED, (count, 1)), domain, kind, "First")
+    paint(obj, np.tile((0.2, 0.4, 0.6, 1), (count, 1)), domain, kind, "Second")
+    look = look_of(obj, depsgraph)
+    assert isinstance(look.paints[0], Painted)
+    np.testing.assert_allclose(look.at([[0, 0, 1.0]]).colors, [(0.2, 0.4, 0.6, 1)], atol=0.01)
+
+
+def with_uvs(obj):
+    """Lay an image over a shape from above."""
+    layer = obj.data.uv_layers.new(name="From Above")
+    loops = np.empty(len(obj.data.loops), np.int32)
+    obj.data.loops.foreach_get("vertex_index", loops)
+    points = np.array([vertex.co for vertex in obj.data.vertices])
+    layer.uv.foreach_set("vector", (points[loops, :2] / 2 + 0.5).astype(np.float32).ravel())
+    return obj
+
+
+@pytest.mark.parametrize(("is_float", "expected"), [(False, 0.214), (True, 0.5)])
+def test_images_are_seen_where_their_texture_coordinates_say_and_in_linear_light(
+    make_object, depsgraph, is_float, expected
+):
+    pixels = np.zeros((4, 4, 4), np.float32)
+    pixels[..., 3] = 1.0
+    pixels[:, 2:, 0] = 0.5
+    made = material("Pictured")
+    linked(made, "ShaderNodeTexImage").image = image(pixels, is_float=is_float)
+    obj = with_uvs(add_shape(make_object, "Shape", ball(points=800), made))
+    found = look_of(obj, depsgraph).at([[0.6, 0, 0.9], [-0.6, 0, 0.9], [0.6, 0.1, -0.9]]).colors
+    np.testing.assert_allclose(found, [(expected, 0, 0, 1), (0, 0, 0, 1), (expected, 0, 0, 1)], atol=0.01)
+
+
+def test_an_image_behind_other_nodes_is_found(make_object, depsgraph):
+    made = material("Corrected")
+    between = linked(made, "ShaderNodeHueSaturation")
+    picture = made.node_tree.nodes.new("ShaderNodeTexImage")
+    picture.image = image(np.ones((2, 2, 4)))
+    made.node_tree.links.new(picture.outputs["Color"], between.inputs["Color"])
+    obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
+    assert isinstance(look_of(obj, depsgraph).paints[0], Textured)
+
+
+@pytest.mark.parametrize("missing", ["image", "file", "coordinates", "node"])
+def test_what_cannot_be_seen_has_the_color_of_the_viewport(make_object, depsgraph, missing, tmp_path):
+    import bpy
+
+    made = material("Broken")
+    made.diffuse_color = BLUE
+    node = linked(made, "ShaderNodeTexNoise" if missing == "node" else "ShaderNodeTexImage")
+    if missing == "file":
+        node.image = bpy.data.images.new("Gone", 4, 4)
+        node.image.source, node.image.filepath = "FILE", str(tmp_path / "gone.png")
+    elif missing == "coordinates":
+        node.image = image(np.ones((2, 2, 4)))
+    obj = add_shape(make_object, "Shape", ball(points=100), made)
+    if missing != "coordinates":
+        with_uvs(obj)
+    assert look_of(obj, depsgraph).paints == (Plain(BLUE),)
+
+
+def test_large_images_are_halved_until_they_are_small(make_object, depsgraph):
+    pixels = np.zeros((6, 16, 4), np.float32)
+    pixels[:, 8:] = 1.0
+    made = material("Large")
+    linked(made, "ShaderNodeTexImage").image = image(pixels, is_float=True)
+    obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
+    look = read_look(frozen_copy(obj, depsgraph), WHITE, texture_size=4)
+    assert look.paints[0].pixels.shape == (2, 4, 4)
+    np.testing.assert_array_equal(look.paints[0].pixels[:, :, 0], [[0, 0, 1, 1]] * 2)
+
+
+def test_vertex_groups_become_attributes_if_all_inputs_have_them(bare_scene, make_object):
+    inputs = [add_shape(make_object, name, ball(radius, points=300)) for name, radius in (("A", 1.0), ("B", 0.8))]
+    for obj in inputs:
+        head = obj.vertex_groups.new(name="Head")
+        head.add([vertex.index for vertex in obj.data.vertices if vertex.co.z > 0], 0.5, "REPLACE")
+    inputs[0].vertex_groups.new(name="Only Here").add([0], 1.0, "REPLACE")
+    mesh = frame_objects(bake(bare_scene, inputs))[1].data
+    points = values(mesh, "position", "vector", 3)
+    np.testing.assert_allclose(values(mesh, "Head")[points[:, 2] > 0.2], 0.5, atol=1e-5)
+    assert values(mesh, "Head")[points[:, 2] < -0.2].max() == 0
+    assert "Only Here" not in mesh.attributes
+
+
+def test_colors_travel_with_the_matter(bare_scene, make_object):
+    """Two balls side by side change their distance; each keeps its color."""
+    inputs = []
+    for name, gap, colors in (("Near", 0.3, (RED, GREEN)), ("Far", 0.9, (RED, WHITE))):
+        pair = joined(ball(0.5, (-0.5 - gap / 2, 0, 0), 300), ball(0.5, (0.5 + gap / 2, 0, 0), 300))
+        obj = add_shape(make_object, name, pair, *(material(f"{name} {i}", color) for i, color in enumerate(colors)))
+        for polygon in obj.data.polygons:
+            polygon.material_index = int(polygon.center.x > 0)
+        inputs.append(obj)
+    mesh = frame_objects(bake(bare_scene, inputs))[1].data
+    right = values(mesh, "position", "vector", 3)[:, 0] > 0
+    expected = np.where(right[:, None], (0.5, 1, 0.5, 1), RED)
+    np.testing.assert_allclose(values(mesh, "Color", "color", 4), expected, atol=0.005)
+    np.testing.assert_allclose(values(mesh, "look_1", "color", 4), np.where(right[:, None], GREEN, RED), atol=1e-5)
+    np.testing.assert_allclose(values(mesh, "look_2", "color", 4), np.where(right[:, None], WHITE, RED), atol=1e-5)
+    assert (values(mesh, "source_weight_1") == 0.5).all()
+    assert (values(mesh, "source_weight_2") == 0.5).all()
+    slots = np.empty(len(mesh.vertices), np.int32)
+    mesh.attributes["source_material_1"].data.foreach_get("value", slots)
+    np.testing.assert_array_equal(slots, right)
+    assert mesh.color_attributes.active_color_name == "Color"
+    np.testing.assert_array_equal(seen_colors(mesh, WHITE), values(mesh, "Color", "color", 4))
+
+
+def rendered_color(scene, tmp_path, obj):
+    """Render an object alone from above in even white light, and return the color of the picture's middle."""
+    import bpy
+
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.type, camera.data.ortho_scale, camera.location.z = "ORTHO", 0.2, 10
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    world = scene.world = bpy.data.worlds.new("White")
+    if world.node_tree is None:
+        world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = WHITE
+    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 16
+    scene.cycles.use_denoising = False
+    scene.render.resolution_x = scene.render.resolution_y = 4
+    scene.render.resolution_percentage = 100
+    scene.view_settings.view_transform = "Raw"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = str(tmp_path / f"{obj.name}.exr")
+    bpy.ops.render.render(write_still=True)
+    pixels = np.array(bpy.data.images.load(scene.render.filepath).pixels).reshape(-1, 4)
+    return pixels[:, :3].mean(axis=0)
+
+
+def test_frames_look_like_their_inputs_near_them(bare_scene, make_object, tmp_path):
+    """Neither color nor roughness jumps where the morph begins: the first frame wears a material of its own."""
+    one = add_shape(make_object, "One", ball(points=600), material("Mirror", (0.8, 0.2, 0.1, 1), 0.1))
+    other = add_shape(make_object, "Other", ball(points=600), material("Chalk", (0.1, 0.3, 0.9, 1), 0.9))
+    frames = frame_objects(bake(bare_scene, [one, other], steps=24))
+    colors = []
+    for number in (1, 2):
+        bare_scene.frame_set(number)
+        colors.append(rendered_color(bare_scene, tmp_path, frames[number - 1]))
+    np.testing.assert_allclose(colors[0], colors[1], atol=0.06)
+
+
+def test_an_input_that_is_painted_and_has_no_material_wears_that_of_the_frames(bare_scene, make_object):
+    painted = add_shape(make_object, "Painted", ball(points=300))
+    paint(painted, np.tile((0.2, 0.4, 0.6, 1), (len(painted.data.vertices), 1)))
+    bare = add_shape(make_object, "Bare", ball(0.8, points=300))
+    frames = frame_objects(bake(bare_scene, [painted, bare]))
+    assert frames[0].data.materials[0] == frames[1].data.materials[0]
+    assert frames[2].data.materials[0] != frames[1].data.materials[0]
+    np.testing.assert_allclose(values(frames[0].data, "Color", "color", 4), [(0.2, 0.4, 0.6, 1)] * 300, atol=1e-6)
+
+
+def test_without_carrying_frames_are_bare(bare_scene, make_object):
+    inputs = [add_shape(make_object, name, ball(points=300)) for name in "AB"]
+    mesh = frame_objects(bake(bare_scene, inputs, carry=False))[1].data
+    assert not {"Color", "velocity", "look_1", "source_weight_1"} & set(mesh.attributes.keys())
+
+
+def test_a_bake_that_is_discarded_leaves_nothing(bare_scene, make_object, depsgraph, inventory):
+    inputs = [add_shape(make_object, name, ball(points=300), material(name)) for name in "AB"]
+    before = inventory()
+    job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32), {}, 1)
+    for step in job.steps(workers=1):
+        job.write(step)
+    job.discard()
+    assert inventory() == before
+
+
+def test_usd_has_the_carried_colors(bare_scene, make_object, tmp_path):
+    import bpy
+
+    inputs = two_balls(make_object)
+    (file,) = export_frames(bake(bare_scene, inputs), tmp_path / "colors", "usd")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(file))
+    bpy.context.scene.frame_set(2)
+    (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    assert not {"Color", "look_1", "look_2"} & set(mesh.attributes.keys())
+    found = values(mesh, "displayColor", "color", 4)
+    np.testing.assert_allclose(found[:, :3], np.tile((0.5, 0, 0.5), (len(found), 1)), atol=0.005)
+
+
+def test_groups_do_not_replace_attributes(make_object):
+    obj = make_object("Octahedron")
+    count = len(obj.data.vertices)
+    seen = Seen(np.ones((count, 4), np.float32), np.zeros(count, np.int64), {"Color": np.zeros(count, np.float32)})
+    write_carried(obj.data, Carried((1.0,), {0: seen}))
+    assert (values(obj.data, "Color", "color", 4) == 1).all()
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("obj", ".obj"), ("gltf", ".glb")])
+def test_stills_have_the_mean_color_or_that_of_every_vertex(bare_scene, make_object, tmp_path, kind, suffix):
+    import bpy
+
+    inputs = two_balls(make_object)
+    files = export_frames(bake(bare_scene, inputs), tmp_path / "still", kind)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    if kind == "obj":
+        bpy.ops.wm.obj_import(filepath=str(files[1]))
+    else:
+        bpy.ops.import_scene.gltf(filepath=str(files[1]))
+    (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
+    if kind == "obj":
+        color = principled(obj.data.materials[0]).inputs["Base Color"].default_value
+        np.testing.assert_allclose(tuple(color)[:3], (0.5, 0, 0.5), atol=1e-3)
+    else:
+        np.testing.assert_allclose(seen_colors(obj.data, WHITE)[:, :3].mean(axis=0), (0.5, 0, 0.5), atol=0.01)
