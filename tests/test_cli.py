@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import bpy
+import numpy as np
 import pytest
 
 from convwass_addon import cli
@@ -61,6 +62,16 @@ def test_objects_of_a_blend_and_a_single_blend(shapes, tmp_path):
     assert cli.main(["morph", *words, "--weights", "2,1,1", "--resolution", "24", "--out", str(out)]) == 0
     (blend,) = saved_frames(out)
     assert list(blend["convwass_weights"]) == pytest.approx([0.5, 0.25, 0.25])
+
+
+def test_shapes_can_be_laid_onto_the_first(shapes, tmp_path):
+    out = tmp_path / "morph.blend"
+    words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball")]
+    options = ["--align", "principal-axes", "--scale", "equal-volume", *QUICK]
+    assert cli.main(["morph", *words, *options, "--out", str(out)]) == 0
+    first, _, last = saved_frames(out)
+    low, high = (np.array(obj.bound_box).reshape(8, 3)[[0, 6]] for obj in (first, last))
+    np.testing.assert_allclose(low.mean(axis=0), high.mean(axis=0), atol=1e-3)
 
 
 @pytest.mark.parametrize(("layout", "count", "expected"), [("triangle", 3, 6), ("grid", 4, 9)])
