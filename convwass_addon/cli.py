@@ -27,6 +27,7 @@ from .bridge.exports import FORMATS, export_frames
 from .bridge.files import checked_target, save_blend
 from .bridge.imports import import_objects, parse_source
 from .bridge.job import MorphJob
+from .bridge.outputs import ON_DISK, PACKED, save_as
 from .console import ProgressBar, own_stdout
 from .errors import Cancelled, ConvwassError, InputError, ResourceError
 
@@ -259,7 +260,14 @@ def _add_computing_options(parser: ArgumentParser) -> None:
 
 
 def _add_output_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("what is written besides")
+    group = parser.add_argument_group("what is written")
+    group.add_argument(
+        "--output",
+        choices=[*PACKED, *ON_DISK],
+        default="objects",
+        help="what shows the morph in the .blend: an object per frame, one player object, a pad to drag on (a sheet), "
+        "or files beside it that are read as VDB volumes, Alembic or USD (%(default)s)",
+    )
     group.add_argument(
         "--render",
         action="store_true",
@@ -312,12 +320,10 @@ def _morph(options: Namespace) -> dict[str, object]:
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
     collection, records = _baked(inputs, blends, settings, stored, computing)
-    save_blend(target)
-    written = [target]
-    if options.render:
-        written += _rendered(collection, target, animated=blends[0].frame is not None)
+    besides = _rendered(collection, target, animated=blends[0].frame is not None) if options.render else []
     if export_format:
-        written += export_frames(collection, options.export, export_format)
+        besides += export_frames(collection, options.export, export_format)
+    written = save_as(collection, options.output, target) + besides
     return _report(collection, settings, records, written)
 
 

@@ -366,6 +366,7 @@ class CONVWASS_PG_progress(bpy.types.PropertyGroup):
     running: BoolProperty(name="Running", description="Whether a morph is being baked")
     fraction: FloatProperty(name="Progress", description="Share of the bake that is done", min=0.0, max=1.0)
     message: StringProperty(name="Message", description="What is being done")
+    stopping: BoolProperty(name="Stopping", description="Whether the bake has been asked to stop")
 
 
 _classes = (CONVWASS_PG_input, CONVWASS_PG_morph, CONVWASS_PG_progress)

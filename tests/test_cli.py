@@ -74,6 +74,35 @@ def test_shapes_can_be_laid_onto_the_first(shapes, tmp_path):
     np.testing.assert_allclose(low.mean(axis=0), high.mean(axis=0), atol=1e-3)
 
 
+@pytest.mark.parametrize(("output", "files"), [("player", 0), ("volume", 3), ("alembic", 1), ("usd", 1)])
+def test_outputs_show_every_frame(shapes, tmp_path, capfd, output, files):
+    out = tmp_path / "morph.blend"
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", output]
+    capfd.readouterr()
+    assert cli.main(["morph", *words, *QUICK, "--out", str(out)]) == 0
+    assert len(capfd.readouterr().out.splitlines()) >= 1 + files
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    assert (
+        len(list((tmp_path / "morph files").rglob("*.*"))) == files
+        if files
+        else not (tmp_path / "morph files").exists()
+    )
+    (shown,) = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.modifiers and obj.visible_get()]
+    for frame in (1, 2, 3):
+        bpy.context.scene.frame_set(frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        assert len(shown.evaluated_get(depsgraph).to_mesh().vertices) > 7, frame
+
+
+def test_a_pad_is_for_sheets(shapes, tmp_path, capfd):
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), str(shapes / "cone.stl"), "--output", "pad"]
+    assert (
+        cli.main(["morph", *words, "--layout", "triangle", "--steps", "2", *QUICK, "--out", str(tmp_path / "a")]) == 0
+    )
+    assert cli.main(["morph", *words[:2], "--output", "pad", *QUICK, "--out", str(tmp_path / "b.blend")]) == 3
+    assert not (tmp_path / "b.blend").exists()
+
+
 @pytest.mark.parametrize(("layout", "count", "expected"), [("triangle", 3, 6), ("grid", 4, 9)])
 def test_sheets(shapes, tmp_path, layout, count, expected):
     out = tmp_path / "sheet.blend"

@@ -27,6 +27,8 @@ from .chosen_inputs import chosen_inputs
 _TIMER_SECONDS = 0.05
 # The window answers at least this often while many objects wait to be made.
 _BUSY_SECONDS = 0.1
+# From when on the time that is left is told: before that, the first frames say little.
+_SOONEST, _LEAST_FRACTION = 2.0, 0.15
 # What is made of a morph for which output and layout.
 _OUTPUT_OPERATORS = {
     ("PLAYER", "PATH"): "make_player",
@@ -71,6 +73,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
     _computing: dict[str, object]
     _background: BackgroundJob[MorphStep]
     _timer: bpy.types.Timer
+    _began: float
 
     @classmethod
     def poll(cls, context):
@@ -119,16 +122,19 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         self._background = BackgroundJob(partial(self._job.steps, previews=True, **self._computing))
         self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         context.window_manager.modal_handler_add(self)
+        context.window_manager.convwass_progress.stopping = False
+        self._began = time.monotonic()
         self._show(context, 0.0, "Starting")
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if event.type == "ESC" and event.value == "PRESS":
+        stopping = context.window_manager.convwass_progress.stopping or (event.type == "ESC" and event.value == "PRESS")
+        if stopping:
             self._background.cancel()
         elif event.type != "TIMER":
             return {"PASS_THROUGH"}
         try:
-            written = self._write(context, math.inf if event.type == "ESC" else _BUSY_SECONDS)
+            written = self._write(context, math.inf if stopping else _BUSY_SECONDS)
         except ConvwassError as error:
             self._background.cancel()
             self._stop(context)
@@ -226,6 +232,9 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
 
     def _show(self, context: bpy.types.Context, fraction: float, message: str) -> None:
         progress = context.window_manager.convwass_progress
+        left = time_left(time.monotonic() - self._began, fraction)
+        if left is not None:
+            message = rpt_("{:s}, about {:d} s left").format(message, left)
         progress.running, progress.fraction, progress.message = True, fraction, message
         context.workspace.status_text_set(f"{rpt_('Baking morph')}: {message}    Esc: {rpt_('stop')}")
         # The sidebar alone: drawing the shapes again may take long, and new ones see to that themselves.
@@ -243,6 +252,34 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             area.tag_redraw()
 
 
+class CONVWASS_OT_stop_bake(bpy.types.Operator):
+    """Stop the bake that is running; frames that are finished are kept, as with Esc in the viewport"""
+
+    bl_idname = "convwass.stop_bake"
+    bl_label = "Stop"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.window_manager.convwass_progress.running:
+            cls.poll_message_set("No morph is being baked")
+            return False
+        return True
+
+    def execute(self, context):
+        context.window_manager.convwass_progress.stopping = True
+        return {"FINISHED"}
+
+
+def time_left(passed: float, fraction: float) -> int | None:
+    """Return how many seconds a bake will take from here on, in steps that do not flicker; None while nobody knows."""
+    if passed < _SOONEST or fraction < _LEAST_FRACTION:
+        return None
+    left = passed * (1.0 - fraction) / fraction
+    step = 1 if left < 10 else 5 if left < 60 else 30
+    return step * math.ceil(left / step)
+
+
 def _computing() -> dict[str, object]:
     """Return how the preferences want frames to be computed; raises InputError for a folder that cannot be used."""
     preferred = preferences()
@@ -250,4 +287,4 @@ def _computing() -> dict[str, object]:
     return {"workers": preferred.workers, "cache": cache}
 
 
-classes = (CONVWASS_OT_bake_morph,)
+classes = (CONVWASS_OT_bake_morph, CONVWASS_OT_stop_bake)

@@ -8,7 +8,7 @@ import bpy
 from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..operators.bake_morph import CONVWASS_OT_bake_morph
+from ..operators.bake_morph import CONVWASS_OT_bake_morph, CONVWASS_OT_stop_bake
 from ..operators.edit_inputs import (
     CONVWASS_OT_add_inputs,
     CONVWASS_OT_check_inputs,
@@ -75,7 +75,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         progress = context.window_manager.convwass_progress
         if progress.running:
             layout.progress(factor=progress.fraction, text=progress.message)
-            layout.label(text="Esc in the viewport stops it", icon="CANCEL")
+            layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
             return
         needed = _NEEDED.get(settings.layout)
         row = layout.row()

@@ -45,7 +45,7 @@ class Pressed:
 def context():
     """A context with a window, a timer and a place for the progress."""
     manager = SimpleNamespace(
-        convwass_progress=SimpleNamespace(running=False),
+        convwass_progress=SimpleNamespace(running=False, stopping=False),
         event_timer_add=lambda seconds, window: "timer",
         event_timer_remove=lambda timer: None,
         modal_handler_add=lambda operator: None,
@@ -218,3 +218,26 @@ def noting(write, previews):
         write(job, step)
 
     return writing
+
+
+def test_the_button_stops_as_escape_does(press, context):
+    two_shapes()
+    pressed = press(40)
+    held_back(pressed, 3)
+    until(pressed, context, lambda: len(pressed._job.records) == 3)
+    context.window_manager.convwass_progress.stopping = True
+    assert pressed.modal(context, TIMER) == {"FINISHED"}
+    assert len(frame_objects(morph_collection())) == 3
+    assert not context.window_manager.convwass_progress.running
+
+
+def test_without_a_bake_there_is_nothing_to_stop():
+    assert not bpy.ops.convwass.stop_bake.poll()
+
+
+@pytest.mark.parametrize(
+    ("passed", "fraction", "left"),
+    [(1.0, 0.5, None), (30.0, 0.1, None), (5.0, 0.5, 5), (5.0, 0.18, 25), (100.0, 0.4, 150), (4.0, 1.0, 0)],
+)
+def test_the_time_that_is_left(passed, fraction, left):
+    assert bake_morph.time_left(passed, fraction) == left

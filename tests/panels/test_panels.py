@@ -130,6 +130,7 @@ def test_a_running_bake_shows_its_bar_instead_of_the_button(shapes):
         progress.running = False
     assert ("progress", "Blend 1 of 2") in drawn
     assert ("operator", "convwass.bake_morph") not in drawn
+    assert ("operator", "convwass.stop_bake") in drawn
 
 
 def test_a_baked_morph_shows_its_buttons_and_its_health(baked):

@@ -22,7 +22,9 @@ def scenario(window: Window) -> Iterator[float]:
     yield from _opens_the_tab(window)
     yield from _bakes_to_the_end(window)
     yield from _stops_with_escape(window)
+    yield from _stops_with_the_button(window)
     yield from _presses_undo_while_it_bakes(window)
+    yield from _opens_another_file_while_it_bakes(window)
     yield from _plays(window)
     yield from _drags_the_pad(window)
     yield from _saves_and_comes_back(window)
@@ -66,6 +68,28 @@ def _stops_with_escape(window: Window) -> Iterator[float]:
     kept = _frames(_morphs()[0]) if _morphs() else []
     assert 2 <= len(kept) < 41, f"{len(kept)} frames are kept after Escape"
     window.say(f"Escape stops a bake and keeps {len(kept)} frames")
+
+
+def _stops_with_the_button(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    _settings().resolution, _settings().frames = 96, 40
+    yield from window.press("convwass.bake_morph")
+    yield from window.wait(lambda: _progress().fraction > 0.3, 120, "the bake gets to a third")
+    assert "left" in _progress().message, f"no time is told: {_progress().message}"
+    yield from window.press("convwass.stop_bake")
+    yield from window.wait(lambda: not _progress().running, 20, "the button stops the bake")
+    window.say("the button stops a bake as well")
+
+
+def _opens_another_file_while_it_bakes(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    _settings().resolution, _settings().frames = 96, 24
+    yield from window.press("convwass.bake_morph")
+    yield from window.wait(lambda: _progress().fraction > 0.2, 60, "the bake begins")
+    yield from _new_scene(window)
+    assert not _progress().running, "a bake runs on in a file that has been closed"
+    assert not _morphs(), "a bake writes into another file"
+    window.say("opening another file ends a bake and harms nothing")
 
 
 def _presses_undo_while_it_bakes(window: Window) -> Iterator[float]:
