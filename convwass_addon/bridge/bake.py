@@ -20,7 +20,7 @@ from .changes import signature, store_signatures
 from .disk_output import remove_disk_outputs
 from .handles import Handle, found
 from .keyframes import FrameRange, key_visibility
-from .materials import MATERIAL_NAME, input_color, morph_material
+from .materials import MATERIAL_NAME, input_color, is_carrying, morph_material
 from .objects import frozen_copy, write_mesh
 from .stand_ins import remove_stand_ins
 from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, frame_objects, store, store_health, summary
@@ -282,8 +282,11 @@ def remove_bake(collection: bpy.types.Collection) -> None:
     remove_stand_ins(collection)
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     parents = [parent for parent in roots if collection in set(parent.children)]
-    _remove_objects(frame_objects(collection))
+    frames = frame_objects(collection)
+    worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
+    _remove_objects(frames)
     remove_disk_outputs(collection)
+    bpy.data.batch_remove([material for material in worn if material.users == 0])
     for parent in parents:
         for obj in set(collection.objects) - set(parent.objects):
             parent.objects.link(obj)

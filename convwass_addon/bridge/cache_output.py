@@ -11,9 +11,11 @@ import bpy
 
 from ..errors import ConvwassError
 from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
-from .exports import FORMATS, export_frames
-from .materials import morph_material
+from .exports import COLORS, FORMATS, export_frames
+from .materials import attribute_material
 from .workshop import reason, workshop
+
+_MATERIAL_NAME = "Convwass Cache"
 
 
 def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alembic", "usd"]) -> DiskOutput:
@@ -39,8 +41,8 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"
     collection.objects.link(shown)
-    if not any(shown.data.materials):
-        shown.data.materials.append(morph_material())
+    shown.data.materials.clear()
+    shown.data.materials.append(attribute_material(_MATERIAL_NAME, COLORS))
     next(
         modifier for modifier in shown.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"
     ).cache_file.filepath = for_blender(file)

@@ -21,6 +21,9 @@ from .sequence import mesh_sequence, remove_sequence
 from .stored import frame_objects
 from .workshop import reason, workshop
 
+COLORS = "displayColor"
+"""Name of the colors in files that hold an animation: USD's own."""
+
 
 @dataclass(frozen=True)
 class _Format:
@@ -142,7 +145,7 @@ def _colored_copies(objects: list[bpy.types.Object]) -> Iterator[dict[bpy.types.
             # By name: until Blender 5, what is left moves where the one that is removed was.
             for name in [attribute.name for attribute in mesh.color_attributes]:
                 mesh.color_attributes.remove(mesh.color_attributes[name])
-            attribute = mesh.color_attributes.new("displayColor", "FLOAT_COLOR", "POINT")
+            attribute = mesh.color_attributes.new(COLORS, "FLOAT_COLOR", "POINT")
             attribute.data.foreach_set("color", colors.ravel())
         _still_where_none_moves([copy.data for copy in copies.values()])
         yield copies

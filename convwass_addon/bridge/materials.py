@@ -10,6 +10,9 @@ import bpy
 
 MATERIAL_NAME = "Convwass Morph"
 
+_CARRIES_KEY = "convwass_carries"
+"""Custom property of a material that was made for the frames of one morph."""
+
 ROUGHNESS = 0.45
 
 
@@ -102,12 +105,8 @@ def carrying_material(
     _wire(material)
     tree = material.node_tree
     principled = _principled(material)
-    (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
-    tree.nodes.remove(source)
-    colors = tree.nodes.new("ShaderNodeVertexColor")
-    colors.layer_name = color
-    colors.location = (-500.0, 0.0)
-    tree.links.new(colors.outputs["Color"], principled.inputs["Base Color"])
+    _take_color_from(material, color)
+    material[_CARRIES_KEY] = True
     shares = []
     for index in range(1, len(materials) + 1):
         share = tree.nodes.new("ShaderNodeAttribute")
@@ -128,6 +127,32 @@ def carrying_material(
             mixed = sums.outputs[0]
         tree.links.new(mixed, principled.inputs[key])
     return material
+
+
+def is_carrying(material: bpy.types.Material | None) -> bool:
+    """Tell whether a material was made by :func:`carrying_material`, for the frames of one morph."""
+    return material is not None and _CARRIES_KEY in material
+
+
+def attribute_material(name: str, color: str) -> bpy.types.Material:
+    """Return the material whose base color is a color attribute; made if the file has none of this name."""
+    material = bpy.data.materials.get(name)
+    if material is None:
+        material = bpy.data.materials.new(name)
+        _wire(material)
+        _take_color_from(material, color)
+    return material
+
+
+def _take_color_from(material: bpy.types.Material, attribute: str) -> None:
+    """Replace the object's color by a color attribute."""
+    tree = material.node_tree
+    (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
+    tree.nodes.remove(source)
+    colors = tree.nodes.new("ShaderNodeVertexColor")
+    colors.layer_name = attribute
+    colors.location = (-500.0, 0.0)
+    tree.links.new(colors.outputs["Color"], _principled(material).inputs["Base Color"])
 
 
 def _plain_value(material: bpy.types.Material | None, name: str, usual: float) -> float:

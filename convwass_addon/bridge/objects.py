@@ -17,6 +17,8 @@ from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from .face_labels import LABELS
 
+_PLACES = 17
+
 FLATTENED = 1e-6
 """Ratio of the smallest to the largest scale at which an object counts as squashed; single precision leaves 1e-7."""
 
@@ -147,11 +149,20 @@ def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
     mesh_data.loops.add(3 * triangles)
     mesh_data.polygons.add(triangles)
     # Only contiguous arrays of exactly these types are copied at once; others go element by element.
-    mesh_data.vertices.foreach_set("co", np.ascontiguousarray(mesh.vertices, dtype=np.float32).ravel())
+    mesh_data.vertices.foreach_set("co", _short(mesh.vertices).ravel())
     mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel())
     mesh_data.polygons.foreach_set("loop_start", np.arange(0, 3 * triangles, 3, dtype=np.int32))
     mesh_data.shade_smooth()
     mesh_data.update(calc_edges=True)
+
+
+def _short(vertices: np.ndarray) -> np.ndarray:
+    """Round points to some 17 binary places of their extent: finer than any grid shows, and files get smaller."""
+    extent = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
+    if not extent > 0.0:
+        return np.ascontiguousarray(vertices, dtype=np.float32)
+    step = 2.0 ** (np.floor(np.log2(extent)) - _PLACES)
+    return np.ascontiguousarray(np.rint(np.asarray(vertices) / step) * step, dtype=np.float32)
 
 
 @contextmanager
