@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal
 
 import bpy
@@ -36,7 +37,11 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
         As :func:`.exports.export_frames`, or Blender cannot read the file back.
     """
     name = bpy.path.clean_name(collection.name)
-    (file,) = export_frames(collection, folder / (name + FORMATS[kind].suffixes[0]), kind)
+    file = folder / (name + FORMATS[kind].suffixes[0])
+    # Never into a file that Blender may be reading.
+    with TemporaryDirectory(dir=folder) as drafts:
+        (draft,) = export_frames(collection, Path(drafts) / file.name, kind)
+        draft.replace(file)
     shown = _read_back(file, kind)
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"

@@ -33,6 +33,8 @@ class _Format:
     """One file holds the whole animation; otherwise there is one file per frame."""
     write: Callable[[str], set[str]]
     """Writes all that is in the context's scene."""
+    write_colors: Callable[[bpy.types.Mesh, np.ndarray], None] | None = None
+    """Puts colors, one per vertex, onto a mesh as the format takes them; of those that are animated."""
 
 
 def export_frames(collection: bpy.types.Collection, path: Path, file_format: str) -> list[Path]:
@@ -117,7 +119,7 @@ def _export_animation(frames: list[bpy.types.Object], file: Path, chosen: _Forma
     if not any(obj.animation_data for obj in frames):
         first = last = original.frame_current
     shown = [tuple(obj for obj in frames if is_shown(obj, frame)) for frame in range(first, last + 1)]
-    with workshop() as scene, _colored_copies(frames) as copies:
+    with workshop() as scene, _colored_copies(frames, chosen.write_colors) as copies:
         scene.frame_start, scene.frame_end = first, last
         scene.render.fps, scene.render.fps_base = original.render.fps, original.render.fps_base
         sequence = mesh_sequence(
@@ -132,7 +134,9 @@ def _export_animation(frames: list[bpy.types.Object], file: Path, chosen: _Forma
 
 
 @contextmanager
-def _colored_copies(objects: list[bpy.types.Object]) -> Iterator[dict[bpy.types.Object, bpy.types.Object]]:
+def _colored_copies(
+    objects: list[bpy.types.Object], write_colors: Callable[[bpy.types.Mesh, np.ndarray], None]
+) -> Iterator[dict[bpy.types.Object, bpy.types.Object]]:
     """Give copies with their color on the vertices; a file cannot change a mesh's materials over time."""
     copies = {}
     try:
@@ -145,8 +149,7 @@ def _colored_copies(objects: list[bpy.types.Object]) -> Iterator[dict[bpy.types.
             # By name: until Blender 5, what is left moves where the one that is removed was.
             for name in [attribute.name for attribute in mesh.color_attributes]:
                 mesh.color_attributes.remove(mesh.color_attributes[name])
-            attribute = mesh.color_attributes.new(COLORS, "FLOAT_COLOR", "POINT")
-            attribute.data.foreach_set("color", colors.ravel())
+            write_colors(mesh, colors)
         _still_where_none_moves([copy.data for copy in copies.values()])
         yield copies
     finally:
@@ -192,6 +195,19 @@ def _plain_materials(objects: list[bpy.types.Object]) -> Iterator[None]:
         bpy.data.batch_remove(copies)
 
 
+def _write_point_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
+    attribute = mesh.color_attributes.new(COLORS, "FLOAT_COLOR", "POINT")
+    attribute.data.foreach_set("color", colors.ravel())
+
+
+def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
+    """Blender's exporter for Alembic knows colors of this kind only."""
+    vertices = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    attribute = mesh.color_attributes.new(COLORS, "BYTE_COLOR", "CORNER")
+    attribute.data.foreach_set("color", np.ascontiguousarray(colors.reshape(-1, 4)[vertices], dtype=np.float32).ravel())
+
+
 def _write_gltf(file: str) -> set[str]:
     return bpy.ops.export_scene.gltf(
         filepath=file, export_format="GLB", use_active_scene=True, export_animations=False, export_extras=False
@@ -207,7 +223,7 @@ def _write_usd(file: str) -> set[str]:
 def _write_alembic(file: str) -> set[str]:
     scene = bpy.context.scene
     return bpy.ops.wm.alembic_export(
-        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER"
+        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER", vcolors=True
     )
 
 
@@ -216,7 +232,9 @@ FORMATS: dict[str, _Format] = {
     "ply": _Format((".ply",), animated=False, write=lambda file: bpy.ops.wm.ply_export(filepath=file)),
     "stl": _Format((".stl",), animated=False, write=lambda file: bpy.ops.wm.stl_export(filepath=file)),
     "gltf": _Format((".glb",), animated=False, write=_write_gltf),
-    "usd": _Format((".usdc", ".usd", ".usda", ".usdz"), animated=True, write=_write_usd),
-    "alembic": _Format((".abc",), animated=True, write=_write_alembic),
+    "usd": _Format(
+        (".usdc", ".usd", ".usda", ".usdz"), animated=True, write=_write_usd, write_colors=_write_point_colors
+    ),
+    "alembic": _Format((".abc",), animated=True, write=_write_alembic, write_colors=_write_corner_colors),
 }
 """The formats that `export_frames` writes."""

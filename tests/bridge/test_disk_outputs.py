@@ -162,3 +162,16 @@ def test_packed_meshes_weigh_what_their_arrays_do(make_object):
     first = make_object("A")
     twin = bpy.data.objects.new("Twin", first.data)
     assert packed_bytes([first]) == packed_bytes([first, twin]) == 6 * 12 + 24 * 8 + 12 * 8 + 8 * 4
+
+
+@pytest.mark.parametrize("kind", ["alembic", "usd"])
+def test_a_cache_may_be_written_again_while_it_is_shown(collection, tmp_path, kind):
+    first = as_cache(collection, tmp_path, kind)
+    assert shown_heights(first.shown, 5)[1] == pytest.approx(3, abs=1e-5)
+    second = as_cache(collection, tmp_path, kind)
+    assert second.files == first.files
+    assert list(tmp_path.iterdir()) == list(second.files)
+    for shown in (first.shown, second.shown):
+        assert shown_heights(shown, 4)[1] == pytest.approx(2, abs=1e-5)
+    shown = second.shown.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    assert "displayColor" in shown.to_mesh().attributes
