@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -94,8 +94,9 @@ def surface_at(
         Which blend, and how.
     """
     lattice = Lattice(densities.shape[1:], 1.0, np.zeros(3), np.zeros((2, 3)))
-    whole = SplitShapes(("all",), (list(densities),), np.asarray([volumes], np.float64), ())
+    whole = SplitShapes(("all",), (list(densities),), densities.sum(axis=(1, 2, 3), dtype=np.float64)[None], ())
     problem = blending.MorphProblem.of(whole, lattice, settings)
+    problem = replace(problem, parts=(replace(problem.parts[0], volumes=np.asarray(volumes, np.float64)),))
     (frame,) = blending.solve_blends(problem, [Blend((1.0 - t, t))])
     return frame.mesh
 
