@@ -29,6 +29,15 @@ OUTPUTS = (
 )
 """What a bake makes, as items of an enum."""
 
+CACHE_FORMATS = (
+    ("alembic", "Alembic", "One .abc file, which most programs read"),
+    ("usd", "USD", "One .usdc file"),
+)
+"""Files that a morph can be cached in, as items of an enum."""
+
+DEFAULT_FOLDER = "//convwass"
+"""Beside the .blend file."""
+
 VERDICTS = (
     ("UNCHECKED", "Not Checked", "Nobody has looked at this shape yet"),
     ("SOUND", "Sound", "The shape is closed and its faces look outward"),
@@ -51,6 +60,8 @@ STORED_OPTIONS = (
     "start",
     "start_frame",
     "output",
+    "output_folder",
+    "cache_format",
 )
 """Properties that are stored with a morph besides those of its solver."""
 
@@ -233,6 +244,14 @@ class MorphProperties:
         default=True,
     )
     output: EnumProperty(name="Output", description="What a bake leaves in the scene", items=OUTPUTS)
+    output_folder: StringProperty(
+        name="Folder",
+        description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
+        default=DEFAULT_FOLDER,
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
+    cache_format: EnumProperty(name="Format", description="Which file is written", items=CACHE_FORMATS)
     hide_inputs: BoolProperty(
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
     )

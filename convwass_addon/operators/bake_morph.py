@@ -15,6 +15,7 @@ from bpy.props import StringProperty
 from ..applications.background import BackgroundJob
 from ..applications.frame_cache import FrameCache
 from ..applications.morph import MorphStep
+from ..bridge.disk_output import packed_bytes
 from ..bridge.job import MorphJob
 from ..bridge.replace import replace_bake
 from ..bridge.stand_ins import stand_ins
@@ -29,6 +30,8 @@ _TIMER_SECONDS = 0.05
 _BUSY_SECONDS = 0.1
 # From when on the time that is left is told: before that, the first frames say little.
 _SOONEST, _LEAST_FRACTION = 2.0, 0.15
+# Meshes that are larger than this in all are worth a warning.
+_LARGE_MEGABYTES = 250.0
 # What is made of a morph for which output and layout.
 _OUTPUT_OPERATORS = {
     ("PLAYER", "PATH"): "make_player",
@@ -207,6 +210,9 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             self.report({"WARNING"}, message.format(len(slack), worst))
         elif job.notices:
             self.report({"WARNING"}, " ".join(job.notices))
+        elif (megabytes := packed_bytes(frame_objects(collection)) / 1e6) > _LARGE_MEGABYTES:
+            message = rpt_("The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it")
+            self.report({"WARNING"}, message.format(megabytes))
         else:
             self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(collection.name, len(job.records)))
         if self.following:
@@ -218,8 +224,11 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         name = _OUTPUT_OPERATORS.get((self.output, self.layout)) or _OUTPUT_OPERATORS.get((self.output, ""))
         if name is None or stand_ins(morph):
             return
+        options = {"folder": self.output_folder} if self.output in ("VOLUME", "CACHE") else {}
+        if self.output == "CACHE":
+            options["kind"] = self.cache_format
         try:
-            getattr(bpy.ops.convwass, name)()
+            getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
             self.report({"WARNING"}, str(error).strip().removeprefix("Error: "))
 

@@ -14,10 +14,8 @@ from ..bridge.disk_output import DiskOutput, output_folder
 from ..bridge.stand_ins import remove_stand_ins
 from ..bridge.volume_output import as_volume
 from ..errors import ConvwassError
+from ..properties import CACHE_FORMATS, DEFAULT_FOLDER
 from .manage_morph import OnActiveMorph, active_morph
-
-DEFAULT_FOLDER = "//convwass"
-"""Beside the .blend file."""
 
 
 class _OutputMorph(OnActiveMorph):
@@ -28,6 +26,7 @@ class _OutputMorph(OnActiveMorph):
         description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
         default=DEFAULT_FOLDER,
         subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
 
     def execute(self, context):
@@ -76,10 +75,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
     kind: EnumProperty(
         name="Format",
         description="Which file is written",
-        items=(
-            ("alembic", "Alembic", "One .abc file, which most programs read"),
-            ("usd", "USD", "One .usdc file"),
-        ),
+        items=CACHE_FORMATS,
     )
 
     def _written(self, context, morph):

@@ -169,6 +169,10 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
 
     def draw_settings(self, layout, settings):
         layout.prop(settings, "output", text="Type")
+        if settings.output in ("VOLUME", "CACHE"):
+            layout.prop(settings, "output_folder")
+        if settings.output == "CACHE":
+            layout.prop(settings, "cache_format")
         column = layout.column()
         column.prop(settings, "hide_inputs")
         column.prop(settings, "carry")

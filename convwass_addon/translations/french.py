@@ -76,6 +76,7 @@ TEXTS: dict[str, str] = {
     "Stop": "Arrêter",
     "Stop the bake that is running; frames that are finished are kept, as with Esc in the viewport": "Arrête le calcul en cours ; les images finies sont gardées, comme avec Échap dans la vue 3D",
     "No morph is being baked": "Aucun morphing n'est en cours de calcul",
+    "The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it": "Les maillages ajoutent environ {:.0f} Mo au fichier ; créer un cache ou un volume les garde à côté",
     "{:s}, about {:d} s left": "{:s}, encore {:d} s environ",
     "Every face belongs to its material": "Chaque face appartient à son matériau",
     "Every face belongs to the vertex group with the most weight on it": "Chaque face appartient au groupe de sommets qui y pèse le plus",

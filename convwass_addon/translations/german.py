@@ -76,6 +76,7 @@ TEXTS: dict[str, str] = {
     "Stop": "Abbrechen",
     "Stop the bake that is running; frames that are finished are kept, as with Esc in the viewport": "Bricht das laufende Backen ab; fertige Bilder bleiben, wie bei Esc in der 3D-Ansicht",
     "No morph is being baked": "Es wird kein Morph gebacken",
+    "The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it": "Die Netze machen die Datei um etwa {:.0f} MB größer; Cache erzeugen oder Volumen erzeugen legt sie daneben ab",
     "{:s}, about {:d} s left": "{:s}, noch etwa {:d} s",
     "Every face belongs to its material": "Jede Fläche gehört zu ihrem Material",
     "Every face belongs to the vertex group with the most weight on it": "Jede Fläche gehört zu der Vertexgruppe mit dem größten Gewicht auf ihr",

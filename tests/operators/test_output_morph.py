@@ -64,3 +64,24 @@ def test_a_morph_whose_frames_are_on_disk_can_be_deleted(morph, tmp_path):
     bpy.ops.convwass.delete_morph()
     assert not any("convwass_output" in obj for obj in bpy.data.objects)
     assert not bpy.data.cache_files
+
+
+@pytest.mark.parametrize(("output", "kind", "suffix"), [("CACHE", "usd", ".usdc"), ("VOLUME", "alembic", ".vdb")])
+def test_a_bake_puts_its_files_where_it_is_told(empty_scene, tmp_path, output, kind, suffix):
+    for x in (0.0, 3.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(frames=2, resolution=24, output=output, output_folder=str(tmp_path), cache_format=kind)
+    assert {file.suffix for file in tmp_path.rglob("*.*") if file.is_file()} == {suffix}
+    assert bpy.context.object["convwass_output"] == output.lower()
+
+
+def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
+    from convwass_addon.operators import bake_morph
+
+    monkeypatch.setattr(bake_morph, "_LARGE_MEGABYTES", 0.0)
+    for x in (0.0, 3.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    assert "MB to the file" in capfd.readouterr().out

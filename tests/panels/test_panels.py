@@ -111,7 +111,7 @@ def test_a_wrong_number_of_shapes_is_told(shapes):
 def test_every_setting_is_somewhere(shapes, layout):
     """Each one that the operator takes, for some layout."""
     settings().layout = layout
-    settings().start, settings().entropy_limit = "CUSTOM", "NUMBER"
+    settings().start, settings().entropy_limit, settings().output = "CUSTOM", "NUMBER", "CACHE"
     drawn = {name for kind, name in draw_all() if kind == "prop"}
     from convwass_addon.properties import MorphProperties
 
