@@ -24,6 +24,7 @@ def scenario(window: Window) -> Iterator[float]:
     yield from _stops_with_escape(window)
     yield from _stops_with_the_button(window)
     yield from _presses_undo_while_it_bakes(window)
+    yield from _deletes_the_shapes_while_it_bakes(window)
     yield from _opens_another_file_while_it_bakes(window)
     yield from _plays(window)
     yield from _drags_the_pad(window)
@@ -79,6 +80,19 @@ def _stops_with_the_button(window: Window) -> Iterator[float]:
     yield from window.press("convwass.stop_bake")
     yield from window.wait(lambda: not _progress().running, 20, "the button stops the bake")
     window.say("the button stops a bake as well")
+
+
+def _deletes_the_shapes_while_it_bakes(window: Window) -> Iterator[float]:
+    yield from _new_scene(window)
+    shapes = list(bpy.context.selected_objects)
+    _settings().resolution, _settings().frames = 64, 12
+    yield from window.press("convwass.bake_morph")
+    yield from window.wait(lambda: _progress().fraction > 0.2, 60, "the bake begins")
+    for obj in shapes:
+        bpy.data.objects.remove(obj)
+    yield from window.wait(lambda: not _progress().running, 120, "the bake ends without its shapes")
+    assert len(_frames(_morphs()[0])) == 13, f"{len(_frames(_morphs()[0]))} frames after the shapes were deleted"
+    window.say("deleting the shapes while they are baked harms nothing")
 
 
 def _opens_another_file_while_it_bakes(window: Window) -> Iterator[float]:
