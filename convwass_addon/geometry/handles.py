@@ -16,6 +16,8 @@ _FALSE_HANDLE = 0.5
 # Density over the level where cells are raised, and where they are lowered, and the radii of it in cells.
 RAISED, LOWERED = 1.1, 0.85
 _RADII = (1.5, 2.25, 3.0)
+# Wide changes move much at once, from one frame to the next: how many of the radii are tried first.
+_NARROW = 2
 # The surface between cells may pass a saddle of the cells that lies closer to the level than this.
 _SLACK = 0.95
 # At how many places handles are looked for, and at how many at once.
@@ -51,8 +53,17 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> 
     int
         How many have gone; the pieces are no more than before.
     """
+    left = excess
+    for shapes in (_SHAPES[:_NARROW], _SHAPES):
+        if left > 0:
+            left -= _removed(density, level, left, shapes)
+    return excess - left
+
+
+def _removed(density: NDArray[np.floating], level: float, excess: int, shapes: NDArray[np.float32]) -> int:
+    """Do the same by changes of some shapes."""
     around = np.pad(density, _REACH)
-    search = _Search(around, level)
+    search = _Search(around, level, shapes)
     left = excess
     cells, wanted = _places(density, level)
     for start in range(0, len(cells), _AT_ONCE):
@@ -67,8 +78,8 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> 
 class _Search:
     """A density, with a margin as wide as a change reaches, that is changed in place."""
 
-    def __init__(self, around: NDArray[np.floating], level: float) -> None:
-        self._around, self._level = around, level
+    def __init__(self, around: NDArray[np.floating], level: float, shapes: NDArray[np.float32]) -> None:
+        self._around, self._level, self._shapes = around, level, shapes
 
     def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> int:
         """Try changes at cells, (n, 3), in turn; return how many handles have gone."""
@@ -110,7 +121,7 @@ class _Search:
     def _factors(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.floating]:
         """Return by what each change of each radius multiplies the density around its cell, (n, radii, 13, 13, 13)."""
         share = wanted / self._around[tuple((cells + _REACH).T)] - 1.0
-        return 1.0 + share[:, None, None, None, None] * _SHAPES
+        return 1.0 + share[:, None, None, None, None] * self._shapes
 
     def _gains(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.int64]:
         """Return how many handles each change of each radius would remove if it cuts no piece in two, (n, radii)."""
