@@ -14,6 +14,7 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications import memory
+from tests.clusters import local_cluster
 
 pytestmark = [
     pytest.mark.usefixtures("empty_scene"),
@@ -239,13 +240,10 @@ def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path
 
 
 def test_frames_of_a_cluster_are_those_of_threads(shapes, tmp_path, capfd):
-    distributed = pytest.importorskip("distributed")
     words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--json"]
     words += ["--out", str(tmp_path / "morph.blend")]
     results = []
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
-    ) as cluster:
+    with local_cluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp") as cluster:
         for where in (["--scheduler", cluster.scheduler_address], ["--workers", "1"]):
             capfd.readouterr()
             assert cli.main([*words, *where]) == 0

@@ -23,6 +23,7 @@ from convwass_addon.applications.morph import morph
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from tests.clusters import local_cluster
 from tests.shapes import ball, box
 
 SHAPES = (ball(), box())
@@ -34,10 +35,7 @@ RUNS = 25
 
 @pytest.fixture(scope="module")
 def cluster():
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0"
-    ) as running:
+    with local_cluster(n_workers=2, threads_per_worker=1, processes=True) as running:
         yield running
 
 
@@ -223,15 +221,7 @@ def test_a_run_that_costs_every_worker_its_life_is_given_up(cluster, monkeypatch
 
 
 def test_a_scheduler_that_is_lost_ends_the_bake():
-    distributed = pytest.importorskip("distributed")
-    started = distributed.LocalCluster(
-        n_workers=1,
-        threads_per_worker=1,
-        processes=False,
-        protocol="tcp",
-        host="127.0.0.1",
-        dashboard_address="127.0.0.1:0",
-    )
+    started = local_cluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp")
     with (
         pytest.raises(ConvwassError, match="was lost; start it"),
         cluster_workers(started.scheduler_address) as executor,
@@ -253,14 +243,14 @@ def test_schedulers_that_do_not_answer_are_named(address, message, monkeypatch):
 
 
 def test_a_scheduler_without_workers_is_refused(monkeypatch):
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr("convwass_addon.applications.cluster._SECONDS", 1.0)
     with (
-        distributed.LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address="127.0.0.1:0") as empty,
+        local_cluster(n_workers=0) as empty,
+        monkeypatch.context() as changed,
         pytest.raises(InputError, match="has no workers"),
-        cluster_workers(empty.scheduler_address),
     ):
-        pass
+        changed.setattr("convwass_addon.applications.cluster._WORKER_SECONDS", 1.0)
+        with cluster_workers(empty.scheduler_address):
+            pass
 
 
 def test_a_missing_distributed_is_asked_for(monkeypatch):
