@@ -9,6 +9,8 @@ import math
 
 import bpy
 
+from .stored import stored_morph
+
 SIGNATURES_KEY = "convwass_signatures"
 """Custom property of a morph's collection: JSON of one signature per input."""
 
@@ -36,8 +38,6 @@ def signature(obj: bpy.types.Object) -> list[float]:
 
 def changed_inputs(collection: bpy.types.Collection) -> list[str]:
     """Return the names of a morph's inputs that are gone or are no longer as they were; none where nothing is known."""
-    from .stored import stored_morph
-
     try:
         known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
         names = stored_morph(collection).inputs

@@ -24,6 +24,7 @@ from ..errors import Cancelled, ConvwassError
 from ..preferences import preferences
 from ..properties import MorphProperties
 from .chosen_inputs import chosen_inputs
+from .manage_morph import is_free_to_bake, select_only
 
 _TIMER_SECONDS = 0.05
 # The window answers at least this often while many objects wait to be made.
@@ -80,15 +81,11 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode first")
+        if not is_free_to_bake(cls, context):
             return False
         # Which shapes are meant depends on the arguments.
         if len(bpy.data.objects) < 2:
             cls.poll_message_set("Select at least two mesh objects")
-            return False
-        if context.window_manager.convwass_progress.running:
-            cls.poll_message_set("A morph is being baked; press Esc in the viewport to stop it")
             return False
         return True
 
@@ -182,7 +179,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
                 return self._finish(context, self._job)
             if isinstance(error, Cancelled) and self._job.records and not self.replaces:
                 collection = self._job.finish(self.hide_inputs)
-                self._select(context, frame_objects(collection)[0])
+                select_only(context, frame_objects(collection)[:1])
                 self.report({"WARNING"}, rpt_("Stopped; {:d} finished frames are kept").format(len(self._job.records)))
                 return {"FINISHED"}
         except ConvwassError as failure:
@@ -201,7 +198,7 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
         replaced = bpy.data.collections.get(self.replaces)
         if replaced is not None:
             collection = replace_bake(replaced, collection)
-        self._select(context, frame_objects(collection)[0])
+        select_only(context, frame_objects(collection)[:1])
         self._hand_over(collection)
         slack = [record for record in job.records if not record.get("converged", True)]
         if slack:
@@ -231,13 +228,6 @@ class CONVWASS_OT_bake_morph(MorphProperties, bpy.types.Operator):
             getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
             self.report({"WARNING"}, str(error).strip().removeprefix("Error: "))
-
-    def _select(self, context: bpy.types.Context, shown: bpy.types.Object) -> None:
-        """Make the morph the thing that is selected: the inputs may be hidden now."""
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        context.view_layer.objects.active = shown
-        shown.select_set(True)
 
     def _show(self, context: bpy.types.Context, fraction: float, message: str) -> None:
         progress = context.window_manager.convwass_progress

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
@@ -24,6 +26,27 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
         context.collection,
     ]
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
+
+
+def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
+    """Select these objects alone, and make the last one active; those that the view layer lacks are left out."""
+    for obj in context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        if obj.name in context.view_layer.objects:
+            obj.select_set(True)
+            context.view_layer.objects.active = obj
+
+
+def is_free_to_bake(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Tell for an operator's poll whether a bake may begin now, or leave a message that says why not."""
+    if context.mode != "OBJECT":
+        operator.poll_message_set("Go to Object Mode first")
+        return False
+    if context.window_manager.convwass_progress.running:
+        operator.poll_message_set("A morph is being baked; press Esc in the viewport to stop it")
+        return False
+    return True
 
 
 class OnActiveMorph:
@@ -52,13 +75,10 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
         except ConvwassError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for obj in context.selected_objects:
-            obj.select_set(False)
         for obj in inputs:
             obj.hide_set(False)
             obj.hide_render = False
-            obj.select_set(True)
-        context.view_layer.objects.active = inputs[-1]
+        select_only(context, inputs)
         settings = context.scene.convwass_morph
         settings.take_stored(stored)
         settings.take_inputs(inputs, stored.get("weights"))
@@ -90,11 +110,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode first")
-            return False
-        if context.window_manager.convwass_progress.running:
-            cls.poll_message_set("A morph is being baked; press Esc in the viewport to stop it")
+        if not is_free_to_bake(cls, context):
             return False
         if not any(MORPH_KEY in collection for collection in bpy.data.collections):
             cls.poll_message_set("Bake a morph first")

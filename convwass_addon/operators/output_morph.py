@@ -15,7 +15,7 @@ from ..bridge.stand_ins import remove_stand_ins
 from ..bridge.volume_output import as_volume
 from ..errors import ConvwassError
 from ..properties import CACHE_FORMATS, DEFAULT_FOLDER
-from .manage_morph import OnActiveMorph, active_morph
+from .manage_morph import OnActiveMorph, active_morph, select_only
 
 
 class _OutputMorph(OnActiveMorph):
@@ -42,10 +42,7 @@ class _OutputMorph(OnActiveMorph):
             manager.progress_end()
         remove_stand_ins(morph)
         remove_frames(morph)
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        context.view_layer.objects.active = output.shown
-        output.shown.select_set(True)
+        select_only(context, [output.shown])
         message = rpt_("{:s}: {:d} files, {:.1f} MB in {:s}")
         folder = output.files[0].parent
         self.report({"INFO"}, message.format(output.shown.name, len(output.files), output.megabytes, str(folder)))

@@ -11,21 +11,16 @@ from ..bridge.player import make_player
 from ..bridge.stand_ins import remove_stand_ins, stand_ins
 from ..bridge.stored import frame_objects
 from ..errors import ConvwassError
-from .manage_morph import active_morph
+from .manage_morph import OnActiveMorph, active_morph, select_only
 
 
-class _OnPlayedMorph:
-    bl_options = {"REGISTER", "UNDO"}
-
+class _OnPlayedMorph(OnActiveMorph):
     @classmethod
     def poll(cls, context):
         if context.mode != "OBJECT":
             cls.poll_message_set("Go to Object Mode first")
             return False
-        if active_morph(context) is None:
-            cls.poll_message_set("Select an object of a baked morph")
-            return False
-        return True
+        return super().poll(context)
 
     def execute(self, context):
         morph = active_morph(context)
@@ -34,11 +29,7 @@ class _OnPlayedMorph:
         except ConvwassError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        if shown is not None and shown.name in context.view_layer.objects:
-            context.view_layer.objects.active = shown
-            shown.select_set(True)
+        select_only(context, [] if shown is None else [shown])
         return {"FINISHED"}
 
 
