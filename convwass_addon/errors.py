@@ -4,9 +4,31 @@
 
 from __future__ import annotations
 
+from .sentence import Sentence
+
 
 class ConvwassError(Exception):
-    """Something the user can act on; the message says what to do."""
+    """Something the user can act on; the message says what to do.
+
+    Parameters
+    ----------
+    template : str
+        The message in English, with names in braces for what only the moment knows.
+    values
+        What these names stand for.
+    """
+
+    def __init__(self, template: str, /, **values: object) -> None:
+        self.sentence = Sentence(template, values)
+        super().__init__(str(self.sentence))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Errors come back from other processes.
+        return _rebuilt, (type(self), self.sentence)
+
+
+def _rebuilt(kind: type[ConvwassError], sentence: Sentence) -> ConvwassError:
+    return kind(sentence.template, **sentence.values)
 
 
 class InputError(ConvwassError):

@@ -19,6 +19,7 @@ from typing import Literal
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
+from ..sentence import Sentence
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
 from .blending import MorphFrame, MorphPart, MorphProblem, solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
@@ -75,9 +76,11 @@ def places_at(path: Sequence[Blend], numbers: Sequence[float]) -> list[Place]:
         raise InputError("Name at least one frame number, such as 7.35.")
     for index, number in enumerate(numbers):
         if not 0 <= number <= last:
-            raise InputError(f"Frame number {number:g} is not on the path, which has the frames 0-{last}.")
+            raise InputError(
+                "Frame number {number:g} is not on the path, which has the frames 0-{last}.", number=number, last=last
+            )
         if number in numbers[:index]:
-            raise InputError(f"Frame number {number:g} is there twice; name each number once.")
+            raise InputError("Frame number {number:g} is there twice; name each number once.", number=number)
     return [_place(path, number, column) for column, number in enumerate(numbers)]
 
 
@@ -175,7 +178,8 @@ def _complete(
         for done, run in enumerate(as_solved(pending, check), start=1):
             store.save(missing[run.index], run.frames)
             fraction = VOXEL_SHARE + (_ABOUT_SHARE - VOXEL_SHARE) * done / len(missing)
-            yield MorphStep(fraction, f"Frames to start from, {done} of {len(missing)} runs")
+            counts = {"done": done, "total": len(missing)}
+            yield MorphStep(fraction, Sentence("Frames to start from, {done} of {total} runs", counts))
 
 
 def _stored_frames(store: BakeCache, runs: Sequence[Run]) -> dict[int, MorphFrame]:
@@ -184,7 +188,8 @@ def _stored_frames(store: BakeCache, runs: Sequence[Run]) -> dict[int, MorphFram
 
 def _steps(start: float, total: int, frames: Iterator[MorphFrame]) -> Iterator[MorphStep]:
     for done, frame in enumerate(frames, start=1):
-        yield MorphStep(start + (1.0 - start) * done / total, f"Blend {done} of {total}", frame)
+        message = Sentence("Blend {done} of {total}", {"done": done, "total": total})
+        yield MorphStep(start + (1.0 - start) * done / total, message, frame)
 
 
 def _frame_itself(place: Place, frames: dict[int, MorphFrame]) -> MorphFrame:

@@ -20,7 +20,7 @@ from .health import thin_parts, wall_share
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .origins import PartTransport, blend_origins
-from .parts import SplitShapes
+from .parts import PartNotice, SplitShapes
 from .potentials import PartPotentials
 from .reading import connectivity_of, own_surface, read_surface
 from .volumes import Lattice
@@ -95,7 +95,7 @@ class MorphProblem:
         How to blend them.
     connectivity : tuple of Connectivity
         How every shape hangs together at this resolution; empty where there are to be sketches only.
-    notices : tuple of str
+    notices : tuple of PartNotice
         What the user should know about the parts.
     keeps_potentials : bool
         Whether frames bring what blends next to them can be had from.
@@ -105,7 +105,7 @@ class MorphProblem:
     lattice: Lattice
     settings: MorphSettings
     connectivity: tuple[Connectivity, ...]
-    notices: tuple[str, ...] = ()
+    notices: tuple[PartNotice, ...] = ()
     keeps_potentials: bool = False
 
     @classmethod
@@ -370,7 +370,7 @@ def _about_parts(problem: MorphProblem, shares: NDArray[np.float64], merged: Mer
     return {
         "parts": dict(zip(names, (shares / shares.sum()).tolist(), strict=True)),
         "overlap": merged.overlap,
-        "notice": " ".join(problem.notices),
+        "notices": tuple((notice.kind, notice.name) for notice in problem.notices),
     }
 
 

@@ -89,26 +89,32 @@ def cluster_workers(address: str) -> Iterator[ClusterExecutor]:
         import distributed
     except ImportError:
         raise InputError(
-            f"A scheduler needs the package distributed; install it with: {sys.executable} -m pip install distributed"
+            "A scheduler needs the package distributed; install it with: {python} -m pip install distributed",
+            python=sys.executable,
         ) from None
     with _connected(distributed, address) as client:
         try:
             yield ClusterExecutor(client)
         except distributed.KilledWorker as error:
             raise ConvwassError(
-                f"The workers of {address} were lost one after the other over the same frames, most likely for want of "
-                "memory; use a lower resolution, fewer threads for each worker, or larger machines."
+                "The workers of {address} were lost one after the other over the same frames, most likely for "
+                "want of memory; use a lower resolution, fewer threads for each worker, or larger machines.",
+                address=address,
             ) from error
         except (concurrent.futures.CancelledError, distributed.comm.CommClosedError) as error:
-            raise ConvwassError(f"The scheduler at {address} was lost; start it and bake again.") from error
+            raise ConvwassError(
+                "The scheduler at {address} was lost; start it and bake again.", address=address
+            ) from error
         except (ModuleNotFoundError, RuntimeError) as error:
             # A scheduler that cannot import what a worker is to call says so in a message of its own.
             missing = error if isinstance(error, ModuleNotFoundError) else error.__cause__
             if not isinstance(missing, ModuleNotFoundError):
                 raise
             raise ConvwassError(
-                f"The cluster at {address} does not know {missing.name}; start its scheduler and its workers with a "
-                "Python that has the same packages as this one."
+                "The cluster at {address} does not know {package}; start its scheduler and its workers with a "
+                "Python that has the same packages as this one.",
+                address=address,
+                package=missing.name,
             ) from error
 
 
@@ -118,14 +124,18 @@ def _connected(distributed: Any, address: str) -> Iterator[Client]:
         client = _client(distributed, address)
     except (OSError, ValueError) as error:
         raise InputError(
-            f"No Dask scheduler answers at {address} ({_first_line(error)}); give it as tcp://HOST:PORT and check that "
-            "it runs there."
+            "No Dask scheduler answers at {address} ({reason}); give it as tcp://HOST:PORT and check that it runs "
+            "there.",
+            address=address,
+            reason=_first_line(error),
         ) from error
     with client:
         try:
             client.wait_for_workers(1, timeout=_WORKER_SECONDS)
         except OSError as error:
-            raise InputError(f"The scheduler at {address} has no workers; start some and try again.") from error
+            raise InputError(
+                "The scheduler at {address} has no workers; start some and try again.", address=address
+            ) from error
         yield client
 
 

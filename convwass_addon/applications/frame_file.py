@@ -44,7 +44,7 @@ _TYPES: dict[str, tuple[type, ...]] = {
     "weights": (tuple,),
     "converged": (bool,),
     "marginal_error": (float, int, type(None)),
-    "notice": (str,),
+    "notices": (tuple,),
 }
 
 

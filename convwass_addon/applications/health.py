@@ -13,8 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from ..geometry.isosurface import bounding_box
 from ..geometry.thin_parts import LostPart, lost_parts
+from ..sentence import Sentence
 from .morph_settings import MorphSettings
+from .parts import NOTICES, part_notices
 
 Severity = Literal["INFO", "WARNING", "ERROR"]
 Value = str | int | float
@@ -28,7 +31,7 @@ TEXTS: dict[str, str] = {
     "NOT_CONVERGED": "Less exact than asked for in {frames}, by up to {error:.1%}: try more blur",
     "WALL": "Up to {share:.1%} of the shape touches the wall of the volume in {frames}: try less blur",
     "WIDENED": "Blur was widened to {sigma:.1f} cells in {frames}, to reach from shape to shape",
-    "NOTICE": "{text}",
+    **NOTICES,
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
 }
 """A template for every kind of note; the user interface translates it before the values are filled in."""
@@ -40,7 +43,7 @@ SEVERITIES: dict[str, Severity] = {
     "NOT_CONVERGED": "ERROR",
     "WALL": "WARNING",
     "WIDENED": "INFO",
-    "NOTICE": "INFO",
+    **dict.fromkeys(NOTICES, "INFO"),
     "GOOD": "INFO",
 }
 
@@ -84,13 +87,14 @@ class HealthNote:
         return SEVERITIES[self.kind]
 
     @property
-    def text(self) -> str:
-        """Return the sentence in English."""
-        return self.filled(TEXTS[self.kind])
+    def sentence(self) -> Sentence:
+        """What to tell."""
+        return Sentence(TEXTS[self.kind], self.values)
 
-    def filled(self, template: str) -> str:
-        """Return the sentence of a translated template."""
-        return template.format(**self.values)
+    @property
+    def text(self) -> str:
+        """Return the sentence in English; raises KeyError or ValueError for what is no note."""
+        return TEXTS[self.kind].format(**self.values)
 
 
 def health(
@@ -160,7 +164,8 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
     dict
         Ready for JSON: their ``share`` of the shape, and ``parts``, thinnest first, with thickness and length in cells.
     """
-    filled = np.asarray(occupancy, dtype=np.float64)
+    low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
+    filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
     inside = np.pad(filled > 0.5, 1)
     depth = distance_transform_edt(inside)
     # A rod as thick as what is kept has its axis so deep.
@@ -290,5 +295,5 @@ def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -
 
 
 def _notices(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
-    texts = dict.fromkeys(figure["notice"] for figure in figures if isinstance(figure.get("notice"), str))
-    return [HealthNote("NOTICE", {"text": text}) for text in texts if text]
+    notices = dict.fromkeys(notice for figure in figures for notice in part_notices(figure))
+    return [HealthNote(notice.kind, {"name": notice.name}) for notice in notices]

@@ -50,9 +50,9 @@ def path_blends(count: int, frames: int, step: int = 1) -> list[Blend]:
     if count < 2:
         raise InputError("A morph needs at least two shapes; select or name one more.")
     if frames < 2:
-        raise InputError(f"There must be at least 2 frames from one shape to the next, got {frames}.")
+        raise InputError("There must be at least 2 frames from one shape to the next, got {frames}.", frames=frames)
     if step < 1:
-        raise InputError(f"The step must be at least 1 frame, got {step}.")
+        raise InputError("The step must be at least 1 frame, got {step}.", step=step)
     blends = [Blend(_corner(count, 0), frame=0)]
     for leg in range(count - 1):
         for frame in [*range(step, frames, step), frames]:
@@ -72,7 +72,7 @@ def grid_blends(count: int, steps: int) -> list[Blend]:
         Not four shapes, or fewer than two steps.
     """
     if count != 4:
-        raise InputError(f"The grid layout blends exactly four shapes, one per corner; there are {count}.")
+        raise InputError("The grid layout blends exactly four shapes, one per corner; there are {count}.", count=count)
     _check_steps(steps)
     blends = []
     for row in range(steps):
@@ -92,7 +92,9 @@ def triangle_blends(count: int, steps: int) -> list[Blend]:
         Not three shapes, or fewer than two steps.
     """
     if count != 3:
-        raise InputError(f"The triangle layout blends exactly three shapes, one per corner; there are {count}.")
+        raise InputError(
+            "The triangle layout blends exactly three shapes, one per corner; there are {count}.", count=count
+        )
     _check_steps(steps)
     last = steps - 1
     blends = []
@@ -113,7 +115,11 @@ def single_blend(weights: Sequence[float], count: int) -> list[Blend]:
     """
     values = np.asarray(weights, dtype=np.float64)
     if values.shape != (count,):
-        raise InputError(f"There are {count} shapes but {values.size} weights; give one weight per shape.")
+        raise InputError(
+            "There are {count} shapes but {given} weights; give one weight per shape.",
+            count=count,
+            given=int(values.size),
+        )
     if not np.isfinite(values).all() or (values < 0).any():
         raise InputError("Weights must be zero or positive numbers.")
     if values.sum() <= 0:
@@ -127,4 +133,4 @@ def _corner(count: int, index: int) -> tuple[float, ...]:
 
 def _check_steps(steps: int) -> None:
     if steps < 2:
-        raise InputError(f"A sheet needs at least 2 blends along each side, got {steps}.")
+        raise InputError("A sheet needs at least 2 blends along each side, got {steps}.", steps=steps)

@@ -33,10 +33,18 @@ def check_memory(needed: int, resolution: int, workers: int = 1) -> None:
         return
     # Sides are rounded up and margins do not shrink, so a coarser grid takes a little more than its share.
     fitting = int(resolution * (0.7 * free / needed) ** (1.0 / 3.0))
-    fewer = "" if workers == 1 else f" Fewer workers than {workers} need less."
+    figures = {"resolution": resolution, "needed": needed / 1e9, "free": free / 1e9, "fitting": fitting}
+    if workers == 1:
+        raise ResourceError(
+            "Resolution {resolution} needs about {needed:.1f} GB of memory and {free:.1f} GB are free. Resolution "
+            "{fitting} would fit.",
+            **figures,
+        )
     raise ResourceError(
-        f"Resolution {resolution} needs about {needed / 1e9:.1f} GB of memory and {free / 1e9:.1f} GB are free. "
-        f"Resolution {fitting} would fit.{fewer}"
+        "Resolution {resolution} needs about {needed:.1f} GB of memory and {free:.1f} GB are free. Resolution "
+        "{fitting} would fit. Fewer workers than {workers} need less.",
+        **figures,
+        workers=workers,
     )
 
 

@@ -18,7 +18,7 @@ _CRISP_FROM = 0.85
 # Automatic blur: one cell, and no narrower than float64 carries across a grid.
 _CELLS_PER_BLUR = 80.0
 # The automatic tolerance, that of full sharpness, and the sharpness from which it goes there.
-_TOLERANCE, _CRISP_TOLERANCE, _SLOW_FROM = 1e-2, 2e-3, 0.9
+_TOLERANCE, _CRISP_TOLERANCE, _SLOW_FROM = 1e-2, 1e-3, 0.9
 # Mass goes a quarter of the longest side at a locality of a half, and at least this many cells.
 _REACHES = 4.0
 _LEAST_REACH = 1.0
@@ -81,23 +81,30 @@ class MorphSettings:
         InputError
             With the name of the setting and what it must be.
         """
-        _require(8 <= self.resolution <= 1024, "Resolution must lie between 8 and 1024 cells")
-        _require(self.blur is None or 0.5 <= self.blur <= 20, "Blur must lie between 0.5 and 20 cells")
-        _require(self.sharpness is None or 0 <= self.sharpness <= 1, "Sharpness must lie between 0 and 1")
+        _require(8 <= self.resolution <= 1024, InputError("Resolution must lie between 8 and 1024 cells."))
+        _require(self.blur is None or 0.5 <= self.blur <= 20, InputError("Blur must lie between 0.5 and 20 cells."))
+        _require(self.sharpness is None or 0 <= self.sharpness <= 1, InputError("Sharpness must lie between 0 and 1."))
         limit = self.entropy_limit
         is_number = isinstance(limit, (int, float)) and bool(np.isfinite(limit))
-        _require(limit is None or limit == "max" or is_number, "The entropy limit must be 'max', a number, or off")
-        _require(self.level in ("volume", "half-max"), "The level must be 'volume' or 'half-max'")
-        _require(0 <= self.thickness < np.inf, "Thickness must be zero or positive")
         _require(
-            self.parts in ("none", "vertex-groups", "materials"), "Parts must be 'none', 'vertex-groups' or 'materials'"
+            limit is None or limit == "max" or is_number,
+            InputError("The entropy limit must be 'max', a number, or off."),
         )
-        _require(0 <= self.locality <= 1, "Locality must lie between 0 and 1")
+        _require(self.level in ("volume", "half-max"), InputError("The level must be 'volume' or 'half-max'."))
+        _require(0 <= self.thickness < np.inf, InputError("Thickness must be zero or positive."))
         _require(
-            self.locality == 0 or limit is None, "An entropy limit needs all mass to travel; set the locality to 0"
+            self.parts in ("none", "vertex-groups", "materials"),
+            InputError("Parts must be 'none', 'vertex-groups' or 'materials'."),
         )
-        _require(self.tolerance is None or 0 < self.tolerance < 1, "The tolerance must lie between 0 and 1")
-        _require(self.max_iterations >= 1, "There must be at least one iteration")
+        _require(0 <= self.locality <= 1, InputError("Locality must lie between 0 and 1."))
+        _require(
+            self.locality == 0 or limit is None,
+            InputError("An entropy limit needs all mass to travel; set the locality to 0."),
+        )
+        _require(
+            self.tolerance is None or 0 < self.tolerance < 1, InputError("The tolerance must lie between 0 and 1.")
+        )
+        _require(self.max_iterations >= 1, InputError("There must be at least one iteration."))
 
     @property
     def sigma(self) -> float:
@@ -131,6 +138,6 @@ class MorphSettings:
         return asdict(self)
 
 
-def _require(holds: bool, message: str) -> None:
+def _require(holds: bool, error: InputError) -> None:
     if not holds:
-        raise InputError(f"{message}.")
+        raise error

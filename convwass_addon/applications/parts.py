@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import InputError
 from ..geometry.thicken import surface_points
+from ..sentence import Sentence
 
 # A part of fewer cells is no shape of its own any more.
 _LEAST_CELLS = 20.0
@@ -22,6 +24,13 @@ _LEAST_CELLS = 20.0
 _FADE = 1.0 / 40.0
 # What messages call all that is in no part.
 _REST = "the rest"
+
+NOTICES: dict[str, str] = {
+    "NOT_ON_ALL": "{name} is not on every shape and travels with the rest.",
+    "TOO_SMALL": "{name} is too small at this resolution and travels with the rest.",
+    "NO_REST": "Too little is in no part on some of the shapes; it travels with {name}.",
+}
+"""A template for every kind of notice."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,30 @@ class FaceLabels:
 
 
 @dataclass(frozen=True)
+class PartNotice:
+    """One thing that the user should know about the parts.
+
+    Attributes
+    ----------
+    kind : str
+        A key of `NOTICES`.
+    name : str
+        Of the part that it is about.
+    """
+
+    kind: str
+    name: str
+
+    @property
+    def sentence(self) -> Sentence:
+        """What to tell."""
+        return Sentence(NOTICES[self.kind], {"name": self.name})
+
+    def __str__(self) -> str:
+        return str(self.sentence)
+
+
+@dataclass(frozen=True)
 class Matching:
     """Which triangles of all shapes belong together.
 
@@ -56,13 +89,13 @@ class Matching:
         Parts that all shapes have.
     faces : tuple of (m,) int64
         For every shape the part of every triangle; ``len(names)`` is the rest.
-    notices : tuple of str
+    notices : tuple of PartNotice
         What the user should know about it.
     """
 
     names: tuple[str, ...]
     faces: tuple[NDArray[np.int64], ...]
-    notices: tuple[str, ...] = ()
+    notices: tuple[PartNotice, ...] = ()
 
     @property
     def count(self) -> int:
@@ -82,14 +115,28 @@ class SplitShapes:
         For every part the occupancy of its cells in every shape.
     volumes : (p, k) float64
         Volumes of the parts in cells.
-    notices : tuple of str
+    notices : tuple of PartNotice
         What the user should know about it.
     """
 
     names: tuple[str, ...]
     densities: tuple[list[NDArray[np.float32]], ...]
     volumes: NDArray[np.float64]
-    notices: tuple[str, ...]
+    notices: tuple[PartNotice, ...]
+
+
+def part_notices(record: Mapping[str, object]) -> list[PartNotice]:
+    """Return the notices in the record of a frame, which may come from a file; what is none is left out."""
+    found = record.get("notices")
+    entries = found if isinstance(found, (list, tuple)) else ()
+    return [
+        PartNotice(*entry)
+        for entry in entries
+        if isinstance(entry, (list, tuple))
+        and len(entry) == 2
+        and all(isinstance(word, str) for word in entry)
+        and entry[0] in NOTICES
+    ]
 
 
 def unparted(count: int) -> Matching:
@@ -115,15 +162,23 @@ def matched(labels: Sequence[FaceLabels], shape_names: Sequence[str]) -> Matchin
     found = [{label.names[i] for i in np.unique(label.faces) if i >= 0} for label in labels]
     common = set.intersection(*found)
     if not common:
-        has = "; ".join(
-            f"{shape} has {', '.join(sorted(own)) or 'none'}" for shape, own in zip(shape_names, found, strict=True)
+        raise InputError(
+            "No part is on all shapes under the same name ({has}). Rename them alike, or turn parts off.",
+            has=reduce(_listed, map(_parts_of, shape_names, found)),
         )
-        raise InputError(f"No part is on all shapes under the same name ({has}). Rename them alike, or turn parts off.")
-    notices = tuple(
-        f"{name} is not on every shape and travels with {_REST}." for name in sorted(set.union(*found) - common)
-    )
+    notices = tuple(PartNotice("NOT_ON_ALL", name) for name in sorted(set.union(*found) - common))
     names = tuple(name for name in labels[0].names if name in common)
     return Matching(names, tuple(label.renumbered(names) for label in labels), notices)
+
+
+def _parts_of(shape: str, parts: set[str]) -> Sentence:
+    if not parts:
+        return Sentence("{shape} has none", {"shape": shape})
+    return Sentence("{shape} has {parts}", {"shape": shape, "parts": ", ".join(sorted(parts))})
+
+
+def _listed(first: Sentence, second: Sentence) -> Sentence:
+    return Sentence("{first}; {second}", {"first": first, "second": second})
 
 
 def part_volumes(
@@ -208,7 +263,7 @@ def joined(matching: Matching, volumes: Sequence[list[NDArray[np.float32]]]) -> 
     kept = []
     for index in range(rest):
         if cells[index].min() < _LEAST_CELLS:
-            notices.append(f"{names[index]} is too small at this resolution and travels with {_REST}.")
+            notices.append(PartNotice("TOO_SMALL", names[index]))
             _merge(parts, cells, index, rest)
         else:
             kept.append(index)
@@ -217,7 +272,7 @@ def joined(matching: Matching, volumes: Sequence[list[NDArray[np.float32]]]) -> 
     elif cells[rest].max() > 0:
         # Not all shapes have enough outside of their parts for it to be a part.
         largest = max(kept, key=lambda index: cells[index].sum())
-        notices.append(f"Too little is in no part on some of the shapes; it travels with {names[largest]}.")
+        notices.append(PartNotice("NO_REST", names[largest]))
         _merge(parts, cells, rest, largest)
     return SplitShapes(
         tuple(names[index] for index in kept),

@@ -77,7 +77,7 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
         Indices of blends that do not exist, or none at all.
     """
     if wanted is not None and not (len(wanted) and wanted[0] >= 0 and wanted[-1] < len(blends)):
-        raise InputError(f"The frames asked for must lie between 0 and {len(blends) - 1}.")
+        raise InputError("The frames asked for must lie between 0 and {last}.", last=len(blends) - 1)
     starts = range(0, len(blends), RUN_LENGTH)
     if wanted is not None:
         starts = starts[wanted[0] // RUN_LENGTH : wanted[-1] // RUN_LENGTH + 1]

@@ -83,7 +83,9 @@ class Lattice:
         """
         margin = 2 + int(np.ceil(2.0 * sigma))
         if resolution < 4 * margin:
-            raise InputError(f"Resolution {resolution} is too coarse; use at least {4 * margin}.")
+            raise InputError(
+                "Resolution {resolution} is too coarse; use at least {least}.", resolution=resolution, least=4 * margin
+            )
         centers = np.stack([centroid(shape) for shape in shapes])
         low = np.min([shape.bounds[0] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
         high = np.max([shape.bounds[1] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
@@ -158,7 +160,8 @@ def voxelized(shape: TriangleMesh, name: str, index: int, lattice: Lattice, thic
         filled = shell_occupancy(corners, lattice.shape, cells)
     if filled.sum() < _LEAST_CELLS:
         raise InputError(
-            f"'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness "
-            "(the Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution."
+            "'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness (the "
+            "Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution.",
+            name=name,
         )
     return filled

@@ -73,11 +73,17 @@ def render_animation(
     """
     target = checked_output(path, ".mp4")
     if any(side % 2 for side in resolution):
-        raise InputError(f"A video's width and height must be even numbers, not {resolution[0]} x {resolution[1]}.")
+        raise InputError(
+            "A video's width and height must be even numbers, not {width} x {height}.",
+            width=resolution[0],
+            height=resolution[1],
+        )
     objects = frame_objects(collection)
     frames = _frames(objects, step)
     if not frames:
-        raise InputError(f"{collection.name} holds no morph along a path; for a sheet make a contact sheet instead.")
+        raise InputError(
+            "{name} holds no morph along a path; for a sheet make a contact sheet instead.", name=collection.name
+        )
     with Studio() as studio, tempfile.TemporaryDirectory(prefix="convwass-") as folder:
         copies = [studio.show(obj) for obj in objects]
         points = [_sample(obj) for obj in objects]

@@ -131,8 +131,9 @@ def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
     blends = _layout(np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) if frames else np.empty((0, 0)))
     if blends is None:
         raise InputError(
-            f"{collection.name} is no whole sheet of four shapes in a grid or three in a triangle; "
-            "bake one with that layout, to its end."
+            "{name} is no whole sheet of four shapes in a grid or three in a triangle; bake one with that layout, "
+            "to its end.",
+            name=collection.name,
         )
     corners = [next(place for place, blend in enumerate(blends) if blend.source == i) for i in range(len(names))]
     bounds = [_bounds(frames[corner]) for corner in corners]

@@ -64,12 +64,16 @@ def _read_back(file: Path, kind: str) -> bpy.types.Object:
             else:
                 bpy.ops.wm.usd_import(filepath=str(file), set_frame_range=False)
         except RuntimeError as error:
-            raise ConvwassError(f"{file} could not be read back: {reason(error)}") from error
+            raise ConvwassError(
+                "{file} could not be read back: {reason}", file=str(file), reason=reason(error)
+            ) from error
         made = [obj for obj in bpy.data.objects if obj not in existing]
         cached = [obj for obj in made if any(m.type == "MESH_SEQUENCE_CACHE" for m in obj.modifiers)]
         if not cached:
             bpy.data.batch_remove(made)
-            raise ConvwassError(f"{file} holds no mesh that changes over time; is the morph longer than one frame?")
+            raise ConvwassError(
+                "{file} holds no mesh that changes over time; is the morph longer than one frame?", file=str(file)
+            )
         shown = cached[0]
         place = shown.matrix_world.copy()
         shown.parent = None

@@ -87,7 +87,9 @@ def render_contact_sheet(
     target = checked_output(path, ".png")
     objects = frame_objects(collection)
     if not objects:
-        raise InputError(f"{collection.name} holds no frames of a morph; choose a collection made by Bake Morph.")
+        raise InputError(
+            "{name} holds no frames of a morph; choose a collection made by Bake Morph.", name=collection.name
+        )
     progress(0.0, "Setting up the contact sheet")
     cells = _path_cells(_evenly_chosen(objects, count), columns) if _is_path(objects) else _placed_cells(objects)
     view = broad_view([cell.points for cell in cells], ELEVATION)

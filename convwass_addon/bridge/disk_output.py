@@ -62,14 +62,20 @@ def output_folder(path: str, morph: bpy.types.Collection) -> Path:
         A path from a .blend file that has not been saved, or a folder that cannot be made or written to.
     """
     if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
-        raise InputError(f"The folder {path} lies beside the .blend file: save that first, or give a whole path.")
+        raise InputError(
+            "The folder {path} lies beside the .blend file: save that first, or give a whole path.", path=path
+        )
     folder = Path(bpy.path.abspath(path)).expanduser().absolute() / bpy.path.clean_name(morph.name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"The folder {folder} cannot be made ({error.strerror}); choose another one.") from error
+        raise InputError(
+            "The folder {folder} cannot be made ({reason}); choose another one.",
+            folder=str(folder),
+            reason=error.strerror,
+        ) from error
     if not os.access(folder, os.W_OK):
-        raise InputError(f"The folder {folder} cannot be written to; choose another one.")
+        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(folder))
     return folder
 
 

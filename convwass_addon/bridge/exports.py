@@ -68,12 +68,16 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
         Blender could not write a file.
     """
     if file_format not in FORMATS:
-        raise InputError(f"There is no export format {file_format!r}; choose one of {', '.join(FORMATS)}.")
+        raise InputError(
+            "There is no export format {file_format!r}; choose one of {formats}.",
+            file_format=file_format,
+            formats=", ".join(FORMATS),
+        )
     chosen = FORMATS[file_format]
     target = checked_target(_with_suffix(path, chosen, collection.name))
     frames = frame_objects(collection)
     if not frames:
-        raise InputError(f"The collection {collection.name} holds no frames of a morph; bake one first.")
+        raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
     bpy.context.view_layer.update()
     if chosen.animated:
         _export_animation(frames, target, chosen)
@@ -168,9 +172,9 @@ def _write(file: Path, chosen: _Format) -> None:
     try:
         finished = "FINISHED" in chosen.write(str(file))
     except RuntimeError as error:
-        raise ConvwassError(f"{file} could not be written: {reason(error)}") from error
+        raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
     if not finished or not file.is_file():
-        raise ConvwassError(f"{file} could not be written.")
+        raise ConvwassError("{file} could not be written.", file=str(file))
 
 
 @contextmanager

@@ -23,11 +23,13 @@ def checked_target(path: Path) -> Path:
     """
     target = Path(path).expanduser().absolute()
     if target.is_dir():
-        raise InputError(f"{target} is a folder; add a file name to it.")
+        raise InputError("{target} is a folder; add a file name to it.", target=str(target))
     if not target.parent.is_dir():
-        raise InputError(f"The folder {target.parent} does not exist; make it first, or choose another one.")
+        raise InputError(
+            "The folder {folder} does not exist; make it first, or choose another one.", folder=str(target.parent)
+        )
     if not os.access(target.parent, os.W_OK):
-        raise InputError(f"The folder {target.parent} cannot be written to; choose another one.")
+        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target.parent))
     return target
 
 
@@ -50,7 +52,7 @@ def save_blend(path: Path) -> Path:
     """
     target = checked_target(path)
     if target.suffix.lower() != ".blend":
-        raise InputError(f"{target.name} does not end in .blend; name it {target.stem}.blend.")
+        raise InputError("{name} does not end in .blend; name it {stem}.blend.", name=target.name, stem=target.stem)
     draft = target.with_name(f".{uuid.uuid4().hex}.blend")
     try:
         bpy.ops.wm.save_as_mainfile(
@@ -58,7 +60,9 @@ def save_blend(path: Path) -> Path:
         )
         os.replace(draft, target)
     except (RuntimeError, OSError) as error:
-        raise ConvwassError(f"{target} could not be written: {str(error).strip()}") from error
+        raise ConvwassError(
+            "{file} could not be written: {reason}", file=str(target), reason=str(error).strip()
+        ) from error
     finally:
         draft.unlink(missing_ok=True)
     return target

@@ -14,6 +14,7 @@ from pathlib import Path
 import bpy
 
 from ..errors import InputError
+from ..sentence import Sentence
 from .objects import frozen_copy
 from .workshop import reason, workshop
 
@@ -79,7 +80,7 @@ def parse_source(text: str) -> Source:
         return Source(Path(text), None)
     path, name = next((split for split in splits if Path(split[0]).is_file()), splits[0])
     if not name:
-        raise InputError(f"{text}: name an object after the colon, or leave the colon out.")
+        raise InputError("{text}: name an object after the colon, or leave the colon out.", text=text)
     return Source(Path(path), name)
 
 
@@ -122,20 +123,26 @@ def _checked_file(path: Path, names: list[str] | None) -> Path:
     file = Path(path).expanduser().absolute()
     suffix = file.suffix.lower()
     if file.is_dir():
-        raise InputError(f"{file} is a folder; name a file in it.")
+        raise InputError("{file} is a folder; name a file in it.", file=str(file))
     if not file.exists():
-        raise InputError(f"{file} does not exist; check the spelling and the folder.")
+        raise InputError("{file} does not exist; check the spelling and the folder.", file=str(file))
     if suffix not in (*READERS, BLEND):
-        raise InputError(f"{file.name} is of an unknown format; these can be read: {' '.join((*READERS, BLEND))}.")
+        raise InputError(
+            "{file} is of an unknown format; these can be read: {formats}.",
+            file=file.name,
+            formats=" ".join((*READERS, BLEND)),
+        )
     if names and suffix != BLEND:
-        raise InputError(f"{file.name}: objects can be named in {BLEND} files only; leave the name out.")
+        raise InputError(
+            "{file}: objects can be named in {suffix} files only; leave the name out.", file=file.name, suffix=BLEND
+        )
     try:
         with file.open("rb") as stream:
             empty = not stream.read(1)
     except OSError as error:
-        raise InputError(f"{file} cannot be opened: {error.strerror}.") from error
+        raise InputError("{file} cannot be opened: {reason}.", file=str(file), reason=error.strerror) from error
     if empty:
-        raise InputError(f"{file.name} is an empty file; export the shape again.")
+        raise InputError("{file} is an empty file; export the shape again.", file=file.name)
     return file
 
 
@@ -144,14 +151,17 @@ def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
     try:
         finished = "FINISHED" in READERS[file.suffix.lower()](str(file))
     except RuntimeError as error:
-        raise InputError(f"{file.name} could not be read; is it damaged? Blender says: {reason(error)}") from error
+        raise InputError(
+            "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)
+        ) from error
     if not finished:
-        raise InputError(f"{file.name} could not be read; it is damaged, or not what its name says.")
+        raise InputError("{file} could not be read; it is damaged, or not what its name says.", file=file.name)
     # An STL of nonsense is read as a mesh of nothing.
     objects = [obj for obj in scene.collection.all_objects if obj.type != "MESH" or obj.data.vertices or obj.modifiers]
     meshes = [obj for obj in objects if obj.type == "MESH"]
     if not meshes:
-        raise InputError(f"{file.name} holds no mesh, {_contents(objects)}; export the shape as a mesh.")
+        kinds = _kinds(file, objects)
+        raise InputError("{file} holds no mesh, only {kinds}; export the shape as a mesh.", file=file.name, kinds=kinds)
     return [_Part(file.stem, meshes)]
 
 
@@ -166,18 +176,30 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
                 wanted.objects = list(chosen)
             listed = _listed(available.objects)
     except OSError as error:
-        raise InputError(f"{file.name} could not be read; it is damaged, or not a file of Blender.") from error
+        raise InputError(
+            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
+        ) from error
     if missing:
-        raise InputError(f"{file.name} has no object {missing[0]!r}; it holds {listed}.")
+        raise InputError(
+            "{file} has no object {name!r}; it holds {listed}.", file=file.name, name=missing[0], listed=listed
+        )
     parts = {name: _Part(name, [obj]) for name, obj in zip(chosen, wanted.objects, strict=True)}
     if names:
         return [parts[name] for name in names]
     meshes = [part for part in parts.values() if part.objects[0].type == "MESH"]
     if not meshes:
-        raise InputError(f"{file.name} holds no mesh, {_contents(wanted.objects)}; convert: Object > Convert > Mesh.")
+        kinds = _kinds(file, wanted.objects)
+        raise InputError(
+            "{file} holds no mesh, only {kinds}; convert: Object > Convert > Mesh.", file=file.name, kinds=kinds
+        )
     if len(meshes) > 1:
         available = _listed([part.name for part in meshes])
-        raise InputError(f"{file.name} holds {len(meshes)} meshes; say which, as {file.name}:NAME, of {available}.")
+        raise InputError(
+            "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+            file=file.name,
+            count=len(meshes),
+            available=available,
+        )
     return meshes
 
 
@@ -222,17 +244,21 @@ def _with_dependencies(objects: list[bpy.types.Object]) -> set[bpy.types.ID]:
     return needed
 
 
-def _contents(objects: list[bpy.types.Object]) -> str:
-    """Say what objects there are."""
+def _kinds(file: Path, objects: list[bpy.types.Object]) -> str:
+    """Say what objects a file holds; raises InputError where there are none."""
     counts = Counter(obj.type.lower().replace("_", " ") for obj in objects)
     if not counts:
-        return "and nothing else that Blender could read"
-    return "only " + ", ".join(f"{kind} ({count})" for kind, count in sorted(counts.items()))
+        raise InputError(
+            "{file} holds no mesh, and nothing else that Blender could read; export the shape as a mesh.",
+            file=file.name,
+        )
+    return ", ".join(f"{kind} ({count})" for kind, count in sorted(counts.items()))
 
 
-def _listed(names: list[str]) -> str:
+def _listed(names: list[str]) -> str | Sentence:
     """Say which names there are, not without end."""
     if not names:
-        return "no objects"
+        return Sentence("no objects")
     more = len(names) - NAMES_SHOWN
-    return ", ".join(sorted(names)[:NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    shown = ", ".join(sorted(names)[:NAMES_SHOWN])
+    return Sentence("{names} and {more} more", {"names": shown, "more": more}) if more > 0 else shown

@@ -14,9 +14,10 @@ from ..applications.frame_cache import FrameCache
 from ..applications.layouts import Blend
 from ..applications.morph import MorphStep, morph
 from ..applications.morph_settings import MorphSettings
-from ..applications.parts import FaceLabels, matched
+from ..applications.parts import FaceLabels, matched, part_notices
 from ..errors import InputError
 from ..geometry.alignment import aligned
+from ..sentence import Sentence
 from .bake import MorphBake
 from .carrying import Carrying
 from .objects import labeled_mesh, triangle_mesh
@@ -138,9 +139,10 @@ class MorphJob:
         return steps if self._carrying is None else self._carrying.looked_up(steps)
 
     @property
-    def notices(self) -> list[str]:
+    def notices(self) -> list[Sentence]:
         """What the user should know about the parts, once frames are finished."""
-        return list(dict.fromkeys(record["notice"] for record in self.records if record.get("notice")))
+        found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
+        return [notice.sentence for notice in found]
 
     def write(self, step: MorphStep) -> None:
         """Put a finished frame into the scene, or a preview until there is one."""

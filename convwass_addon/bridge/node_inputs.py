@@ -69,7 +69,12 @@ def node_input(modifier: bpy.types.NodesModifier, name: str) -> NodeInput:
     found = (item for item in sockets if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name == name)
     socket = next(found, None)
     if socket is None:
-        raise InputError(f"The modifier {modifier.name} of {modifier.id_data.name} has no input {name}; make it anew.")
+        raise InputError(
+            "The modifier {modifier} of {object} has no input {name}; make it anew.",
+            modifier=modifier.name,
+            object=modifier.id_data.name,
+            name=name,
+        )
     where = f'modifiers["{bpy.utils.escape_identifier(modifier.name)}"]'
     if bpy.app.version >= (5, 2):
         owner = getattr(modifier.properties.inputs, socket.identifier)

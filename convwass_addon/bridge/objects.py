@@ -170,7 +170,9 @@ def _evaluated(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterato
     """Give the evaluated object, though it be hidden, and leave the scene as it was."""
     if obj.type != "MESH":
         kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
-        raise InputError(f"{obj.name} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.")
+        raise InputError(
+            "{name} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.", name=obj.name, kind=kind
+        )
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     depsgraph.update()
@@ -196,11 +198,14 @@ def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
     """Return the (4, 4) world matrix, unless it squashes the object."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     if not np.isfinite(matrix).all():
-        raise InputError(f"{evaluated.name}: its location, rotation or scale is not a number (NaN or infinite).")
+        raise InputError(
+            "{name}: its location, rotation or scale is not a number (NaN or infinite).", name=evaluated.name
+        )
     scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
     if scales[-1] <= FLATTENED * scales[0]:
         raise InputError(
-            f"{evaluated.name} has a scale of zero, so it has no volume; give it another scale in Item > Transform."
+            "{name} has a scale of zero, so it has no volume; give it another scale in Item > Transform.",
+            name=evaluated.name,
         )
     return matrix
 
@@ -214,7 +219,9 @@ def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) ->
     try:
         result = TriangleMesh.from_arrays(world, faces)
     except InputError as error:
-        raise InputError(f"{name}: {error} Delete those vertices, or the modifier that makes them.") from error
+        raise InputError(
+            "{name}: {reason} Delete those vertices, or the modifier that makes them.", name=name, reason=error.sentence
+        ) from error
     return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
 
 
@@ -234,8 +241,11 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
         return
     if len(mesh.edges):
         raise InputError(
-            f"{name} has edges but no faces, so it has no volume; give it thickness, for example with a Skin modifier."
+            "{name} has edges but no faces, so it has no volume; give it thickness, for example with a Skin modifier.",
+            name=name,
         )
     if len(mesh.vertices):
-        raise InputError(f"{name} has points but no faces, so it has no volume; choose an object with a surface.")
-    raise InputError(f"{name} is an empty mesh; choose an object with a surface.")
+        raise InputError(
+            "{name} has points but no faces, so it has no volume; choose an object with a surface.", name=name
+        )
+    raise InputError("{name} is an empty mesh; choose an object with a surface.", name=name)

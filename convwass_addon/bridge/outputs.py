@@ -72,5 +72,5 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
         remove_frames(collection)
         bpy.ops.wm.save_mainfile(compress=True)
     except RuntimeError as error:
-        raise ConvwassError(f"{saved} could not be written: {reason(error)}") from error
+        raise ConvwassError("{file} could not be written: {reason}", file=str(saved), reason=reason(error)) from error
     return [saved, *written.files]

@@ -137,7 +137,9 @@ def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a path in their order."""
     frames = frame_objects(collection)
     if len(frames) < 2 or not all(_is_on_path(obj) for obj in frames):
-        raise InputError(f"{collection.name} holds no morph along a path; for a sheet make a blend pad instead.")
+        raise InputError(
+            "{name} holds no morph along a path; for a sheet make a blend pad instead.", name=collection.name
+        )
     return frames
 
 

@@ -40,7 +40,11 @@ def require_none(collection: bpy.types.Collection) -> None:
     """
     found = next((obj for obj in stand_ins(collection) if obj.users_scene), None)
     if found is not None:
-        raise InputError(f"{collection.name} is shown by {found.name} already; duplicate that, or remove it first.")
+        raise InputError(
+            "{name} is shown by {other} already; duplicate that, or remove it first.",
+            name=collection.name,
+            other=found.name,
+        )
 
 
 def remove_stand_ins(collection: bpy.types.Collection) -> None:

@@ -54,7 +54,7 @@ def render_still(
         obj for obj in collection.all_objects if obj.type == "MESH" and obj.data.vertices and not obj.hide_render
     ]
     if not objects:
-        raise InputError(f"{collection.name} shows nothing in renders; go to a frame in which it does.")
+        raise InputError("{name} shows nothing in renders; go to a frame in which it does.", name=collection.name)
     points = [world_points(obj) for obj in objects]
     view = broad_view(points, ELEVATION)
     with Studio() as studio:

@@ -69,12 +69,16 @@ def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
     """
     text = collection.get(MORPH_KEY)
     if text is None:
-        raise InputError(f"The collection {collection.name} is not a morph; choose one that was made by Bake Morph.")
+        raise InputError(
+            "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=collection.name
+        )
     try:
         return _checked(json.loads(text, parse_constant=_no_number))
     except (ValueError, TypeError, KeyError) as error:
         raise InputError(
-            f"The settings stored on {collection.name} are damaged ({error}); bake the morph again from its inputs."
+            "The settings stored on {name} are damaged ({reason}); bake the morph again from its inputs.",
+            name=collection.name,
+            reason=str(error),
         ) from error
 
 
@@ -101,8 +105,10 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     missing = [name for name in dict.fromkeys(names) if name not in bpy.data.objects]
     if missing:
         raise InputError(
-            f"{collection.name} was baked from {', '.join(missing)}, which the file no longer holds under that name; "
-            "rename it back, or select the shapes and bake a new morph."
+            "{name} was baked from {missing}, which the file no longer holds under that name; rename it back, or "
+            "select the shapes and bake a new morph.",
+            name=collection.name,
+            missing=", ".join(missing),
         )
     return [bpy.data.objects[name] for name in names]
 

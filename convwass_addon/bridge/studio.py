@@ -177,9 +177,15 @@ def checked_output(path: str | Path, suffix: str) -> Path:
     """
     path = Path(path).absolute()
     if path.suffix.lower() != suffix:
-        raise InputError(f"{path.name} cannot be written: choose a file name that ends with {suffix}.")
+        raise InputError(
+            "{name} cannot be written: choose a file name that ends with {suffix}.", name=path.name, suffix=suffix
+        )
     if not path.parent.is_dir():
-        raise InputError(f"The folder {path.parent} does not exist; create it, or choose another one for {path.name}.")
+        raise InputError(
+            "The folder {folder} does not exist; create it, or choose another one for {name}.",
+            folder=str(path.parent),
+            name=path.name,
+        )
     return path
 
 
@@ -203,7 +209,7 @@ def run_render(scene: bpy.types.Scene, **options: bool) -> None:
     try:
         bpy.ops.render.render(scene=scene.name, **options)
     except RuntimeError as error:
-        raise ConvwassError(f"Blender could not render the picture: {error}") from error
+        raise ConvwassError("Blender could not render the picture: {reason}", reason=str(error)) from error
     finally:
         bpy.app.handlers.render_cancel.remove(note)
         if in_main_thread:
@@ -221,12 +227,16 @@ def move_result(source: Path, target: Path) -> None:
         Blender has written nothing, or the target cannot be written.
     """
     if not source.is_file():
-        raise ConvwassError(f"Blender's renderer did not write {target.name}; its messages in the console say why.")
+        raise ConvwassError(
+            "Blender's renderer did not write {name}; its messages in the console say why.", name=target.name
+        )
     try:
         shutil.move(source, target)
     except OSError as error:
         raise ConvwassError(
-            f"{target} cannot be written ({error.strerror}); close programs that show it, or choose another folder."
+            "{target} cannot be written ({reason}); close programs that show it, or choose another folder.",
+            target=str(target),
+            reason=error.strerror,
         ) from error
 
 

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 
 import bpy
 
+from ..sentence import Sentence
+
 
 @contextmanager
 def workshop() -> Iterator[bpy.types.Scene]:
@@ -25,9 +27,9 @@ def workshop() -> Iterator[bpy.types.Scene]:
         bpy.data.scenes.remove(scene)
 
 
-def reason(error: Exception) -> str:
+def reason(error: Exception) -> str | Sentence:
     """Return what went wrong from the error of a Blender operator, which may wrap a whole traceback."""
     lines = [line for line in str(error).splitlines() if line.strip() and not line.startswith("Location:")]
     if not lines:
-        return "no reason given"
+        return Sentence("no reason given")
     return (lines[-1] if "Traceback" in str(error) else lines[0]).removeprefix("Error: ").strip()

@@ -180,8 +180,9 @@ def _equal_volume_scales(solids: Sequence[_Solid], names: Sequence[str]) -> list
         if solid.volume <= 0.0:
             name = names[index] if names else f"Shape {index + 1}"
             raise InputError(
-                f"'{name}' encloses no volume, so it cannot be scaled to that of the others. Give it thickness, or set "
-                "the scale to as placed."
+                "'{name}' encloses no volume, so it cannot be scaled to that of the others. Give it thickness, or "
+                "set the scale to as placed.",
+                name=name,
             )
     return [float(np.cbrt(solids[0].volume / solid.volume)) for solid in solids]
 

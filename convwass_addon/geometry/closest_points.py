@@ -95,7 +95,7 @@ class ClosestPointFinder:
         count = min(_NEIGHBORS, len(self._owners))
         distances, samples = self._tree.query(points, count)
         distances, owners = distances.reshape(-1, count), self._owners[samples.reshape(-1, count)]
-        first = _closest_in(self._corners[owners[:, 0]], points)
+        first = closest_in_triangles(self._corners[owners[:, 0]], points)
         # Of neighboring samples many are of the same triangle, and some too far away.
         promising = distances - self._radius < first.distances[:, None]
         promising[:, 0] = False
@@ -133,7 +133,7 @@ class ClosestPointFinder:
         """Measure pairs of a point and a triangle, and keep the best of each point if it is better than what it has."""
         if not len(queries):
             return
-        own = _closest_in(self._corners[triangles], points[queries])
+        own = closest_in_triangles(self._corners[triangles], points[queries])
         order = np.lexsort((own.distances, queries))
         best = order[np.flatnonzero(np.diff(queries[order], prepend=-1))]
         best = best[own.distances[best] < found.distances[start + queries[best]]]
@@ -144,7 +144,7 @@ class ClosestPointFinder:
         found: ClosestPoints,
         places: NDArray[np.int64],
         triangles: NDArray[np.int64],
-        own: _InTriangle,
+        own: InTriangle,
         chosen: NDArray[np.int64] | slice = slice(None),
     ) -> None:
         found.triangles[places] = triangles
@@ -153,7 +153,17 @@ class ClosestPointFinder:
 
 
 @dataclass(frozen=True)
-class _InTriangle:
+class InTriangle:
+    """Closest points of one triangle each.
+
+    Attributes
+    ----------
+    shares : (n, 3) float64
+        Barycentric coordinates: not negative, of sum 1.
+    distances : (n,) float64
+        How far away they are.
+    """
+
     shares: NDArray[np.float64]
     distances: NDArray[np.float64]
 
@@ -200,7 +210,7 @@ def _cut_centers(count: int) -> NDArray[np.float64]:
     return np.stack([1.0 - first - second, first, second], axis=1)
 
 
-def _closest_in(corners: NDArray[np.float64], points: NDArray[np.float64]) -> _InTriangle:
+def closest_in_triangles(corners: NDArray[np.float64], points: NDArray[np.float64]) -> InTriangle:
     """Closest points of one triangle each, (n, 3, 3), to points (n, 3).
 
     That is the foot of the perpendicular where it lies inside, or else the closest point of the three edges.
@@ -231,4 +241,4 @@ def _closest_in(corners: NDArray[np.float64], points: NDArray[np.float64]) -> _I
     np.copyto(best, height, where=inside)
     inner = np.stack([1.0 - at_b - at_c, at_b, at_c], axis=1)
     np.copyto(shares, inner, where=inside[:, None])
-    return _InTriangle(shares, np.sqrt(best))
+    return InTriangle(shares, np.sqrt(best))

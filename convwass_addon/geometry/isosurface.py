@@ -57,7 +57,9 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
     density = as_floats(density)
     if not 0.0 < level < float(density.max()):
         raise InputError(
-            f"No surface at level {level:.4g}: the densities lie between 0 and {float(density.max()):.4g}."
+            "No surface at level {level:.4g}: the densities lie between 0 and {largest:.4g}.",
+            level=level,
+            largest=float(density.max()),
         )
     low, high = bounding_box(density > level)
     # One more cell on every side belongs to the surface's cubes; beyond the grid it is zero.
@@ -159,7 +161,11 @@ class _Ranks:
     def of(cls, density: NDArray[np.floating], volume: float) -> _Ranks:
         positive = density[density > 0]
         if not 0.0 < volume < len(positive):
-            raise InputError(f"A surface cannot enclose {volume:.4g} of the {len(positive)} cells that hold any mass.")
+            raise InputError(
+                "A surface cannot enclose {volume:.4g} of the {cells} cells that hold any mass.",
+                volume=volume,
+                cells=len(positive),
+            )
         positive.sort()
         return cls(np.append(positive[::-1], positive.dtype.type(0.0)))
 

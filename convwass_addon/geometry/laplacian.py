@@ -157,11 +157,11 @@ def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
     vertices = mesh.vertices[used]
     reach = float(np.abs(vertices).max())
     if reach > _LARGEST:
-        raise InputError(f"The mesh is too large to calculate with: its coordinates reach {reach:.3g}.")
+        raise InputError("The mesh is too large to calculate with: its coordinates reach {reach:.3g}.", reach=reach)
     vertices = vertices - 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     scale = float(np.ptp(vertices, axis=0).max())
     if 0 < scale < 1.0 / _LARGEST:
-        raise InputError(f"The mesh is too small to calculate with: it is {scale:.3g} long.")
+        raise InputError("The mesh is too small to calculate with: it is {scale:.3g} long.", scale=scale)
     if scale > 0:
         surface = _UnitSurface(vertices / scale, faces.reshape(-1, 3), used, len(mesh.vertices), scale)
         if _has_area(surface, reach / scale):

@@ -44,7 +44,9 @@ class TriangleMesh:
         if not np.isfinite(points).all():
             bad = int((~np.isfinite(points)).any(axis=1).sum())
             raise InputError(
-                f"{bad} of {len(points)} vertices have coordinates that are not numbers (NaN or infinite)."
+                "{bad} of {count} vertices have coordinates that are not numbers (NaN or infinite).",
+                bad=bad,
+                count=len(points),
             )
         if corners.size and (corners.min() < 0 or corners.max() >= len(points)):
             raise InputError("The triangles refer to vertices that do not exist.")

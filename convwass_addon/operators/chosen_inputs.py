@@ -77,7 +77,7 @@ def split_names(text: str) -> list[str]:
 def _named(name: str) -> bpy.types.Object:
     obj = bpy.data.objects.get(name)
     if obj is None:
-        raise InputError(f"There is no object named {name}; check the names of the inputs.")
+        raise InputError("There is no object named {name}; check the names of the inputs.", name=name)
     return obj
 
 
@@ -85,4 +85,4 @@ def _numbers(text: str) -> list[float]:
     try:
         return [float(word) for word in text.split(",")]
     except ValueError as error:
-        raise InputError(f"Weights are numbers with commas between them, not {text!r}.") from error
+        raise InputError("Weights are numbers with commas between them, not {text!r}.", text=text) from error

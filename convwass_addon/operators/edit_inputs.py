@@ -14,6 +14,8 @@ from ..errors import ConvwassError, InputError
 from ..preferences import preferences
 from ..properties import CONVWASS_PG_input
 from ..solver_presets import apply_preset, is_untouched
+from ..translations import translated
+from .reporting import refuse
 
 ACTIVE = -1
 """Index that stands for the active input."""
@@ -33,7 +35,7 @@ class _EditInputs:
         settings = context.scene.convwass_morph
         index = settings.active_input if self.index == ACTIVE else self.index
         if not 0 <= index < len(settings.inputs):
-            raise InputError(rpt_("There is no input number {:d} on the list").format(index))
+            raise InputError("There is no input number {number} on the list", number=index)
         return index
 
 
@@ -88,8 +90,7 @@ class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):
         try:
             index = self._place(context)
         except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, error)
         settings.inputs.remove(index)
         if settings.active_input >= index:
             settings.active_input = max(settings.active_input - 1, 0)
@@ -114,8 +115,7 @@ class CONVWASS_OT_move_input(_OnList, bpy.types.Operator):
         try:
             index = self._place(context)
         except InputError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, error)
         target = index + (1 if self.direction == "DOWN" else -1)
         if not 0 <= target < len(settings.inputs):
             return {"CANCELLED"}
@@ -178,7 +178,7 @@ def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
     try:
         findings = check_shape(triangle_mesh(item.object, depsgraph))
     except ConvwassError as error:
-        item.verdict, item.finding = "UNUSABLE", str(error).rstrip(".")
+        item.verdict, item.finding = "UNUSABLE", translated(error.sentence).rstrip(".")
         return
     item.verdict, item.finding = findings.worst, "; ".join(_sentences(findings))
 

@@ -16,6 +16,7 @@ from ..bridge.stand_ins import shown_morph
 from ..bridge.stored import MORPH_KEY, stored_inputs, stored_morph, stored_settings
 from ..errors import ConvwassError
 from ..properties import stored_arguments
+from .reporting import refuse
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
@@ -73,8 +74,7 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
         try:
             inputs, stored = stored_inputs(morph), stored_settings(morph)
         except ConvwassError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, error)
         for obj in inputs:
             obj.hide_set(False)
             obj.hide_render = False
@@ -133,8 +133,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
             for name, following in planned(names):
                 bpy.ops.convwass.bake_morph(how, following=following, **_arguments(bpy.data.collections[name]))
         except ConvwassError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, error)
         except RuntimeError as error:
             self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
             return {"CANCELLED"}

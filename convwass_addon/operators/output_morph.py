@@ -16,6 +16,7 @@ from ..bridge.volume_output import as_volume
 from ..errors import ConvwassError
 from ..properties import CACHE_FORMATS, DEFAULT_FOLDER
 from .manage_morph import OnActiveMorph, active_morph, select_only
+from .reporting import refuse
 
 
 class _OutputMorph(OnActiveMorph):
@@ -36,8 +37,7 @@ class _OutputMorph(OnActiveMorph):
         try:
             output = self._written(context, morph)
         except ConvwassError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, error)
         finally:
             manager.progress_end()
         remove_stand_ins(morph)
@@ -53,7 +53,7 @@ class _OutputMorph(OnActiveMorph):
 
 
 class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
-    """Move the active morph to VDB files, shown by a Volume object and a mesh whose level stays editable"""
+    """Move the active morph to VDB files, shown by a Volume object and a mesh whose level and smoothing stay editable"""
 
     bl_idname = "convwass.make_volume"
     bl_label = "Make Volume"

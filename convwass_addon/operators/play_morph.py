@@ -12,6 +12,7 @@ from ..bridge.stand_ins import remove_stand_ins, stand_ins
 from ..bridge.stored import frame_objects
 from ..errors import ConvwassError
 from .manage_morph import OnActiveMorph, active_morph, select_only
+from .reporting import refuse
 
 
 class _OnPlayedMorph(OnActiveMorph):
@@ -27,8 +28,7 @@ class _OnPlayedMorph(OnActiveMorph):
         try:
             shown = self._change(morph)
         except ConvwassError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return refuse(self, error)
         select_only(context, [] if shown is None else [shown])
         return {"FINISHED"}
 

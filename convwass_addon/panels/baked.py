@@ -7,11 +7,11 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..applications.health import TEXTS, HealthNote
 from ..bridge.changes import changed_inputs
 from ..bridge.player import is_player, morph_value, playback
 from ..bridge.stored import WEIGHTS_KEY, stored_health
 from ..operators.manage_morph import active_morph
+from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
 
 _ICONS = {"INFO": "INFO", "WARNING": "ERROR", "ERROR": "CANCEL"}
@@ -76,16 +76,7 @@ class CONVWASS_PT_morph_health(Sidebar, bpy.types.Panel):
             self.layout.label(text="Nothing is known about it", icon="QUESTION")
         for note in notes:
             icon = "CHECKMARK" if note.kind == "GOOD" else _ICONS[note.severity]
-            draw_wrapped(self.layout, context, sentence(note), icon)
-
-
-def sentence(note: HealthNote) -> str:
-    """Return a note in the language of the user interface."""
-    try:
-        return note.filled(iface_(TEXTS[note.kind]))
-    except (KeyError, ValueError, IndexError):
-        # A translation that cannot be filled is no reason to draw nothing.
-        return note.text
+            draw_wrapped(self.layout, context, translated(note.sentence), icon)
 
 
 def _is_animation(morph: bpy.types.Collection) -> bool:

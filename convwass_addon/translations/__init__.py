@@ -5,14 +5,25 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
-from . import french, german
+from ..sentence import Sentence
+from . import french, french_messages, german, german_messages
 
-TABLES: dict[str, dict[str, str]] = {"de_DE": german.TEXTS, "fr_FR": french.TEXTS}
+TABLES: dict[str, dict[str, str]] = {
+    "de_DE": german.TEXTS | german_messages.TEXTS,
+    "fr_FR": french.TEXTS | french_messages.TEXTS,
+}
 """For every language, the translation of every English text."""
 
 # Blender looks for the labels of operators in the second context, and for everything else in the first.
 _CONTEXTS = ("*", "Operator")
+
+
+def translated(sentence: Sentence) -> str:
+    """Return a sentence in the language of the user interface; in English where it has no translation."""
+    values = {name: translated(own) if isinstance(own, Sentence) else own for name, own in sentence.values.items()}
+    return Sentence(sentence.template, values).filled(rpt_(sentence.template))
 
 
 def register() -> None:

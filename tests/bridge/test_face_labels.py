@@ -149,8 +149,9 @@ def test_a_job_says_what_it_left_out(bare_scene, make_object, depsgraph):
     job = job_of(bare_scene, depsgraph, objects, "vertex-groups")
     for step in job.steps(workers=1):
         job.write(step)
-    assert job.notices == [
-        "belly is not on every shape and travels with the rest. bottom is not on every shape and travels with the rest."
+    assert [str(notice) for notice in job.notices] == [
+        "belly is not on every shape and travels with the rest.",
+        "bottom is not on every shape and travels with the rest.",
     ]
     job.discard()
 

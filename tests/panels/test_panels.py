@@ -13,7 +13,6 @@ import pytest
 
 from convwass_addon.applications.health import HealthNote
 from convwass_addon.bridge.stored import store_health
-from convwass_addon.panels.baked import sentence
 from convwass_addon.panels.sidebar import draw_wrapped
 
 from .fake_layout import FakeLayout
@@ -141,11 +140,6 @@ def test_a_baked_morph_shows_its_buttons_and_its_health(baked):
     assert "Less exact than asked for in 2-3, by up to 3.0%" in text
     baked["convwass_health"] = json.dumps([["NOT_CONVERGED", {}]])
     assert ("label", "Nothing is known about it") in draw_all()
-
-
-def test_a_translation_that_cannot_be_filled_leaves_the_english(monkeypatch):
-    monkeypatch.setattr("convwass_addon.panels.baked.iface_", lambda text: "{nonsense}")
-    assert sentence(HealthNote("NOTICE", {"text": "Hello"})) == "Hello"
 
 
 def test_sentences_are_wrapped_to_the_width_and_lose_nothing():

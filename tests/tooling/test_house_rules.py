@@ -35,26 +35,45 @@ BLENDER = {
 }
 
 MAY_IMPORT = {
-    "errors": set(),
-    "transport": {"errors", "geometry"},
-    "geometry": {"errors"},
-    "applications": {"errors", "transport", "geometry"},
-    "bridge": {"errors", "transport", "geometry", "applications"},
-    "properties": {"errors", "applications", "bridge"},
+    "sentence": set(),
+    "errors": {"sentence"},
+    "transport": {"errors", "sentence", "geometry"},
+    "geometry": {"errors", "sentence"},
+    "applications": {"errors", "sentence", "transport", "geometry"},
+    "bridge": {"errors", "sentence", "transport", "geometry", "applications"},
+    "properties": {"errors", "sentence", "applications", "bridge"},
     "presets": set(),
-    "solver_presets": set(),
-    "preferences": {"solver_presets"},
-    "translations": set(),
-    "operators": {"errors", "applications", "bridge", "preferences", "properties", "solver_presets"},
-    "panels": {"errors", "applications", "bridge", "properties", "operators", "solver_presets"},
-    "console": {"errors"},
-    "cli": {"errors", "applications", "bridge", "console"},
-    "__main__": {"cli", "console", "errors"},
+    "solver_presets": {"sentence"},
+    "preferences": {"sentence", "solver_presets"},
+    "translations": {"sentence"},
+    "operators": {
+        "errors",
+        "sentence",
+        "applications",
+        "bridge",
+        "preferences",
+        "properties",
+        "solver_presets",
+        "translations",
+    },
+    "panels": {
+        "errors",
+        "sentence",
+        "applications",
+        "bridge",
+        "properties",
+        "operators",
+        "solver_presets",
+        "translations",
+    },
+    "console": {"errors", "sentence"},
+    "cli": {"errors", "sentence", "applications", "bridge", "console"},
+    "__main__": {"cli", "console", "errors", "sentence"},
     "__init__": {"cli", "operators", "panels", "preferences", "properties", "solver_presets", "translations"},
 }
 """Which rooms of the package each room may import from, besides itself."""
 
-WITHOUT_BLENDER = ("errors", "transport", "geometry", "applications", "console")
+WITHOUT_BLENDER = ("errors", "sentence", "transport", "geometry", "applications", "console")
 
 
 def modules() -> list[str]:

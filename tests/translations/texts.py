@@ -1,16 +1,18 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All English texts of the user interface: those that Blender knows by itself, and those in the source."""
+"""All English texts that users see: those that Blender knows by itself, and those in the source."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import convwass_addon
 from convwass_addon.applications.health import TEXTS
+from convwass_addon.errors import ConvwassError
 
 if TYPE_CHECKING:
     import bpy
@@ -19,6 +21,8 @@ PACKAGE = Path(convwass_addon.__file__).parent
 ROOMS = ("operators", "panels", "bridge")
 
 _TRANSLATORS = {"rpt_", "tip_", "iface_", "poll_message_set"}
+# They make errors and sentences of templates that come from the others.
+_HANDING_ON = {"errors.py", "translations/__init__.py"}
 _ARGUMENTS = {"label": "text", "operator": "text", "prop": "text", "row": "heading", "column": "heading"}
 
 
@@ -59,12 +63,16 @@ def source_texts() -> Iterator[str]:
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.Call):
                     yield from _texts_of_call(node)
-    yield from (text for text in TEXTS.values() if text != "{text}")
+    yield from TEXTS.values()
     yield from (path.stem for path in (PACKAGE / "presets").rglob("*.py"))
 
 
+def _name(call: ast.Call) -> str:
+    return call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+
+
 def _texts_of_call(call: ast.Call) -> Iterator[str]:
-    name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+    name = _name(call)
     if name in _TRANSLATORS and call.args:
         yield from _literal(call.args[0])
     if name == "report" and len(call.args) == 2:
@@ -80,6 +88,68 @@ def _literal(node: ast.expr) -> Iterator[str]:
         yield node.value
 
 
+@dataclass(frozen=True)
+class Message:
+    """Where a sentence is made, or an error whose message is one.
+
+    Attributes
+    ----------
+    call : ast.Call
+        How.
+    templates : list of str
+        Those that it may be made of.
+    is_literal : bool
+        Whether these are all, written out there or in a constant of the same module.
+    """
+
+    call: ast.Call
+    templates: list[str]
+    is_literal: bool
+
+
+def messages() -> Iterator[tuple[str, Message]]:
+    """Yield all of them in all rooms with their places, but for the rooms that hand on what they are given."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        module = path.relative_to(PACKAGE).as_posix()
+        if module not in _HANDING_ON:
+            for line, message in messages_of(path.read_text(encoding="utf-8")):
+                yield f"{module}:{line}", message
+
+
+def messages_of(source: str) -> Iterator[tuple[int, Message]]:
+    """Yield those of one module with their lines."""
+    tree = ast.parse(source)
+    names = {kind.__name__ for kind in (ConvwassError, *_kinds_of(ConvwassError))} | {"Sentence"}
+    constants: dict[str, ast.expr] = {}
+    for node in tree.body:
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            constants |= {target.id: node.value for target in targets if isinstance(target, ast.Name)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and _name(node) in names:
+            choices = _choices(node.args[0], constants) if node.args else []
+            texts = [[*_literal(choice)] for choice in choices]
+            yield node.lineno, Message(node, [text for own in texts for text in own], bool(texts) and all(texts))
+
+
+def _choices(node: ast.expr, constants: dict[str, ast.expr]) -> list[ast.expr]:
+    """Return the expressions of which one becomes the template."""
+    if isinstance(node, ast.IfExp):
+        return [choice for branch in (node.body, node.orelse) for choice in _choices(branch, constants)]
+    if isinstance(node, ast.Name) and node.id in constants:
+        return [constants[node.id]]
+    if isinstance(node, ast.Subscript) and isinstance(table := constants.get(getattr(node.value, "id", "")), ast.Dict):
+        # A key of None stands before a table from elsewhere, which is read there.
+        return [value for key, value in zip(table.keys, table.values, strict=True) if key is not None]
+    return [node]
+
+
+def _kinds_of(error: type[ConvwassError]) -> Iterator[type[ConvwassError]]:
+    for kind in error.__subclasses__():
+        yield from (kind, *_kinds_of(kind))
+
+
 def all_texts() -> set[str]:
     """Return all of them; needs the add-on."""
-    return {text for text in (*registered_texts(), *source_texts()) if text}
+    said = (text for _, message in messages() for text in message.templates)
+    return {text for text in (*registered_texts(), *source_texts(), *said) if text}

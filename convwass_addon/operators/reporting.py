@@ -1,0 +1,16 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How operators tell the user what went wrong."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..errors import ConvwassError
+from ..translations import translated
+
+
+def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
+    """Report an error in the user's language; return what an operator returns that gives up."""
+    operator.report({"ERROR"}, translated(error.sentence))
+    return {"CANCELLED"}
