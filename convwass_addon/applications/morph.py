@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
+from ..sentence import Sentence
 from .blending import MorphFrame, MorphProblem
 from .frame_cache import BakeCache, FrameCache
+from .glance import glance
 from .layouts import Blend
 from .looks import Carried
 from .memory import fitting_beside
@@ -56,7 +58,7 @@ class MorphStep:
     ----------
     fraction : float
         Done share of the whole job.
-    message : str
+    message : Sentence
         What is being done.
     frame : MorphFrame or None
         A frame that has just been finished.
@@ -67,7 +69,7 @@ class MorphStep:
     """
 
     fraction: float
-    message: str
+    message: Sentence
     frame: MorphFrame | None = None
     preview: MorphFrame | None = None
     carried: Carried | None = None
@@ -145,8 +147,10 @@ def morph(
         if missing:
             side_by_side = min(workers or 1, len(missing))
             threads = workers or os.cpu_count() or 1
+            if previews and executor is None:
+                yield from _glanced(shapes, names, _looked_at(missing, looked_at), settings, matching, check)
             problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads)
-            problem = replace(problem, keeps_potentials=store is not None)
+            problem = replace(problem, keeps_potentials=store is not None and store.keeps_potentials)
             most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
             if previews and executor is None and problem.sketch_depth:
                 needed = problem.lattice.memory(shapes, most, matching.count)
@@ -166,7 +170,29 @@ def morph(
             solved = as_solved(pending, check)
         total = sum(map(len, runs))
         for done, frame in enumerate(_in_order(runs, missing, solved, store), start=1):
-            yield MorphStep(begun + (1.0 - begun) * done / total, f"Blend {done} of {total}", frame)
+            fraction = begun + (1.0 - begun) * done / total
+            yield MorphStep(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
+
+
+def _looked_at(runs: dict[int, Run], number: int) -> Blend | None:
+    """Return the blend nearest to one of a number that is no shape as it is, if there is any."""
+    blends = {index * RUN_LENGTH + place: blend for index, run in runs.items() for place, blend in enumerate(run)}
+    mixed = [index for index, blend in blends.items() if blend.source is None]
+    return blends[min(mixed, key=lambda index: abs(index - number))] if mixed else None
+
+
+def _glanced(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    blend: Blend | None,
+    settings: MorphSettings,
+    matching: Matching,
+    check: Callable[[], None] | None,
+) -> Iterator[MorphStep]:
+    """Show one blend at once, more coarsely than the other previews."""
+    seen = None if blend is None else glance(shapes, names, blend, settings, matching, check)
+    if seen is not None:
+        yield MorphStep(0.0, Sentence("First glance"), preview=seen)
 
 
 def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: int) -> list[int]:
@@ -179,7 +205,8 @@ def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: in
 def _previews(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphStep]:
     total = len(runs.sketches)
     for done, frame in enumerate(as_sketched(runs, check), start=1):
-        yield MorphStep(VOXEL_SHARE + _PREVIEW_SHARE * done / total, f"Preview {done} of {total}", preview=frame)
+        message = Sentence("Preview {done} of {total}", {"done": done, "total": total})
+        yield MorphStep(VOXEL_SHARE + _PREVIEW_SHARE * done / total, message, preview=frame)
 
 
 def prepared_problem(
@@ -207,7 +234,7 @@ def sketchable_problem(
     threads: int = 1,
 ) -> Generator[MorphStep, None, MorphProblem]:
     """Do the same, and leave out what only finished blends need."""
-    yield MorphStep(0.0, "Laying out the grid")
+    yield MorphStep(0.0, Sentence("Laying out the grid"))
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
 
     def volumes_of(index: int) -> list[NDArray[np.float32]]:
@@ -219,7 +246,8 @@ def sketchable_problem(
     with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:
         for index, own in enumerate(executor.map(volumes_of, range(len(shapes)))):
             volumes.append(own)
-            yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), f"Voxelized {names[index]}")
+            message = Sentence("Voxelized {name}", {"name": names[index]})
+            yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), message)
     return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings)
 
 

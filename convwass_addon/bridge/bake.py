@@ -87,7 +87,12 @@ class MorphBake:
             A first frame that Blender does not have, or an input without faces; nothing is left behind then.
         """
         if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
-            raise InputError(f"The first frame must be from {FIRST_FRAMES[0]} to {FIRST_FRAMES[1]}, not {first_frame}.")
+            raise InputError(
+                "The first frame must be from {first} to {last}, not {first_frame}.",
+                first=FIRST_FRAMES[0],
+                last=FIRST_FRAMES[1],
+                first_frame=first_frame,
+            )
         shapes = _frozen_inputs(inputs, moves or [None] * len(inputs))
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
@@ -144,7 +149,9 @@ class MorphBake:
         return obj
 
     def preview(self, frame: MorphFrame) -> None:
-        """Show what a frame that is not finished will look like; `add` takes its place, `finish` removes what is left.
+        """Show what a frame that is not finished will look like, better every time.
+
+        `add` takes its place, `finish` removes what is left.
 
         Raises
         ------
@@ -152,7 +159,12 @@ class MorphBake:
             The collection has been removed, by undo for example.
         """
         index = self._blends.index(frame.blend)
-        self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
+        before = self._previews.get(index)
+        obj = None if before is None else before.find()
+        if obj is None:
+            self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
+        elif frame.mesh is not None:
+            write_mesh(obj.data, frame.mesh)
 
     def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
         """Make an object at its place and with its keyframes."""
@@ -214,7 +226,8 @@ class MorphBake:
         numbers = [
             index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
         ]
-        store_health(collection, health(records, self._stored.settings, self._stored.inputs, numbers))
+        figures = [self._finished[index].record for index in sorted(frames)]
+        store_health(collection, health(figures, self._stored.settings, self._stored.inputs, numbers))
         self._drop_unused()
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)

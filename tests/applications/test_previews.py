@@ -310,3 +310,31 @@ def test_a_job_can_be_stopped_among_its_previews(monkeypatch):
     with pytest.raises(Cancelled):
         list(steps)
     assert len(sketched) < 30
+
+
+def test_a_glance_comes_before_everything_else():
+    blends, fine = path_blends(2, 11), MorphSettings(resolution=96)
+    steps = morph(SHAPES[:2], NAMES[:2], blends, fine, previews=True, looked_at=7)
+    first = next(steps)
+    steps.close()
+    assert first.fraction == 0.0
+    assert blends.index(first.preview.blend) == 7
+    share = 7 / 11
+    volume = (1 - share) * SHAPES[0].volume + share * SHAPES[1].volume
+    assert abs(first.preview.mesh.volume) == pytest.approx(volume, rel=0.1)
+
+
+@pytest.mark.parametrize(("looked_at", "expected"), [(0, 1), (11, 10), (5, 5)])
+def test_a_glance_is_at_the_nearest_blend_that_is_not_known_already(looked_at, expected):
+    blends = path_blends(2, 11)
+    steps = morph(SHAPES[:2], NAMES[:2], blends, MorphSettings(resolution=96), previews=True, looked_at=looked_at)
+    assert blends.index(next(steps).preview.blend) == expected
+    steps.close()
+
+
+def test_where_there_is_nothing_to_glance_at_the_morph_just_begins():
+    thin, beside = box((2.0, 0.01, 0.01)), box((2.0, 0.01, 0.01), center=(0, 1, 0))
+    for shapes, resolution in ((SHAPES[:2], 64), ((thin, beside), 96)):
+        steps = morph(shapes, NAMES[:2], path_blends(2, 3), MorphSettings(resolution=resolution), previews=True)
+        assert next(steps).preview is None
+        steps.close()

@@ -15,7 +15,7 @@ from convwass_addon.applications.layouts import path_blends, single_blend
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.bridge import job
 from convwass_addon.bridge.stored import frame_objects, stored_morph
-from convwass_addon.operators import bake_morph
+from convwass_addon.operators import background, bake_morph
 from tests.operators.test_bake_morph import census, morph_collection, two_shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -65,13 +65,13 @@ def context():
 def press(context, monkeypatch):
     """Give a function that starts a bake of the selected shapes and returns the running operator."""
 
-    def start(frames):
+    def start(frames, resolution=32):
         settings = bpy.context.scene.convwass_morph
-        settings.frames, settings.resolution = frames, 32
+        settings.frames, settings.resolution = frames, resolution
         context.selected_objects = bpy.context.selected_objects
         pressed = Pressed()
         with monkeypatch.context() as patch:
-            patch.setattr(bake_morph, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+            patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
             assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
         return pressed
 
@@ -166,7 +166,7 @@ def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, m
     """Each time as many are made as there is time for; here that is one."""
     two_shapes()
     pressed, written = press(3), []
-    monkeypatch.setattr(bake_morph, "_BUSY_SECONDS", -1.0)
+    monkeypatch.setattr(background, "_BUSY_SECONDS", -1.0)
     write = pressed._job.write
     pressed._job.write = lambda step: written.append(step) or write(step)
     while not pressed._background.done:
@@ -182,7 +182,7 @@ def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, m
 def test_stopping_writes_all_that_waits(press, context, monkeypatch):
     two_shapes()
     pressed = press(3)
-    monkeypatch.setattr(bake_morph, "_BUSY_SECONDS", -1.0)
+    monkeypatch.setattr(background, "_BUSY_SECONDS", -1.0)
     while not pressed._background.done:
         time.sleep(0.005)
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
@@ -240,4 +240,22 @@ def test_without_a_bake_there_is_nothing_to_stop():
     [(1.0, 0.5, None), (30.0, 0.1, None), (5.0, 0.5, 5), (5.0, 0.18, 25), (100.0, 0.4, 150), (4.0, 1.0, 0)],
 )
 def test_the_time_that_is_left(passed, fraction, left):
-    assert bake_morph.time_left(passed, fraction) == left
+    assert background.time_left(passed, fraction) == left
+
+
+def test_a_better_preview_takes_the_place_of_a_glance(press, context):
+    """One object per frame, whatever was shown before."""
+    two_shapes()
+    pressed = press(3, resolution=88)
+    previewed, counts = [], set()
+    preview = pressed._job._bake.preview
+
+    def previewing(frame):
+        preview(frame)
+        previewed.append(frame.blend)
+        counts.add((len(morph_collection().objects), len(set(previewed))))
+
+    pressed._job._bake.preview = previewing
+    assert until(pressed, context, lambda: False) == {"FINISHED"}
+    assert len(previewed) == 5
+    assert counts == {(number, number) for number in (1, 2, 3, 4)}
