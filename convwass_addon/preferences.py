@@ -27,9 +27,17 @@ class CONVWASS_AP_preferences(bpy.types.AddonPreferences):
 
     cache_folder: StringProperty(
         name="Cache Folder",
-        description="Keep finished frames here, so that a bake that was stopped goes on and one that is repeated is "
-        "quick; empty keeps none",
+        description="Keep finished frames here for good, with what is needed to share them between machines and to "
+        "make frames between them; empty keeps those of the last bakes in a folder of the extension",
         subtype="DIR_PATH",
+    )
+    spare_megabytes: IntProperty(
+        name="Kept Frames",
+        description="Megabytes of frames that are kept without a cache folder, so that a bake goes on where Blender "
+        "was closed or another file was opened, and one that is repeated is quick; 0 keeps none",
+        default=1000,
+        min=0,
+        soft_max=20_000,
     )
     threads: IntProperty(
         name="Threads",
@@ -49,6 +57,9 @@ class CONVWASS_AP_preferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "cache_folder")
+        row = layout.row()
+        row.active = not self.cache_folder
+        row.prop(self, "spare_megabytes")
         layout.prop(self, "threads")
         layout.prop(self, "default_preset")
 
@@ -60,7 +71,11 @@ class Preferences:
     Attributes
     ----------
     cache_folder : Path or None
-        Where finished frames are kept, absolute.
+        Where finished frames are kept for good, absolute.
+    spare_folder : Path or None
+        Where they are kept otherwise, up to a size; None where none are to be, or where there is no such place.
+    spare_bytes : int
+        That size.
     workers : int or None
         Threads that compute; None for as many as there are processors.
     default_preset : str
@@ -68,6 +83,8 @@ class Preferences:
     """
 
     cache_folder: Path | None = None
+    spare_folder: Path | None = None
+    spare_bytes: int = 0
     workers: int | None = None
     default_preset: str = STANDARD
 
@@ -79,7 +96,16 @@ def preferences(context: bpy.types.Context | None = None) -> Preferences:
         return Preferences()
     own = addon.preferences
     folder = Path(bpy.path.abspath(own.cache_folder)) if own.cache_folder else None
-    return Preferences(folder, own.threads or None, own.default_preset)
+    spare = _own_folder() if own.spare_megabytes and folder is None else None
+    return Preferences(folder, spare, own.spare_megabytes * 1_000_000, own.threads or None, own.default_preset)
+
+
+def _own_folder() -> Path | None:
+    """Return where the extension may write; only what was installed as an extension has such a folder."""
+    try:
+        return Path(bpy.utils.extension_path_user(extension_id(), path="frames"))
+    except ValueError:
+        return None
 
 
 register, unregister = bpy.utils.register_classes_factory((CONVWASS_AP_preferences,))

@@ -8,6 +8,7 @@ import hashlib
 import json
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from ..errors import ConvwassError, InputError
 from ..geometry.mesh import TriangleMesh
+from ..sentence import Sentence
 from .blending import MorphFrame
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
@@ -37,8 +39,10 @@ class FrameCache:
 
     Attributes
     ----------
-    notices : list of str
+    notices : list of Sentence
         What the user should know: files that could not be used.
+    reused : int
+        Frames that have been read instead of being computed.
 
     Raises
     ------
@@ -46,15 +50,23 @@ class FrameCache:
         The folder cannot be made or written to.
     """
 
+    keeps_potentials = True
+    """Whether blends between its frames can be had from them; that takes several times the room."""
+
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder).expanduser().absolute()
-        self.notices: list[str] = []
+        self.notices: list[Sentence] = []
+        self.reused = 0
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"The cache folder {self.folder} cannot be made ({error.strerror}).") from error
+            raise InputError(
+                "The cache folder {folder} cannot be made ({reason}).", folder=str(self.folder), reason=error.strerror
+            ) from error
         if not os.access(self.folder, os.R_OK | os.W_OK | os.X_OK):
-            raise InputError(f"The cache folder {self.folder} cannot be read and written; choose another one.")
+            raise InputError(
+                "The cache folder {folder} cannot be read and written; choose another one.", folder=str(self.folder)
+            )
 
     def of(
         self,
@@ -65,6 +77,69 @@ class FrameCache:
     ) -> BakeCache:
         """Return the part of the cache that belongs to one bake; for the parameters see :func:`.morph.morph`."""
         return BakeCache(self, _bake_digest(shapes, names, labels, settings))
+
+    def missed(self, error: OSError) -> None:
+        """Hear that a frame could not be written.
+
+        Raises
+        ------
+        ConvwassError
+            Always: whoever names a folder wants the frames there.
+        """
+        raise ConvwassError(
+            "A frame could not be written to {folder} ({reason}); make room there, or choose another folder.",
+            folder=str(self.folder),
+            reason=error.strerror or type(error).__name__,
+        ) from error
+
+
+class SpareFrameCache(FrameCache):
+    """A folder of frames for the case that a bake is interrupted, which nobody has asked for.
+
+    It never grows beyond a size for long: the oldest frames are dropped. A bake goes on where it cannot be written to.
+
+    Parameters
+    ----------
+    folder : Path
+        Made where it is missing; everything in it that is a frame belongs to the cache.
+    most_bytes : int
+        How large it may be when a bake begins.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be made or written to.
+    """
+
+    keeps_potentials = False
+
+    def __init__(self, folder: Path, most_bytes: int) -> None:
+        super().__init__(folder)
+        _drop_oldest(self.folder, most_bytes)
+
+    def missed(self, error: OSError) -> None:
+        """Note that a frame could not be written, once."""
+        notice = Sentence(
+            "Frames are not kept in {folder} for the case of an interruption ({reason}).",
+            {"folder": str(self.folder), "reason": error.strerror or type(error).__name__},
+        )
+        if notice not in self.notices:
+            self.notices.append(notice)
+
+
+def _drop_oldest(folder: Path, most_bytes: int) -> None:
+    """Delete the frames that were written first until the others fit; what another program holds open stays."""
+    found = []
+    for path in folder.glob("*.frame"):
+        with suppress(OSError):
+            described = path.lstat()
+            found.append((described.st_mtime, described.st_size, path))
+    room = most_bytes
+    for _, size, path in sorted(found, reverse=True):
+        room -= size
+        if room < 0:
+            with suppress(OSError):
+                path.unlink()
 
 
 class BakeCache:
@@ -81,6 +156,11 @@ class BakeCache:
     def __init__(self, cache: FrameCache, digest: bytes) -> None:
         self._cache = cache
         self._digest = digest
+
+    @property
+    def keeps_potentials(self) -> bool:
+        """Whether frames are to bring their potentials along."""
+        return self._cache.keeps_potentials
 
     def paths(self, run: Sequence[Blend]) -> list[Path]:
         """Return the files of a run's frames, which may or may not be there."""
@@ -104,8 +184,11 @@ class BakeCache:
         for blend, path, key in zip(run, self.paths(run), self._keys(run), strict=True):
             stored = self._read(path, key, blend)
             if stored is None:
-                raise ConvwassError(f"The cache folder {self._cache.folder} lost a frame meanwhile; bake again.")
+                raise ConvwassError(
+                    "The cache folder {folder} lost a frame meanwhile; bake again.", folder=str(self._cache.folder)
+                )
             frames.append(MorphFrame(blend, stored.mesh, stored.record, stored.potentials, stored.origins))
+        self._cache.reused += len(frames)
         return frames
 
     def save(self, run: Sequence[Blend], frames: Sequence[MorphFrame]) -> None:
@@ -122,10 +205,7 @@ class BakeCache:
             except OSError as error:
                 # Windows replaces no file that another machine is reading, which then is the same frame.
                 if self._read(path, key, blend) is None:
-                    raise ConvwassError(
-                        f"A frame could not be written to {self._cache.folder} ({error.strerror}); make room there, or "
-                        "choose another folder."
-                    ) from error
+                    self._cache.missed(error)
 
     def _keys(self, run: Sequence[Blend]) -> list[str]:
         """Name every frame of a run; it depends on the blends before it, from which its solve was started."""
@@ -140,7 +220,11 @@ class BakeCache:
         try:
             stored = read_frame(path, key)
             suiting = all(part.suit(part.inside.shape, blend.weights) for part in stored.potentials)
-            if not suiting or bool(stored.potentials) != (blend.source is None):
+            if blend.source is not None:
+                suiting = not stored.potentials
+            elif self.keeps_potentials:
+                suiting = suiting and bool(stored.potentials)
+            if not suiting:
                 raise DamagedFrameError("its potentials are of another blend")
             if stored.origins is not None and len(stored.origins) != len(blend.weights):
                 raise DamagedFrameError("its origins are of another blend")
@@ -151,7 +235,8 @@ class BakeCache:
             reason = str(error)
         except OSError as error:
             reason = error.strerror or type(error).__name__
-        self._cache.notices.append(f"{path} cannot be used and is made again: {reason}.")
+        values = {"path": str(path), "reason": reason}
+        self._cache.notices.append(Sentence("{path} cannot be used and is made again: {reason}.", values))
         return None
 
 

@@ -87,25 +87,63 @@ def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobod
     assert settings().resolution == 33
 
 
+def two_shapes():
+    bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)
+    bpy.ops.object.select_all(action="SELECT")
+
+
 def with_preferences(**values):
     """A context whose add-on has these preferences."""
-    own = SimpleNamespace(**{"cache_folder": "", "threads": 0, "default_preset": "Standard", **values})
+    usual = {"cache_folder": "", "spare_megabytes": 1000, "threads": 0, "default_preset": "Standard"}
+    own = SimpleNamespace(**{**usual, **values})
     addons = {"convwass_addon": SimpleNamespace(preferences=own)}
     return SimpleNamespace(preferences=SimpleNamespace(addons=addons))
 
 
 def test_preferences_are_read(tmp_path):
     assert preferences.preferences(bpy.context) == Preferences()
-    assert preferences.preferences(with_preferences()) == Preferences(None, None, "Standard")
+    # What is no installed extension has no folder of its own.
+    assert preferences.preferences(with_preferences()) == Preferences(spare_bytes=1_000_000_000)
     read = preferences.preferences(with_preferences(cache_folder=str(tmp_path), threads=3, default_preset="Fine"))
-    assert read == Preferences(tmp_path, 3, "Fine")
+    assert read == Preferences(tmp_path, None, 1_000_000_000, 3, "Fine")
+
+
+def test_an_extension_keeps_frames_in_its_own_folder_unless_told_not_to(monkeypatch, tmp_path):
+    monkeypatch.setattr(bpy.utils, "extension_path_user", lambda name, path: str(tmp_path / name / path))
+    own = tmp_path / "convwass_addon" / "frames"
+    assert preferences.preferences(with_preferences()) == Preferences(None, own, 1_000_000_000)
+    assert preferences.preferences(with_preferences(spare_megabytes=0)).spare_folder is None
+    assert preferences.preferences(with_preferences(cache_folder=str(tmp_path))).spare_folder is None
+
+
+def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monkeypatch, tmp_path, capfd):
+    """Blender was closed, or another file opened: pressing the button again is enough."""
+    spare = Preferences(None, tmp_path / "spare", 1_000_000_000, 1)
+    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: spare)
+    two_shapes()
+    bpy.ops.convwass.bake_morph(inputs="Cube, Sphere", frames=8, resolution=24)
+    for path in sorted((tmp_path / "spare").iterdir(), key=lambda path: path.stat().st_mtime_ns)[-2:]:
+        path.unlink()
+    bpy.ops.convwass.bake_morph(inputs="Cube, Sphere", frames=8, resolution=24)
+    told = [line for line in capfd.readouterr().out.splitlines() if "meshes" in line]
+    assert [line.rpartition(": ")[2] for line in told] == ["9 meshes", "9 meshes, 4 of them finished before"]
+
+
+def test_a_bake_does_without_a_folder_of_its_own_and_says_so(monkeypatch, tmp_path, capfd):
+    (tmp_path / "file").write_text("")
+    spare = Preferences(None, tmp_path / "file", 1_000_000_000, 1)
+    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: spare)
+    two_shapes()
+    assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
+    assert "Warning: The cache folder" in capfd.readouterr().out
 
 
 def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path):
-    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "cache", 1))
-    bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)
-    bpy.ops.object.select_all(action="SELECT")
+    monkeypatch.setattr(
+        "convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "cache", workers=1)
+    )
+    two_shapes()
     assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
     assert len(list((tmp_path / "cache").glob("*.frame"))) == 3
 
@@ -113,9 +151,7 @@ def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path
 def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "file"))
-    bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)
-    bpy.ops.object.select_all(action="SELECT")
+    two_shapes()
     with pytest.raises(RuntimeError, match="cache folder"):
         bpy.ops.convwass.bake_morph(frames=2, resolution=24)
     assert len(bpy.data.collections) == 0
@@ -123,7 +159,7 @@ def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, 
 
 def test_preferences_show_all_that_they_have():
     drawn = []
-    layout = SimpleNamespace(prop=lambda _, name: drawn.append(name))
-    preferences.CONVWASS_AP_preferences.draw(SimpleNamespace(layout=layout), bpy.context)
-    assert drawn == ["cache_folder", "threads", "default_preset"]
+    layout = SimpleNamespace(prop=lambda _, name: drawn.append(name), row=lambda: layout)
+    preferences.CONVWASS_AP_preferences.draw(SimpleNamespace(layout=layout, cache_folder=""), bpy.context)
+    assert drawn == ["cache_folder", "spare_megabytes", "threads", "default_preset"]
     assert preferences._matching_presets(None, None, "f") == ["Draft", "Fine"]
