@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph as a sequence of VDB files, a Volume object that reads them, and a mesh of it whose level can be edited."""
+"""A morph as VDB files: a Volume object reads them, and the level and the smoothing of its mesh can be edited."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def as_volume(
     openvdb = _openvdb()
     frames = frame_objects(collection)
     if not frames:
-        raise InputError(f"The collection {collection.name} holds no frames of a morph; bake one first.")
+        raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
@@ -155,6 +155,9 @@ def _objects(
     modifier.threshold = _LEVEL
     modifier.resolution_mode = "GRID"
     modifier.use_smooth_shade = True
+    # What the solver made is smooth already; to be turned up by hand.
+    smooth = shown.modifiers.new("Smooth", "SMOOTH")
+    smooth.iterations = 0
     for obj in (volume, shown):
         collection.objects.link(obj)
     bpy.context.view_layer.update()

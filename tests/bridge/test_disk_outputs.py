@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import bpy
+import numpy as np
 import pytest
 
 from convwass_addon.applications.blending import MorphFrame
@@ -76,6 +77,17 @@ def test_the_level_of_a_volume_stays_editable(collection, tmp_path):
     assert volumes == sorted(volumes, reverse=True)
     assert volumes[1] == pytest.approx(4 / 3, rel=0.06)
     assert volumes[0] - volumes[2] > 0.1
+
+
+def test_the_smoothing_of_a_volume_stays_editable(collection, tmp_path):
+    shown = as_volume(collection, tmp_path).shown
+    reach = []
+    for rounds in (0, 5, 20):
+        shown.modifiers["Smooth"].iterations = rounds
+        bpy.context.view_layer.update()
+        reach.append(np.ptp(triangle_mesh(shown, bpy.context.evaluated_depsgraph_get()).vertices[:, 2]))
+    # The corners of an octahedron are rounded off.
+    assert reach[0] > reach[1] > reach[2] > 1
 
 
 def test_a_sheet_is_one_volume_of_all(bare_scene, make_object, octahedron, tmp_path):
