@@ -50,7 +50,7 @@ class Barycenter:
     marginal_error : float
         The largest sum of a |v_i H(a w_i) - mu| over the inputs.
     debias_error : float
-        Sum of a |d H(a d) - mu|; 0 without sharpness.
+        Sum of a |d H(a d) - mu| in the last round, whose step of d halves it afterwards; 0 without sharpness.
     mass : float
         Of mu before it was normalized: about 1, or what is left of it where mass may vanish.
     mass_error : float
@@ -59,7 +59,7 @@ class Barycenter:
         Largest |sum_i alpha_i ln v_i - s ln d - (1 - 1 / beta) ln mu| where the density is not negligible; zero in
         exact arithmetic.
     converged : bool
-        Whether both errors fell below the tolerance.
+        Whether the marginal error fell below the tolerance, and the error of d below up to twice that.
     numerics : str
         How the kernel was applied at the finest level: "scaling" or the domain's far_numerics.
     entropy : float
@@ -294,6 +294,7 @@ class _Problem:
                 if state.rim_mass() <= _RIM_SHARE * tolerance:
                     break
                 state.grow(_RIM_CELLS)
+        state.settle()
         return state, iteration
 
 

@@ -138,7 +138,9 @@ def test_barycenters(problem, sharpness, limit):
     assert np.isfinite([found.marginal_error, found.mass_error, found.invariant_error, found.entropy]).all()
     # The error of d is known from the second round on.
     assert np.isfinite(found.debias_error) or found.iterations[-1] == 1
-    assert found.converged == (max(found.marginal_error, found.debias_error) < problem.tolerance)
+    # The last step of d, which a bound of the entropy does not allow, takes off about a half of its error.
+    left = 1.0 if limit is not None else max(0.5, 2.0 * sharpness - 1.0)
+    assert found.converged == (max(found.marginal_error, left * found.debias_error) < problem.tolerance)
     # Beyond 36 sigma the kernel has no entries, and results near the end of float64 may lack their largest term.
     if found.converged and max(problem.grid.shape) <= 36 * problem.grid.sigma:
         last = found.levels[-1]
