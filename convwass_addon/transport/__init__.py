@@ -4,13 +4,14 @@
 
 from .barycenter import Barycenter, barycenter
 from .between import barycenter_beside, barycenter_between
+from .bisection import BisectionStep, bisect, bisection
 from .coordinates import BarycentricCoordinates, NearestBarycenter, barycentric_coordinates, nearest_barycenter
 from .distance import Distance, DistanceMatrix, distance, distance_matrix
 from .domain import Domain, KernelTooNarrowError
 from .geodesic import point_distances
 from .grid import Grid
 from .inputs import Inputs
-from .interpolation import Interpolation, bisect, interpolate
+from .interpolation import Interpolation, interpolate
 from .maps import transport_map
 from .propagation import Propagation, propagate
 from .surface import Surface
@@ -18,6 +19,7 @@ from .surface import Surface
 __all__ = [
     "Barycenter",
     "BarycentricCoordinates",
+    "BisectionStep",
     "Distance",
     "DistanceMatrix",
     "Domain",
@@ -33,6 +35,7 @@ __all__ = [
     "barycenter_between",
     "barycentric_coordinates",
     "bisect",
+    "bisection",
     "distance",
     "distance_matrix",
     "interpolate",

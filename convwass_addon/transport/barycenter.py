@@ -48,7 +48,8 @@ class Barycenter:
     iterations : tuple of int
         Iterations at every level, coarse to fine.
     marginal_error : float
-        The largest sum of a |v_i H(a w_i) - mu| over the inputs.
+        The largest sum of a |v_i H(a w_i) - mu| over the inputs in the last round; the step of d after it may add up to
+        s times the error of d.
     debias_error : float
         Sum of a |d H(a d) - mu| in the last round, whose step of d halves it afterwards; 0 without sharpness.
     mass : float
@@ -254,7 +255,7 @@ class _Problem:
         for depth in range(len(levels), len(self.ladder)):
             level = self.ladder[depth]
             domain = level.domain
-            region = state.finer_region(self.tolerance) if depth else Region.whole(domain.shape)
+            region = state.finer_region(self.tolerance, domain) if depth else Region.whole(domain.shape)
             if before:
                 start = before[depth]
                 if depth:
@@ -263,7 +264,8 @@ class _Problem:
                 start = levels[-1].prolonged(domain, region)
             else:
                 start = Potentials.flat(len(self.alphas), domain.shape)
-            if self.reach is None:
+            # Under a bound the coarser state is that of its weights already, and another one.
+            if self.reach is None and (limit is None or before or not depth):
                 start = start.for_weights(self.alphas, self.sharpness)
             tolerance = self.tolerance * (1.0 if domain is self.aim else _COARSE_TOLERANCE)
             state, count = self._solve(level, limit, start, tolerance)

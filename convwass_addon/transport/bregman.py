@@ -28,12 +28,11 @@ _DEBIAS_STEP = 0.7
 # Share of its last step that ln d goes on by, as a heavy ball does, and how much less of it per lack of sharpness: the
 # errors of sharper barycenters are slower.
 _DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
-# What a step leaves of the error of d, measured: a third to a half.
+# What a step leaves of the error of d, measured: about a half.
 _SETTLED = 0.5
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
 # finer levels, beyond a margin.
 _NEGLIGIBLE_SHARE = 0.3
-_MARGIN = 1
 
 
 @dataclass(frozen=True)
@@ -363,14 +362,13 @@ class BregmanIteration:
         np.maximum(self.log_v, LOG_NOTHING, out=self.log_v)
         return Potentials(self.region, self.log_v, self.log_debias)
 
-    def finer_region(self, tolerance: float) -> Region:
-        """Cells of the next finer grid that its barycenter needs: the coarse one's support, with a margin.
+    def finer_region(self, tolerance: float, finer: Multiscale) -> Region:
+        """Elements of the next finer domain that its barycenter needs: the coarse one's support, with a margin.
 
-        What lies below a third of the tolerance, relative to the maximum, counts as empty. The neighbors of these cells
-        on the coarse grid all belong to the coarse region, so that they can be interpolated.
+        What lies below a third of the tolerance, relative to the maximum, counts as empty.
         """
         support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * tolerance * self.density.max())
-        return Region(support.grown(_MARGIN).inside & self.region.interior).refined()
+        return finer.refined(support, self.region)
 
     def rim_mass(self) -> float:
         """Mass at the elements of a grid's region that have neighbors outside it: what the region may have cut off."""

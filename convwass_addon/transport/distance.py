@@ -189,7 +189,7 @@ def _coarse_to_fine(
     monitor: Monitor | None,
 ) -> tuple[Scalings, int]:
     """Balance pairs on ever finer domains; the scalings of the finest one, and the iterations of all."""
-    coarser = domain.coarser()
+    coarser = None if domain.has_fast_balance else domain.coarser()
     start, before = None, 0
     if coarser is not None:
         loose = max(tolerance, _COARSE_TOLERANCE)

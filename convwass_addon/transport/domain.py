@@ -44,8 +44,16 @@ class Domain(Protocol):
         Where the elements lie, in the units of the maker.
     pieces : None or ndarray of int, `shape`
         The connected piece that every element belongs to; None where the domain is in one piece. Mass cannot cross.
+    dimension : int
+        Of what the distributions live on.
     has_quadratic_cost : bool
         Whether transport by this kernel costs the squared distance at all distances.
+    has_fast_propagation : bool
+        Whether propagation starts from coarser domains, and takes longer steps under a bound of the entropy; measured
+        to take a fraction of the time on meshes.
+    has_fast_balance : bool
+        Whether Sinkhorn's iteration takes so few rounds here that a start from coarser domains has not been measured
+        to help.
     relaxation : float
         Over-relaxation that has been measured to help the plain iterations here; 1 for none.
     far_numerics : str
@@ -58,7 +66,10 @@ class Domain(Protocol):
     unit_length: float
     positions: NDArray[np.float64]
     pieces: NDArray[np.int64] | None
+    dimension: int
     has_quadratic_cost: bool
+    has_fast_propagation: bool
+    has_fast_balance: bool
     relaxation: float
     far_numerics: str
 
@@ -112,6 +123,9 @@ class Multiscale(Domain, Protocol):
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
         """Columns of the coarser domain, interpolated to the elements of a region of this one."""
+
+    def refined(self, support: Region, region: Region) -> Region:
+        """Elements here that a solve needs whose density on the coarser domain has a `support` within a `region`."""
 
 
 def total_mass(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:

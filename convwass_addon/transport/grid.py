@@ -28,6 +28,8 @@ _NARROWEST_COARSE = 1.25
 _AT_ONCE = 1 << 17
 # Where fewer of a box's cells are wanted, each is interpolated by itself.
 _FEW = 0.1
+# Coarser cells around the support of a density whose finer ones are needed too.
+_MARGIN = 1
 
 
 class Grid:
@@ -58,6 +60,8 @@ class Grid:
     """
 
     has_quadratic_cost = True
+    has_fast_propagation = False
+    has_fast_balance = False
     relaxation = 1.5
     far_numerics = "log domain by line"
     pieces = None
@@ -81,6 +85,11 @@ class Grid:
         self.weights = 1.0 / self.cells
         self._of_thread = threading.local()
         self._kernels = {n: _gaussian(n, self.sigma, boundary) for n in set(self.shape)}
+
+    @property
+    def dimension(self) -> int:
+        """How many axes there are."""
+        return len(self.shape)
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -270,6 +279,13 @@ class Grid:
                 values = _double(near, axis)[(slice(None),) * axis + (wanted,)]
             np.take(np.ascontiguousarray(values).reshape(-1), region.index_in_box, out=target)
         return result
+
+    def refined(self, support: Region, region: Region) -> Region:
+        """Return the cells here that a region of the coarser grid stands for, with a margin of one of its cells.
+
+        The neighbors of these cells on the coarser grid all belong to `region`, so that they can be interpolated.
+        """
+        return Region(support.grown(_MARGIN).inside & region.interior).refined()
 
     def _columns(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         return values.reshape(-1, *self.shape)

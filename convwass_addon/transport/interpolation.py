@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacement interpolation: by weighted barycenters of the ends, or by recursive bisection."""
+"""Displacement interpolation by weighted barycenters of the two ends."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from .checks import check_entropy_limit, check_pair, check_sharpness, check_solv
 from .distance import distance
 from .domain import Domain
 from .inputs import Inputs
-from .propagation import Propagation, propagate
 from .sharpening import entropy
 from .sinkhorn import Monitor
 
@@ -37,6 +36,8 @@ class Interpolation:
         Of every frame's solve; 0 for the ends.
     converged : (f,) bool
         Whether the frame's solve has reached the tolerance.
+    raised_limits : (f,) float64
+        Nats by which the bound of the frame's entropy was raised because it did not converge otherwise.
     iterations : tuple of int
         Per frame for weighted barycenters, per level for bisection.
     numerics : str
@@ -48,6 +49,7 @@ class Interpolation:
     entropies: NDArray[np.float64]
     marginal_errors: NDArray[np.float64]
     converged: NDArray[np.bool_]
+    raised_limits: NDArray[np.float64]
     iterations: tuple[int, ...]
     numerics: str
 
@@ -69,7 +71,7 @@ def interpolate(
     The weights are (1 - t, t) where the kernel's cost is quadratic. On meshes the cost of long ways turns linear, with
     which (1 - t, t) would lag near the ends; there the weights are those for which mass that goes the whole distance is
     at t: (c'((1 - t) D), c'(t D)) up to their sum, c' the slope of the cost and D the distance of the ends.
-    :func:`bisect` gets the place of the mass right without a formula, and keeps it sharper.
+    :func:`.bisect` gets the place of the mass right without a formula, and keeps it sharper.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def interpolate(
         gamma is too small for numerics of any kind to get from one distribution to the other.
     """
     ends = check_pair(mu0, mu1, domain)
-    instants = _instants(times)
+    instants = check_times(times)
     check_sharpness(sharpness)
     check_entropy_limit(entropy_limit)
     check_solver(tolerance, max_iterations)
@@ -116,7 +118,7 @@ def interpolate(
             max_iterations=max_iterations,
             monitor=monitor,
         )
-        error = max(before.marginal_error, before.debias_error)
+        error = before.marginal_error
         frames.append(_Frame(before.density, error, before.converged, sum(before.iterations), before.numerics))
     return Interpolation(
         times=instants,
@@ -124,88 +126,9 @@ def interpolate(
         entropies=np.array([entropy(frame.density, domain.weights) for frame in frames]),
         marginal_errors=np.array([frame.error for frame in frames]),
         converged=np.array([frame.converged for frame in frames]),
+        raised_limits=np.zeros(len(frames)),
         iterations=tuple(frame.iterations for frame in frames),
-        numerics=_furthest(frames),
-    )
-
-
-def bisect(
-    mu0: ArrayLike,
-    mu1: ArrayLike,
-    domain: Domain,
-    *,
-    levels: int = 5,
-    times: ArrayLike | None = None,
-    entropy_limit: Literal["max"] | float | None = "max",
-    tolerance: float = 1e-2,
-    max_iterations: int = 500,
-    monitor: Monitor | None = None,
-) -> Interpolation:
-    """Interpolate by recursive bisection: every new frame is the midpoint of its two neighbors.
-
-    Only equal weights are used, and every hop is half as long as the one before, so that the mass is where transport
-    puts it although the cost of a mesh's kernel turns linear far away. All midpoints of a level are solved together.
-
-    Parameters
-    ----------
-    mu0, mu1 : domain.shape
-        Densities, not negative; each is normalized to mass 1.
-    domain : Domain
-        Owns the area weights and the heat kernel.
-    levels : int
-        Frames at the multiples of 1 / 2^levels.
-    times : (f,), optional
-        Other times to return instead, in [0, 1]; each is a barycenter of the two frames next to it.
-    entropy_limit : "max", None or float
-        Bound for the entropy of every new frame in nats; "max" takes the larger of its two neighbors', without which
-        the blur of every level would add up.
-    tolerance, max_iterations, monitor
-        As in :func:`propagate`.
-
-    Returns
-    -------
-    Interpolation
-        In the order of `times`, or of time.
-
-    Raises
-    ------
-    ValueError
-        Distributions or parameters that make no sense; the message names the argument.
-    KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to the other.
-
-    Notes
-    -----
-    A bound makes one bump of what the blur of a level joins: distributions of several peaks need a gamma that keeps the
-    peaks apart, or no bound. Where two ways are equally long, frames may not converge, and say so.
-    """
-    ends = check_pair(mu0, mu1, domain)
-    check_entropy_limit(entropy_limit)
-    check_solver(tolerance, max_iterations)
-    if levels < 1 or levels != int(levels):
-        raise ValueError(f"levels must be a positive whole number, got {levels}")
-    wanted = None if times is None else _instants(times)
-    solver = _Midpoints(domain, entropy_limit, tolerance, max_iterations, monitor)
-    path = _Path(np.array([0.0, 1.0]), ends, np.zeros(2), np.ones(2, bool))
-    solves: list[Propagation] = []
-    for _ in range(levels):
-        middles = 0.5 * (path.times[:-1] + path.times[1:])
-        path, solved = solver.inserted(path, middles)
-        solves.append(solved)
-    if wanted is not None:
-        missing = np.setdiff1d(wanted, path.times)
-        if len(missing):
-            path, solved = solver.inserted(path, missing)
-            solves.append(solved)
-        path = path.selected(np.searchsorted(path.times, wanted))
-    return Interpolation(
-        times=path.times,
-        densities=path.densities,
-        entropies=np.array([entropy(mu, domain.weights) for mu in path.densities]),
-        marginal_errors=path.errors,
-        converged=path.converged,
-        iterations=tuple(solved.iterations for solved in solves),
-        numerics=_furthest(solves),
+        numerics=furthest_numerics([frame.numerics for frame in frames]),
     )
 
 
@@ -218,64 +141,6 @@ class _Frame:
     converged: bool
     iterations: int
     numerics: str
-
-
-@dataclass(frozen=True)
-class _Path:
-    """Frames in the order of time."""
-
-    times: NDArray[np.float64]
-    densities: NDArray[np.float64]
-    errors: NDArray[np.float64]
-    converged: NDArray[np.bool_]
-
-    def selected(self, order: NDArray[np.int64]) -> _Path:
-        return _Path(self.times[order], self.densities[order], self.errors[order], self.converged[order])
-
-
-@dataclass(frozen=True)
-class _Midpoints:
-    """What stays the same from level to level."""
-
-    domain: Domain
-    entropy_limit: Literal["max"] | float | None
-    tolerance: float
-    max_iterations: int
-    monitor: Monitor | None
-
-    def inserted(self, path: _Path, times: NDArray[np.float64]) -> tuple[_Path, Propagation]:
-        """Put frames between their neighbors in time, all of them in one propagation over separate parts of a graph.
-
-        Frames at `times` are vertices count, count + 1, ... after the known ones.
-        """
-        known = len(path.times)
-        right = np.searchsorted(path.times, times)
-        share = (times - path.times[right - 1]) / (path.times[right] - path.times[right - 1])
-        new = known + np.arange(len(times))
-        edges = np.concatenate([np.stack([right - 1, new], 1), np.stack([new, right], 1)])
-        solved = propagate(
-            edges,
-            np.concatenate([1.0 - share, share]),
-            dict(enumerate(path.densities)),
-            self.domain,
-            entropy_limit=self._limits(path, right),
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            monitor=self.monitor,
-        )
-        whole = _Path(
-            np.concatenate([path.times, times]),
-            solved.densities,
-            np.concatenate([path.errors, solved.marginal_errors[known:]]),
-            np.concatenate([path.converged, solved.converged[known:]]),
-        )
-        return whole.selected(np.argsort(whole.times)), solved
-
-    def _limits(self, path: _Path, right: NDArray[np.int64]) -> NDArray[np.float64] | float | None:
-        if self.entropy_limit != "max":
-            return self.entropy_limit
-        entropies = np.array([entropy(mu, self.domain.weights) for mu in path.densities])
-        return np.concatenate([entropies, np.maximum(entropies[right - 1], entropies[right])])
 
 
 def _shares(
@@ -295,12 +160,19 @@ def _shares(
     return done / (done + left)
 
 
-def _furthest(solves: Sequence[_Frame | Propagation]) -> str:
-    """Numerics of the first solve that needed other than scalings."""
-    return next((solved.numerics for solved in solves if solved.numerics != "scaling"), "scaling")
+def furthest_numerics(numerics: Sequence[str]) -> str:
+    """Return the first numerics that are other than scalings."""
+    return next((name for name in numerics if name != "scaling"), "scaling")
 
 
-def _instants(times: ArrayLike) -> NDArray[np.float64]:
+def check_times(times: ArrayLike) -> NDArray[np.float64]:
+    """Return times as float64, (f,).
+
+    Raises
+    ------
+    ValueError
+        No list of numbers, or some outside of [0, 1].
+    """
     instants = np.asarray(times, dtype=np.float64)
     if instants.ndim != 1 or not len(instants):
         raise ValueError(f"times must be a list of numbers, got shape {instants.shape}")

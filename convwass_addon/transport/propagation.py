@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .checks import check_distribution, check_distributions, check_solver
-from .domain import LOG_NOTHING, RELEVANT, Domain
+from .domain import Domain
 from .graph import PropagationGraph
-from .pieces import PieceMasses
-from .relaxation import AdaptiveRelaxation
-from .sharpening import BOUNDED_STEP, entropy, sharpening_exponent
-from .sinkhorn import KernelInLogarithms, Monitor, log_density, marginal_errors
+from .propagation_sweeps import PropagationIteration
+from .sharpening import entropy
+from .sinkhorn import Monitor
+
+# Sweeps after which bounds are raised where that is allowed. What converges at all takes ten to thirty on meshes.
+_PATIENCE = 60
 
 
 @dataclass(frozen=True)
@@ -29,13 +31,17 @@ class Propagation:
     densities : (m, *shape) float64
         One per vertex, mass 1; the given ones where they were given.
     iterations : int
-        Sweeps over the graph of the part that took longest.
+        Sweeps over the graph of the part that took longest, on the domain itself.
+    coarse_iterations : tuple of int
+        The same on coarser domains, coarse to fine, where it was solved on such first.
     marginal_errors : (m,) float64
         At every vertex the largest sum of a |s H(a s') - mu| over the plans that meet there.
     converged : (m,) bool
         Whether the part of the graph that the vertex belongs to has reached the tolerance.
     entropies : (m,) float64
         In nats.
+    entropy_limits : (m,) float64
+        The bounds in nats, infinite for none; where `relief` was given, as they were in the end.
     numerics : str
         "scaling" or the domain's far_numerics.
     log_scalings : (2 e, *shape) float64
@@ -44,9 +50,11 @@ class Propagation:
 
     densities: NDArray[np.float64]
     iterations: int
+    coarse_iterations: tuple[int, ...]
     marginal_errors: NDArray[np.float64]
     converged: NDArray[np.bool_]
     entropies: NDArray[np.float64]
+    entropy_limits: NDArray[np.float64]
     numerics: str
     log_scalings: NDArray[np.float64]
 
@@ -64,6 +72,7 @@ def propagate(
     *,
     size: int | None = None,
     entropy_limit: Literal["max"] | ArrayLike | None = None,
+    relief: float = 0.0,
     initial: Propagation | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
@@ -88,8 +97,12 @@ def propagate(
     entropy_limit : None, "max", float or (size,)
         Upper bound of the entropies of the free vertices in nats (Algorithm 3); "max" takes the largest of the given
         distributions; an array holds one bound per vertex.
+    relief : float
+        Nats by which the bounds are raised, once, in parts of the graph that have not converged after 60 sweeps. A
+        tight bound may jump between two solutions for ever; a part that has not converged 60 sweeps later is left.
     initial : Propagation, optional
-        A solution for the same graph and similar distributions, to start from.
+        A solution for the same graph and similar distributions, to start from. Without one, where the domain asks for
+        it, coarser domains give the start.
     tolerance : float
         Largest marginal error at the end.
     max_iterations : int
@@ -120,22 +133,21 @@ def propagate(
     given = np.stack([check_distribution(fixed[v], domain, f"fixed[{v}]") for v in vertices])
     given = check_distributions(given, domain, "fixed")
     limits = _limits(entropy_limit, given, graph, domain)
+    if not (np.isfinite(relief) and relief >= 0):
+        raise ValueError(f"relief must be zero or a positive number, got {relief}")
     start = None if initial is None else initial.log_scalings
     if start is not None and start.shape != (len(graph.vertex_of_end), *domain.shape):
         raise ValueError("initial must be a solution for the same graph on the same domain")
-    state = PropagationIteration(domain, graph, dict(zip(vertices, given, strict=True)), limits, start)
-    for iteration in range(1, max_iterations + 1):
-        state.sweep(tolerance)
-        if monitor is not None:
-            monitor(given[0].size, iteration, state.error)
-        if state.error < tolerance:
-            break
+    problem = _Problem(graph, vertices, relief, tolerance, max_iterations, monitor)
+    state, counts = problem.solved(domain, given, limits, start)
     return Propagation(
         densities=state.densities,
-        iterations=iteration,
+        iterations=counts[-1],
+        coarse_iterations=tuple(counts[:-1]),
         marginal_errors=state.errors,
         converged=state.vertex_errors() < tolerance,
         entropies=np.array([entropy(mu, domain.weights) for mu in state.densities]),
+        entropy_limits=state.limits,
         numerics=state.kernel.numerics,
         log_scalings=state.log_scalings,
     )
@@ -160,133 +172,38 @@ def _limits(
     return np.broadcast_to(limits, graph.size)
 
 
-class PropagationIteration:
-    """Sweeps over a graph, a color at a time; parts of the graph that have converged take no further part.
+@dataclass(frozen=True)
+class _Problem:
+    """What stays the same from level to level."""
 
-    The scalings of a free vertex satisfy prod_e s_e^(alpha_e / omega) = 1 after every update of Algorithm 4, so its
-    distribution is prod_e H(a s'_e)^(alpha_e / omega) with s' at the other ends, and the new scalings are
-    s_e = mu / H(a s'_e): nothing accumulates.
+    graph: PropagationGraph
+    vertices: list[int]
+    relief: float
+    tolerance: float
+    max_iterations: int
+    monitor: Monitor | None
 
-    Parameters
-    ----------
-    domain : Domain
-        Where the distributions live.
-    graph : PropagationGraph
-        Its fixed vertices are those of `given`.
-    given : dict from vertex to density of mass 1
-        The fixed distributions.
-    limits : (graph.size,) float64
-        Entropy bounds of the free vertices, infinite for none.
-    log_scalings : (2 e, *shape) float64, optional
-        Where to start from; scalings of one otherwise.
-    """
-
-    def __init__(
+    def solved(
         self,
         domain: Domain,
-        graph: PropagationGraph,
-        given: dict[int, NDArray[np.float64]],
+        given: NDArray[np.float64],
         limits: NDArray[np.float64],
-        log_scalings: NDArray[np.float64] | None = None,
-    ) -> None:
-        self.domain = domain
-        self.graph = graph
-        self.limits = limits
-        self.kernel = KernelInLogarithms(domain)
-        self.densities = np.ones((graph.size, *domain.shape))
-        for vertex, density in given.items():
-            self.densities[vertex] = density
-        self._pieces = PieceMasses.of(next(iter(given.values())), domain)
-        self._log_given = {vertex: log_density(density) for vertex, density in given.items()}
-        ends = len(graph.vertex_of_end)
-        self.log_scalings = np.zeros((ends, *domain.shape)) if log_scalings is None else log_scalings.copy()
-        self.errors = np.where(graph.fixed, 0.0, np.inf)
-        self._part_errors = np.full(graph.parts.max(initial=-1) + 1, np.inf)
-        self._relaxation = AdaptiveRelaxation(len(self._part_errors))
-
-    @property
-    def error(self) -> float:
-        """The largest error of all vertices."""
-        return float(self._part_errors.max(initial=0.0))
-
-    def vertex_errors(self) -> NDArray[np.float64]:
-        """Return the largest error of the part that every vertex belongs to; zero at fixed vertices."""
-        if not len(self._part_errors):
-            return np.zeros(self.graph.size)
-        return np.where(self.graph.fixed, 0.0, self._part_errors[self.graph.parts])
-
-    def sweep(self, tolerance: float) -> None:
-        """Update the scalings at every vertex once, except in parts whose error is below `tolerance`."""
-        live = ~(self._part_errors < tolerance)
-        found = np.zeros_like(self._part_errors)
-        for color in self.graph.colors:
-            ends = [self.graph.ends_at[vertex] for vertex in color]
-            ends = [e[live[self.graph.part_of_end[e]]] for e in ends]
-            if sum(map(len, ends)):
-                self._update(color, ends, found)
-        self._part_errors[live] = found[live]
-        self._relaxation.learn(found, live)
-
-    def _update(self, vertices: NDArray[np.int64], ends: list[NDArray[np.int64]], found: NDArray[np.float64]) -> None:
-        """Update the scalings of the `ends` at every one of `vertices`, which no edge joins."""
-        every = np.concatenate(ends)
-        is_given = self.graph.fixed[self.graph.vertex_of_end[every]]
-        needed = is_given.reshape(-1, *[1] * len(self.domain.shape)) & (
-            self.densities[self.graph.vertex_of_end[every]] > 0
-        )
-        across = self.kernel.apply(self.log_scalings[every ^ 1], needed)
-        start = 0
-        for vertex, own in zip(vertices, ends, strict=True):
-            if not len(own):
-                continue
-            log_hs = across[start : start + len(own)]
-            start += len(own)
-            if self.graph.fixed[vertex]:
-                log_mu, share = self._log_given[vertex], 1.0
-            else:
-                log_mu, share = self._estimate(vertex, own, log_hs)
-            errors = marginal_errors(
-                self.log_scalings[own] + log_hs,
-                np.broadcast_to(self.densities[vertex], log_hs.shape),
-                self.domain.weights,
-            )
-            self.errors[vertex] = errors.max()
-            np.maximum.at(found, self.graph.part_of_end[own], errors)
-            factors = share * self._relaxation.factors[self.graph.part_of_end[own]]
-            self._move(own, log_mu, log_mu - log_hs, factors)
-
-    def _move(
-        self,
-        ends: NDArray[np.int64],
-        log_mu: NDArray[np.float64],
-        full: NDArray[np.float64],
-        factors: NDArray[np.float64],
-    ) -> None:
-        """Move scalings toward `full` by the factor of each; all the way from where there was nothing."""
-        before = self.log_scalings[ends]
-        steps = factors.reshape(-1, *[1] * (full.ndim - 1)) * (full - before)
-        moved = np.where(before <= LOG_NOTHING / 2, full, before + steps)
-        self.log_scalings[ends] = np.where(log_mu > log_mu.max() - RELEVANT, moved, LOG_NOTHING)
-
-    def _estimate(
-        self, vertex: int, own: NDArray[np.int64], log_hs: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], float]:
-        """Return ln mu at a free vertex, and the share of the step that its scalings may take."""
-        weights = self.graph.weight_of_end[own]
-        log_mu = np.tensordot(weights / weights.sum(), log_hs, 1)
-        exponent = 1.0
-        if self._pieces is not None:
-            log_mu = self._pieces.balanced(log_mu, self.domain.weights)
-        if np.isfinite(self.limits[vertex]):
-            exponent = sharpening_exponent(log_mu, self.limits[vertex], self.domain.weights, self._pieces)
-            log_mu *= exponent
-            if self._pieces is not None:
-                log_mu = self._pieces.balanced(log_mu, self.domain.weights)
-        top = float(log_mu.max())
-        density = np.exp(log_mu - top)
-        mass = float((density * self.domain.weights).sum())
-        self.densities[vertex] = density / mass
-        if not np.isfinite(self.limits[vertex]):
-            return log_mu, 1.0
-        # The exponent would raise a mass other than 1 to its power in every sweep.
-        return log_mu - (top + np.log(mass)), BOUNDED_STEP / exponent
+        start: NDArray[np.float64] | None,
+    ) -> tuple[PropagationIteration, tuple[int, ...]]:
+        """Solve it, from coarser domains where there is no start and the domain asks for it; and count the sweeps."""
+        counts: tuple[int, ...] = ()
+        if start is None and domain.has_fast_propagation and (coarser := domain.coarser()) is not None:
+            coarse, counts = self.solved(coarser, domain.restrict(given), limits, None)
+            start = coarse.lifted(domain)
+            limits = coarse.limits
+        state = PropagationIteration(domain, self.graph, dict(zip(self.vertices, given, strict=True)), limits, start)
+        sweeps = min(self.max_iterations, 2 * _PATIENCE) if self.relief else self.max_iterations
+        for iteration in range(1, sweeps + 1):
+            state.sweep(self.tolerance)
+            if self.monitor is not None:
+                self.monitor(given[0].size, iteration, state.error)
+            if state.error < self.tolerance:
+                break
+            if self.relief and iteration == _PATIENCE:
+                state.relieve(self.relief, self.tolerance)
+        return state, (*counts, iteration)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .pieces import PieceMasses
 
@@ -57,6 +57,26 @@ def entropy(density: NDArray[np.float64], weights: float | NDArray[np.float64]) 
     mass = density * weights
     positive = density > 0
     return -float((mass[positive] * np.log(density[positive])).sum())
+
+
+def entropy_between(entropies: ArrayLike, weights: ArrayLike, dimension: int) -> NDArray[np.float64] | np.float64:
+    """Entropy on the way between distributions: the sizes of what is spread evenly go from one to the other.
+
+    The even distribution on a ball of radius r in d dimensions has the entropy d ln r and a constant; that of a ball
+    that grows steadily is d ln(sum_i weights_i e^(H_i / d)).
+
+    Parameters
+    ----------
+    entropies : (k, ...)
+        In nats.
+    weights : (k, ...)
+        Not negative, of sum one over the first axis.
+    dimension : int
+        Of the domain.
+    """
+    own = np.asarray(entropies, dtype=np.float64)
+    top = own.max(axis=0)
+    return top + dimension * np.log((np.asarray(weights) * np.exp((own - top) / dimension)).sum(axis=0))
 
 
 def sharpening_exponent(

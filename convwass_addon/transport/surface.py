@@ -13,19 +13,23 @@ from scipy.sparse import diags_array
 
 from ..geometry.edges import vertex_components
 from ..geometry.factorization import factorize
-from ..geometry.laplacian import Laplacian, laplacian
 from ..geometry.mesh import TriangleMesh
 from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
 from .matern import cost_slope, kernel_distance, squared_distance
+from .mesh_levels import MeshLevel
 from .region import Region, through_whole_arrays
 
 # Below this gamma the blur of a large shape is finer than an artist would ask for, and long distances suffer.
 _SMALLEST_DEFAULT_GAMMA = 0.01
 # The kernel of the default number of steps is right up to distances of about gamma over the mean edge length.
 _GAMMA_PER_EDGE_LENGTH = 0.7
+# On coarser meshes, which only give a start, it may be narrower.
+_COARSE_GAMMA_PER_EDGE_LENGTH = 0.2
 # A dense kernel of 2500 vertices takes 50 MB; its rows are handled in blocks of this many values.
 _DENSE_VERTICES = 2500
 _BLOCK = 1 << 22
+# Columns that are solved at once: CHOLMOD handles four in one pass over the factor, and more only take memory.
+_COLUMNS = 4
 
 
 class Surface:
@@ -73,27 +77,34 @@ class Surface:
         `gamma` is not a positive number or `steps` not a positive whole number.
     """
 
+    dimension = 2
     has_quadratic_cost = False
+    has_fast_propagation = True
+    has_fast_balance = True
     relaxation = 1.0
     far_numerics = "dense log domain"
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, gamma: float | None = None, steps: int = 10) -> None:
-        mesh = TriangleMesh.from_arrays(vertices, faces)
-        self._build(mesh, laplacian(mesh), gamma, steps)
+        self._build(MeshLevel.of(TriangleMesh.from_arrays(vertices, faces)), gamma, steps)
 
     def with_kernel(self, gamma: float | None = None, steps: int = 10) -> Surface:
-        """Return the same mesh with another kernel; the Laplacian is shared."""
-        other = object.__new__(Surface)
-        other._build(self.mesh, self.laplacian, gamma, steps)
-        return other
+        """Return the same mesh with another kernel; the Laplacian and the coarser meshes are shared."""
+        return self._on(self._level, gamma, steps)
 
-    def _build(self, mesh: TriangleMesh, stiffness: Laplacian, gamma: float | None, steps: int) -> None:
-        self.mesh = mesh
-        self.laplacian = stiffness
-        self.shape = (len(mesh.vertices),)
+    @classmethod
+    def _on(cls, level: MeshLevel, gamma: float | None, steps: int) -> Surface:
+        surface = object.__new__(cls)
+        surface._build(level, gamma, steps)
+        return surface
+
+    def _build(self, level: MeshLevel, gamma: float | None, steps: int) -> None:
+        self._level = level
+        self.mesh = level.mesh
+        self.laplacian = stiffness = level.laplacian
+        self.shape = (len(self.mesh.vertices),)
         self.area = float(stiffness.areas.sum())
         self.unit_length = float(np.sqrt(self.area))
-        self.mean_edge_length = _mean_edge_length(mesh) / self.unit_length
+        self.mean_edge_length = level.mean_edge_length / self.unit_length
         if gamma is None:
             gamma = max(_SMALLEST_DEFAULT_GAMMA, _GAMMA_PER_EDGE_LENGTH * self.mean_edge_length)
         self.gamma = float(gamma)
@@ -207,8 +218,40 @@ class Surface:
         """Slope, by the distance in units of the domain, of what transport by these Euler steps costs."""
         return cost_slope(distance, self.gamma, self.steps)
 
-    def coarser(self) -> None:
-        """Return None: on meshes a cold solve takes so few iterations that a coarser mesh would not pay."""
+    def coarser(self) -> Surface | None:
+        """Return the same surface with fewer vertices; None where that would be no gain, or no surface any more.
+
+        The kernel is the same where the coarser mesh can carry it, otherwise wider (:attr:`fall_of_gamma`).
+        """
+        return self._coarser
+
+    @cached_property
+    def _coarser(self) -> Surface | None:
+        way = self._level.coarser
+        if way is None:
+            return None
+        # Potentials of another kernel are a worse start than those of one that the mesh is rather coarse for, but
+        # heat has to get from vertex to vertex.
+        edge_length = way.level.mean_edge_length / self.unit_length
+        narrowest = min(_COARSE_GAMMA_PER_EDGE_LENGTH, self.gamma / self.mean_edge_length) * edge_length
+        return self._on(way.level, max(self.gamma, narrowest), self.steps)
+
+    @property
+    def fall_of_gamma(self) -> float:
+        """How many times larger gamma is on the coarser mesh."""
+        return self.coarser().gamma / self.gamma
+
+    def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Densities on the coarser mesh, (k, c): the means over clusters of vertices, which keep the mass."""
+        return self._level.coarser.restrict(columns, self.laplacian.areas)
+
+    def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
+        """Interpolate columns of the coarser mesh, (k, c), linearly to a region of this one, (k, len)."""
+        return self._level.coarser.prolong(columns, None if region.is_whole else region.index)
+
+    def refined(self, support: Region, region: Region) -> Region:
+        """Return all of the mesh: it is solved as a whole."""
+        return Region.whole(self.shape)
 
     @cached_property
     def _log_kernel(self) -> NDArray[np.float64]:
@@ -224,9 +267,13 @@ class Surface:
         return 0.5 * (kernel + kernel.T) - HEADROOM
 
     def _diffused(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        for _ in range(self.steps):
-            columns = self._factor.solve(columns * self._area_weights)
-        return columns
+        result = np.empty_like(columns)
+        for start in range(0, len(columns), _COLUMNS):
+            some = columns[start : start + _COLUMNS]
+            for _ in range(self.steps):
+                some = self._factor.solve(some * self._area_weights)
+            result[start : start + _COLUMNS] = some
+        return result
 
 
 def _log_sums(logs: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -237,9 +284,3 @@ def _log_sums(logs: NDArray[np.float64]) -> NDArray[np.float64]:
     sums = logs.sum(axis=1)
     floored_log(sums, top[:, 0])
     return sums
-
-
-def _mean_edge_length(mesh: TriangleMesh) -> float:
-    edges = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
-    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)
-    return float(lengths.mean())

@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A ladder of ever coarser meshes of one surface, made when asked for and shared by all kernels on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry.coarsening import Coarsening, coarsened
+from ..geometry.laplacian import Laplacian, laplacian
+from ..geometry.mesh import TriangleMesh
+
+# Smaller meshes are solved as fast as coarser ones of them are made.
+_FEWEST_VERTICES = 8000
+# The share of the vertices that the next coarser mesh has.
+_SHARE = 0.25
+
+
+@dataclass(frozen=True)
+class MeshLevel:
+    """One mesh of the ladder.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        The mesh.
+    laplacian : Laplacian
+        Its stiffness; its areas are those of the finest mesh, so that lengths are the same on all levels, and heat
+        spreads over a crumpled surface as slowly as its area says.
+    """
+
+    mesh: TriangleMesh
+    laplacian: Laplacian
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh) -> MeshLevel:
+        """Calculate the Laplacian of a mesh.
+
+        Raises
+        ------
+        InputError
+            The mesh has no area, or its size is beyond what can be calculated with.
+        """
+        return cls(mesh, laplacian(mesh))
+
+    @cached_property
+    def mean_edge_length(self) -> float:
+        """In units of the vertices; edges of two triangles count twice."""
+        faces, points = self.mesh.faces, self.mesh.vertices
+        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        return float(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1).mean())
+
+    @cached_property
+    def coarser(self) -> CoarserLevel | None:
+        """The next coarser mesh; None where it would be no gain, or no surface."""
+        areas = self.laplacian.areas
+        used = int(np.count_nonzero(areas))
+        if used < _FEWEST_VERTICES:
+            return None
+        coarsening = coarsened(self.mesh, areas, round(_SHARE * used))
+        if coarsening is None:
+            return None
+        try:
+            stiffness = laplacian(coarsening.mesh)
+        except InputError:
+            # Nothing but needles is left.
+            return None
+        summed = replace(stiffness, areas=coarsening.sums(areas[None])[0])
+        return CoarserLevel(coarsening, MeshLevel(coarsening.mesh, summed))
+
+
+@dataclass(frozen=True)
+class CoarserLevel:
+    """A coarser mesh and the way to it.
+
+    Attributes
+    ----------
+    coarsening : Coarsening
+        How its vertices belong to those of the finer mesh.
+    level : MeshLevel
+        The coarser mesh.
+    """
+
+    coarsening: Coarsening
+    level: MeshLevel
+
+    def restrict(self, densities: NDArray[np.float64], areas: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the means of densities, (k, n), over every cluster, (k, c), which keep the mass."""
+        return self.coarsening.sums(densities * areas) / self.level.laplacian.areas
+
+    def prolong(self, columns: NDArray[np.float64], index: NDArray[np.int64] | None) -> NDArray[np.float64]:
+        """Interpolate columns, (k, c), at some vertices of the finer mesh, or at all, (k, len)."""
+        rows = self.coarsening.prolongation if index is None else self.coarsening.prolongation[index]
+        return np.ascontiguousarray((rows @ columns.T).T)

@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from convwass_addon.geometry.coarsening import coarsened
+from convwass_addon.geometry.edges import topology, vertex_components
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.shapes import ball, joined, torus, with_faces
+from tests.transport.sheets import sheet_mesh
+from tests.transport.tubes import bent_tube
+
+
+def open_ball():
+    mesh = ball(points=3000)
+    return with_faces(mesh, mesh.corners[:, :, 2].min(axis=1) > -0.6)
+
+
+def fins():
+    """Three sheets that meet along one edge line."""
+    flat = sheet_mesh(20, 30)
+    turned = [flat.vertices @ np.array([[c, 0, s], [0, 1, 0], [0, 0, 0]]) for c, s in ((1, 0), (-1, 1), (-1, -1))]
+    mesh = joined(*(TriangleMesh.from_arrays(vertices, flat.faces) for vertices in turned))
+    unique, index = np.unique(np.round(mesh.vertices, 6), axis=0, return_inverse=True)
+    return TriangleMesh.from_arrays(unique, index.reshape(-1)[mesh.faces])
+
+
+def loose_ends():
+    """A ball with vertices that no triangle uses, triangles that name a vertex twice, and one triangle twice."""
+    mesh = ball(points=2000)
+    faces = np.concatenate([mesh.faces + 1, mesh.faces[:1] + 1, [(5, 5, 6), (0, 0, 7)]])
+    return TriangleMesh.from_arrays(np.concatenate([[(9, 9, 9)], mesh.vertices, [(7, 7, 7)]]), faces)
+
+
+MESHES = {
+    "ball": ball(points=3000),
+    "torus": torus(segments=(80, 40)),
+    "thin torus": torus(minor=0.03, segments=(400, 12)),
+    "tube": bent_tube(300, 16),
+    "open": open_ball(),
+    "sheet": sheet_mesh(60, 40),
+    "ribbon": sheet_mesh(600, 4),
+    "strip": sheet_mesh(1000, 1),
+    "fins": fins(),
+    "loose ends": loose_ends(),
+    "pieces": joined(ball(points=2000), torus(center=(4, 0, 0), segments=(60, 30)), ball(0.01, (0, 9, 0), 40)),
+    "turned over": ball(points=3000).flipped(),
+}
+COUNT = 300
+
+
+def areas_of(mesh):
+    a, b, c = np.moveaxis(mesh.corners, 1, 0)
+    thirds = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
+    return np.bincount(mesh.faces.ravel(), np.repeat(thirds, 3), len(mesh.vertices))
+
+
+@pytest.fixture(params=MESHES)
+def mesh(request):
+    return MESHES[request.param]
+
+
+@pytest.fixture
+def found(mesh):
+    return coarsened(mesh, areas_of(mesh), COUNT)
+
+
+def used_by(mesh):
+    a, b, c = mesh.faces.T
+    proper = mesh.faces[(a != b) & (b != c) & (c != a)]
+    return np.isin(np.arange(len(mesh.vertices)), proper)
+
+
+def test_the_topology_stays(mesh, found):
+    """Pieces, handles and holes; every edge of a closed mesh has two triangles that agree about what is outside."""
+    fine, coarse = topology(with_faces(mesh, unrepeated(mesh))), topology(found.mesh)
+    assert (coarse.components, coarse.euler) == (fine.components, fine.euler)
+    assert (coarse.open_edges > 0) == (fine.open_edges > 0)
+    assert (coarse.uneven_edges > 0) == (fine.uneven_edges > 0)
+    assert len(np.unique(found.mesh.faces)) == len(found.mesh.vertices) < 0.5 * len(mesh.vertices)
+
+
+def unrepeated(mesh):
+    a, b, c = mesh.faces.T
+    first = np.zeros(len(mesh.faces), bool)
+    first[np.unique(np.sort(mesh.faces, axis=1), axis=0, return_index=True)[1]] = True
+    return first & (a != b) & (b != c) & (c != a)
+
+
+def test_its_vertices_are_vertices_of_the_surface(mesh, found):
+    np.testing.assert_array_equal(found.mesh.vertices, mesh.vertices[found.seeds])
+    np.testing.assert_array_equal(found.clusters[found.seeds], np.arange(len(found.seeds)))
+    labels = vertex_components(mesh)
+    used = found.clusters >= 0
+    np.testing.assert_array_equal(used, used_by(mesh))
+    np.testing.assert_array_equal(labels[used], labels[found.seeds[found.clusters[used]]])
+
+
+def test_clusters_hang_together(mesh, found):
+    """Along edges of the mesh: through the air none is connected to anything."""
+    faces = mesh.faces[unrepeated(mesh)]
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    inner = ends[found.clusters[ends[:, 0]] == found.clusters[ends[:, 1]]]
+    size = len(mesh.vertices)
+    parts = connected_components(coo_array((np.ones(len(inner)), inner.T), shape=(size, size)), directed=False)[0]
+    assert parts - (found.clusters < 0).sum() == len(found.seeds)
+
+
+def test_prolongation_interpolates(mesh, found):
+    matrix, used = found.prolongation, found.clusters >= 0
+    np.testing.assert_allclose(matrix.sum(axis=1)[used], 1.0, rtol=1e-12)
+    assert (matrix.sum(axis=1)[~used] == 0).all()
+    assert matrix.data.min() >= 0
+    assert np.diff(matrix.indptr).max() <= 3
+    values = np.random.default_rng(0).normal(size=len(found.seeds))
+    np.testing.assert_allclose((matrix @ values)[found.seeds], values, atol=1e-12)
+
+
+def test_positions_are_interpolated_to_near_themselves(mesh, found):
+    """Within the size of a triangle, and on the average within a fraction of it."""
+    used = found.clusters >= 0
+    off = np.linalg.norm(found.prolongation @ found.mesh.vertices - mesh.vertices, axis=1)[used]
+    labels = vertex_components(found.mesh)[found.clusters[used]]
+    for piece in range(labels.max() + 1):
+        corners = found.mesh.corners[vertex_components(found.mesh)[found.mesh.faces[:, 0]] == piece]
+        edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean()
+        assert off[labels == piece].max() < edge
+        assert off[labels == piece].mean() < 0.25 * edge
+
+
+def test_values_come_from_triangles_around_the_own_seed(mesh, found):
+    """So that no part of a surface takes values from another that only the air is between."""
+    around = [set() for _ in found.seeds]
+    for face in found.mesh.faces.tolist():
+        for corner in face:
+            around[corner].update(face)
+    rows = np.repeat(np.arange(len(mesh.vertices)), np.diff(found.prolongation.indptr))
+    own = found.clusters[rows].tolist()
+    assert all(
+        column in around[cluster] for cluster, column in zip(own, found.prolongation.indices.tolist(), strict=True)
+    )
+
+
+def test_masses_are_kept(mesh, found):
+    masses = np.random.default_rng(1).random((2, len(mesh.vertices))) * used_by(mesh)
+    sums = found.sums(masses)
+    assert sums.shape == (2, len(found.seeds))
+    np.testing.assert_allclose(sums.sum(axis=1), masses.sum(axis=1), rtol=1e-12)
+    np.testing.assert_allclose(sums[0, 7], masses[0, found.clusters == 7].sum(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ball", "torus", "sheet"])
+def test_clusters_are_about_equally_large(name):
+    mesh = MESHES[name]
+    found = coarsened(mesh, areas_of(mesh), COUNT)
+    assert len(found.seeds) == pytest.approx(COUNT, rel=0.02)
+    areas = found.sums(areas_of(mesh)[None])[0]
+    assert areas.std() < 0.35 * areas.mean()
+    assert areas.max() < 3 * areas.mean()
+
+
+def test_small_pieces_and_thin_parts_keep_enough_vertices():
+    """A hundred thousandth of the area still has more than a dozen; a ring of a leg is cut into three at least."""
+    pieces = MESHES["pieces"]
+    found = coarsened(pieces, areas_of(pieces), COUNT)
+    assert (np.bincount(vertex_components(found.mesh)) > 12).all()
+    thin = MESHES["thin torus"]
+    found = coarsened(thin, areas_of(thin), 60)
+    assert len(found.seeds) > 90
+    assert topology(found.mesh).euler == 0
+
+
+def test_it_is_the_same_every_time():
+    mesh = MESHES["torus"]
+    one, other = (coarsened(mesh, areas_of(mesh), COUNT) for _ in range(2))
+    np.testing.assert_array_equal(one.seeds, other.seeds)
+    np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
+    np.testing.assert_array_equal(one.prolongation.toarray(), other.prolongation.toarray())
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        TriangleMesh.from_arrays(np.eye(3), [(0, 1, 2)]),
+        TriangleMesh.from_arrays(np.eye(3), np.zeros((0, 3), int)),
+        TriangleMesh.from_arrays(np.eye(3), [(0, 0, 1)]),
+        ball(points=30),
+        joined(*(ball(center=(3.0 * k, 0, 0), points=20) for k in range(20))),
+    ],
+    ids=["triangle", "no faces", "degenerate", "tiny", "crumbs"],
+)
+def test_there_is_no_coarser_mesh_where_nothing_would_be_gained(mesh):
+    assert coarsened(mesh, areas_of(mesh), 10) is None

@@ -1,0 +1,296 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces solved coarse to fine."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from convwass_addon.errors import Cancelled
+from convwass_addon.transport import Surface, barycenter, bisect, bisection, distance, propagate
+from convwass_addon.transport.graph import line
+from convwass_addon.transport.region import Region
+from convwass_addon.transport.sharpening import entropy
+from tests.shapes import ball, joined
+from tests.transport.spheres import angles, cap, center, off_center, peaks, sphere
+from tests.transport.tubes import BEND, LEG, RADIUS, bent_tube, rings, total_length
+
+FAR = 1.6
+RINGS, SIDES = 640, 16
+
+
+class Alone(Surface):
+    """A surface that is solved as it is."""
+
+    def coarser(self):
+        return None
+
+
+def alone(surface):
+    """The same surface without levels."""
+    return Alone._on(surface._level, surface.gamma, surface.steps)
+
+
+@cache
+def globe(gamma=0.01):
+    """10242 vertices."""
+    return sphere(5, gamma)
+
+
+@cache
+def tube():
+    mesh = bent_tube(RINGS, SIDES)
+    return Surface(mesh.vertices, mesh.faces, 0.01)
+
+
+@pytest.fixture(scope="module", params=["globe", "tube", "pieces"])
+def surface(request):
+    if request.param == "pieces":
+        mesh = joined(ball(points=9000), ball(center=(3, 0, 0), points=4000))
+        return Surface(np.concatenate([mesh.vertices, [(0, 9, 0)]]), mesh.faces, 0.01)
+    return globe() if request.param == "globe" else tube()
+
+
+def test_the_coarser_surface(surface):
+    """A quarter of the vertices; the same lengths and the same kernel."""
+    coarse = surface.coarser()
+    assert coarse is surface.coarser()
+    assert coarse.shape[0] == pytest.approx(surface.shape[0] / 4, rel=0.1)
+    assert coarse.coarser() is None
+    assert (coarse.gamma, coarse.steps, surface.fall_of_gamma) == (surface.gamma, surface.steps, 1.0)
+    assert coarse.unit_length == pytest.approx(surface.unit_length, rel=1e-12)
+    assert coarse.weights.sum() == pytest.approx(1, abs=1e-12)
+    assert coarse.weights.min() > 0
+    assert (coarse.pieces is None) == (surface.pieces is None)
+
+
+def test_kernels_share_the_coarser_mesh():
+    surface = globe()
+    other = surface.with_kernel(0.02, 5).coarser()
+    assert other.mesh is surface.coarser().mesh
+    assert (other.gamma, other.steps) == (0.02, 5)
+
+
+def test_a_narrow_kernel_is_wider_on_the_coarser_mesh():
+    """As wide as its edges ask for, but no wider for them than the fine one is for its own."""
+    narrow, narrower = globe(0.003), globe(1e-4)
+    assert narrow.coarser().gamma == pytest.approx(0.2 * narrow.coarser().mean_edge_length, rel=1e-9)
+    assert narrow.fall_of_gamma == pytest.approx(narrow.coarser().gamma / 0.003)
+    ratios = [domain.gamma / domain.mean_edge_length for domain in (narrower, narrower.coarser())]
+    assert ratios[1] == pytest.approx(ratios[0])
+
+
+def test_small_meshes_have_none():
+    assert sphere(4, 0.01).coarser() is None
+
+
+def test_masses_and_smooth_functions_go_there_and_back(surface):
+    coarse = surface.coarser()
+    densities = np.random.default_rng(0).random((2, *surface.shape)) * (surface.weights > 0)
+    restricted = surface.restrict(densities)
+    assert restricted.shape == (2, *coarse.shape)
+    np.testing.assert_allclose(restricted @ coarse.weights, densities @ surface.weights, rtol=1e-12)
+    smooth = np.sin(surface.positions.T)
+    back = surface.prolong(np.sin(coarse.positions.T), Region.whole(surface.shape))
+    used = surface.weights > 0
+    np.testing.assert_allclose(back[:, used], smooth[:, used], atol=0.04)
+    part = Region(surface.positions[:, 0] > 0)
+    np.testing.assert_array_equal(surface.prolong(np.sin(coarse.positions.T), part), back[:, part.index])
+
+
+def test_the_coarser_kernel_is_the_same_kernel(surface):
+    """Heat of a wide patch, at the coarser mesh's vertices."""
+    coarse = surface.coarser()
+    first = surface.positions[0]
+    patch = np.where(surface.weights > 0, np.exp(-20 * np.square(surface.positions - first).sum(axis=1)), 0.0)
+    heat = surface.apply(patch)
+    found = coarse.apply(surface.restrict(patch[None])[0])
+    seeds = surface._level.coarser.coarsening.seeds
+    np.testing.assert_allclose(found, heat[seeds], atol=0.02 * heat.max())
+
+
+OPTIONS = [
+    ({}, 0.01),
+    ({"entropy_limit": "max"}, 0.01),
+    ({"sharpness": 0.75}, 0.04),
+]
+
+
+@pytest.mark.parametrize(("options", "away"), OPTIONS, ids=["plain", "bound", "sharp"])
+def test_barycenters_agree_with_cold_ones(options, away):
+    """Within the tolerance, in fewer rounds on the finest mesh; sharp ones are held down by their marginals less."""
+    surface = globe()
+    mus = [cap(surface, 0.0), cap(surface, FAR), peaks(surface, 1)]
+    found = barycenter(mus, [0.5, 0.3, 0.2], surface, **options)
+    cold = barycenter(mus, [0.5, 0.3, 0.2], alone(surface), **options)
+    assert found.converged
+    assert cold.converged
+    assert len(found.iterations) == 2
+    assert found.iterations[-1] < cold.iterations[-1]
+    assert np.abs(found.density - cold.density) @ surface.weights < away
+    assert found.density @ surface.weights == pytest.approx(1, abs=1e-12)
+    # Under a bound the invariant holds only as far as the marginals do.
+    assert "entropy_limit" in options or found.invariant_error < 1e-9
+
+
+@pytest.mark.parametrize("gamma", [0.003, 0.01, 0.03])
+@pytest.mark.parametrize("limit", [None, "max"])
+def test_propagation_agrees_with_a_cold_one(gamma, limit):
+    surface = globe(gamma)
+    ends = {0: cap(surface, 0.0), 2: cap(surface, FAR)}
+    found = propagate(line(3), 1.0, ends, surface, entropy_limit=limit)
+    cold = propagate(line(3), 1.0, ends, alone(surface), entropy_limit=limit)
+    tight = propagate(line(3), 1.0, ends, alone(surface), entropy_limit=limit, tolerance=1e-6)
+    assert found.converged.all()
+    assert cold.coarse_iterations == ()
+    assert len(found.coarse_iterations) == 1
+    assert found.iterations <= cold.iterations
+    for solved in (found, cold):
+        assert np.abs(solved.densities[1] - tight.densities[1]) @ surface.weights < 5e-3
+
+
+@pytest.mark.parametrize("limit", [None, "max"])
+def test_errors_are_those_of_the_plans(limit):
+    """Recomputed from the scalings by the surface's own kernel."""
+    surface = globe()
+    found = propagate(line(4), 1.0, {0: cap(surface, 0.0), 3: cap(surface, FAR)}, surface, entropy_limit=limit)
+    scalings = np.exp(np.maximum(found.log_scalings, -600))
+    plans = scalings * surface.apply(scalings[np.arange(6) ^ 1])
+    errors = np.abs(plans - found.densities[line(4).ravel()]) @ surface.weights
+    assert found.converged.all()
+    assert errors.max() < 2e-2
+
+
+def test_distances_are_solved_on_the_mesh_itself():
+    surface = globe()
+    found = distance(cap(surface, 0.0), cap(surface, FAR), surface)
+    cold = distance(cap(surface, 0.0), cap(surface, FAR), alone(surface))
+    assert (found.value, found.iterations) == (cold.value, cold.iterations)
+
+
+def radius(surface, density):
+    return np.sqrt((density * surface.weights) @ np.square(angles(surface, center(surface, density))))
+
+
+@pytest.mark.parametrize("limit", ["max", None])
+def test_caps_move_along_the_great_circle(limit):
+    """At any times; without a bound the blur of every level adds up, but the center stays where it belongs."""
+    surface = globe()
+    ends = cap(surface, 0.0), cap(surface, FAR)
+    times = np.arange(1, 24) / 24
+    found = bisect(*ends, surface, times=times, entropy_limit=limit)
+    assert found.converged.all()
+    assert (found.marginal_errors < 0.01).all()
+    np.testing.assert_allclose(found.densities @ surface.weights, 1, rtol=1e-12)
+    assert max(off_center(surface, mu, FAR * t) for mu, t in zip(found.densities, times, strict=True)) < 0.01
+    if limit == "max":
+        np.testing.assert_allclose([radius(surface, mu) for mu in found.densities], radius(surface, ends[0]), rtol=0.15)
+        assert (found.entropies < entropy(ends[0], surface.weights) + 1e-4).all()
+        assert (found.raised_limits == 0).all()
+    assert max(found.iterations) < 10
+
+
+def test_bisection_agrees_with_cold_solves():
+    surface = globe()
+    ends = cap(surface, 0.0), peaks(surface, 1)
+    found, cold = (bisect(*ends, domain, levels=2) for domain in (surface, alone(surface)))
+    assert sum(found.iterations) < sum(cold.iterations)
+    np.testing.assert_allclose(np.abs(found.densities - cold.densities) @ surface.weights, 0, atol=0.02)
+
+
+@pytest.mark.parametrize(("limit", "away"), [("max", 0.03), (None, 0.1)])
+def test_nothing_leaps_across_the_gap(limit, away):
+    """From the middle of one leg of a U to that of the other, 0.5 apart through the air and 2.3 along the tube.
+
+    The shortest way is along the inside of the bend. Without a bound frames are as wide as a leg.
+    """
+    surface = tube()
+    along = np.append(np.repeat(rings(RINGS), SIDES), [0.0, total_length()])
+    start, end = 0.5 * LEG, total_length() - 0.5 * LEG
+    ends = [np.exp(-0.5 * ((along - place) / 0.1) ** 2) * (np.abs(along - place) < 0.3) for place in (start, end)]
+    way = LEG + np.pi * (BEND - RADIUS)
+    found = bisect(*ends, surface, times=[0.1, 0.25, 0.5, 0.75, 0.9], entropy_limit=limit)
+    assert found.converged.all()
+    places = np.array([start + 0.1 * way, start + 0.25 * way, 0.5 * total_length()])
+    places = np.append(places, total_length() - places[1::-1])
+    mass = found.densities * surface.weights
+    np.testing.assert_allclose(mass @ along, places, atol=away)
+    if limit == "max":
+        # On its way down one leg, the other one is as near through the air as ever.
+        far = np.abs(along - places[:, None]) > 0.6
+        assert (mass * far).sum(axis=1)[[0, 1, 3, 4]].max() < 0.01
+
+
+def test_frames_that_nothing_wants_are_not_solved():
+    surface = sphere(3, 0.0145)
+    ends = cap(surface, 0.0), cap(surface, FAR)
+    solved = []
+    found = bisect(*ends, surface, levels=4, times=[0.1, 0.0], monitor=lambda *args: solved.append(args))
+    everything = bisect(*ends, surface, levels=4, times=np.append(np.arange(1, 16) / 16, 0.1))
+    assert len(found.iterations) == 5
+    np.testing.assert_allclose(found.densities[0], everything.densities[-1], rtol=1e-9)
+    assert len(bisect(*ends, surface, levels=4, times=[0.5]).iterations) == 1
+    assert bisect(*ends, surface, levels=4, times=[0.0, 1.0]).iterations == ()
+
+
+def test_steps_tell_how_far_it_is():
+    surface = globe()
+    ends = cap(surface, 0.0), cap(surface, FAR)
+    steps = list(bisection(*ends, surface, levels=4))
+    fractions = [step.fraction for step in steps]
+    assert len(steps) >= 4
+    assert fractions == sorted(set(fractions))
+    assert fractions[-1] == 1.0
+    assert [step.result is None for step in steps] == [True] * (len(steps) - 1) + [False]
+    np.testing.assert_array_equal(steps[-1].result.times, np.arange(17) / 16)
+
+
+def test_a_solve_can_be_stopped_on_any_level():
+    surface = globe()
+    ends = cap(surface, 0.0), cap(surface, FAR)
+    for vertices in (surface.coarser().shape[0], surface.shape[0]):
+
+        def stop(elements, iteration, error, vertices=vertices):
+            if elements == vertices:
+                raise Cancelled("enough")
+
+        with pytest.raises(Cancelled):
+            bisect(*ends, surface, levels=1, monitor=stop)
+
+
+def test_a_bound_that_does_not_let_frames_converge_is_raised():
+    """With so tight a tolerance that 60 sweeps are not enough; what was raised fades toward the ends."""
+    surface = sphere(2, 0.05)
+    ends = cap(surface, 0.0, 0.5), cap(surface, FAR, 0.5)
+    found = bisect(*ends, surface, levels=2, tolerance=1e-300, max_iterations=100)
+    assert not found.converged[1:-1].any()
+    np.testing.assert_allclose(found.raised_limits, [0, 1.5, 1, 1.5, 0])
+    limit = max(entropy(mu, surface.weights) for mu in ends)
+    assert (found.entropies <= limit + found.raised_limits + 1e-6).all()
+    assert found.entropies[2] > limit + 0.5
+    fixed = bisect(*ends, surface, levels=1, tolerance=1e-300, max_iterations=100, entropy_limit=limit)
+    assert fixed.entropies[1] == pytest.approx(limit, abs=1e-6)
+    assert fixed.raised_limits[1] == 0
+
+
+@pytest.mark.parametrize("share", [0.5, 0.65, 0.85])
+def test_two_peaks_travel_side_by_side_under_a_bound(share):
+    """With steps for the range of one peak alone such frames never converge, and their bounds were raised by nats."""
+    surface = sphere(4, 0.016)
+    north, south = [np.exp(-(angles(surface, np.array([0.0, 0.0, side])) ** 2) / 0.08) for side in (1.0, -1.0)]
+    east, west = [np.exp(-(angles(surface, np.array([side, 0.3, 0.0])) ** 2) / 0.06) for side in (1.0, -1.0)]
+    north, south, east, west = (peak / (peak @ surface.weights) for peak in (north, south, east, west))
+    first = share * (north + east) / 2 + (1 - share) * (south + west) / 2
+    second = share * east + (1 - share) * west
+    found = bisect(first, second, surface, times=np.arange(13) / 12, entropy_limit="between")
+    assert found.converged.all()
+    assert (found.raised_limits == 0.0).all()
+    assert max(found.iterations) < 80
+    assert (np.diff(found.entropies) < 0.0).all()
+    right = found.densities @ (surface.weights * (surface.positions[:, 0] > 0))
+    ends = right[0], right[-1]
+    assert right.min() > min(ends) - 0.03
+    assert right.max() < max(ends) + 0.03
