@@ -14,6 +14,7 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications import memory
+from convwass_addon.bridge.job import MorphJob
 from tests.clusters import local_cluster
 
 pytestmark = [
@@ -256,7 +257,7 @@ def test_an_interrupt_says_what_is_left(shapes, tmp_path, capfd, monkeypatch, ca
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli.MorphJob, "write", interrupt)
+    monkeypatch.setattr(MorphJob, "write", interrupt)
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(tmp_path / "morph.blend")]
     at = str(tmp_path / "frames")
     assert cli.main(["morph", *words, *(word.format(at=at) for word in cache)]) == 130

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What words of a command line stand for."""
+
+from __future__ import annotations
+
+import re
+from argparse import ArgumentTypeError
+
+WORKERS = {"type": int, "metavar": "N", "help": "threads that compute frames (one per processor)"}
+"""The option of threads, which several verbs have."""
+
+
+def numbers(text: str) -> list[float]:
+    """Return the numbers of a list such as 0.2,0.3,0.5."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not a list of numbers such as 0.2,0.3,0.5") from None
+
+
+def frame_range(text: str) -> range:
+    """Return the frames of a range such as 0-23, or a single one."""
+    found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text, re.ASCII)
+    first, last = (int(number) for number in (found[1], found[2] or found[1])) if found else (1, 0)
+    if first > last:
+        raise ArgumentTypeError(f"{text!r} is not a range of frames such as 0-23, or a frame such as 7")
+    return range(first, last + 1)
+
+
+def entropy_limit(text: str) -> str | float | None:
+    """Return max, a number of nats, or None for off."""
+    if text in ("max", "off"):
+        return "max" if text == "max" else None
+    try:
+        return float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not max, off or a number") from None
+
+
+def path_entropy_limit(text: str) -> str | float | None:
+    """Return between, max, a number of nats, or None for off."""
+    return text if text == "between" else entropy_limit(text)
+
+
+def named_numbers(text: str) -> dict[str, float]:
+    """Return the numbers of a list such as A=0.3,B=0.7 by their names, which may hold commas."""
+    found = re.findall(r"(.+?)=([^=,]+)(?:,|$)", text)
+    try:
+        named = {name: float(number) for name, number in found}
+    except ValueError:
+        named = {}
+    if not named or ",".join(f"{name}={number}" for name, number in found) != text:
+        raise ArgumentTypeError(f"{text!r} is not a list of names and numbers such as A=0.3,B=0.7")
+    return named
+
+
+def place_pair(text: str) -> tuple[str, str]:
+    """Return the two places of an edge such as Head=x."""
+    first, equals, second = text.partition("=")
+    if not (first and equals and second) or "=" in second:
+        raise ArgumentTypeError(f"{text!r} is not a pair of places such as Head=x")
+    return first, second

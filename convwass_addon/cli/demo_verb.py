@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``demo``."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+import bpy
+
+from ..applications.layouts import path_blends
+from ..applications.morph_settings import MorphSettings
+from ..bridge.files import save_blend
+from ..bridge.imports import import_objects
+from ..errors import InputError
+from .answer import Answer
+from .argument_types import WORKERS
+from .demo_moss import save_moss
+from .morph_baking import baked, rendered, report
+from .morph_choices import Computing
+
+DEMO_HELP = """Morph three sample shapes; write morph.blend, a picture and an animation, and moss.blend, in which moss
+creeps over one of them."""
+
+_DEMO_SHAPES = ("horse", "double_torus", "bird")
+
+
+def add_demo_options(parser: ArgumentParser) -> None:
+    """Add all options."""
+    parser.add_argument("--out", type=Path, default=Path("out"), help="the folder to write to (%(default)s)")
+    parser.add_argument("--frames", type=int, default=24, help="frames from each shape to the next (%(default)s)")
+    parser.add_argument("--resolution", type=int, default=96, help="cells along the longest side (%(default)s)")
+    parser.add_argument("--workers", **WORKERS)
+    parser.add_argument("--json", action="store_true", help="print the records of the solver as JSON")
+
+
+def run_demo(options: Namespace) -> Answer:
+    """Morph the project's sample shapes and render them.
+
+    Raises
+    ------
+    InputError
+        The shapes are not there.
+    """
+    folder = Path(__file__).resolve().parents[2] / "assets" / "shapes"
+    if not folder.is_dir():
+        raise InputError("The sample shapes are part of the project's source, not of the installed add-on.")
+    blends = path_blends(len(_DEMO_SHAPES), options.frames)
+    settings = MorphSettings(resolution=options.resolution)
+    options.out.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    inputs = [obj for name in _DEMO_SHAPES for obj in import_objects(folder / f"{name}.ply", None)]
+    for obj in inputs:
+        obj.data.shade_smooth()
+    stored = {"layout": "PATH", "frames": options.frames}
+    collection, records = baked(inputs, blends, settings, stored, Computing(options.workers))
+    target = save_blend(options.out / "morph.blend")
+    sheet, movie = rendered(collection, target, animated=True)
+    # Saving the moss begins an empty scene.
+    name = collection.name
+    moss = save_moss(folder / f"{_DEMO_SHAPES[0]}.ply", options.out / "moss.blend")
+    print(
+        f"\nThe morph     {target}\n              open it in Blender and press Space to play it"
+        f"\nIts pictures  {sheet}\nIts movie     {movie}"
+        f"\nA density     {moss}\n              moss creeps over a horse; press Space in Material Preview",
+        file=sys.stderr,
+    )
+    return report(name, settings, records, [target, sheet, movie, moss])

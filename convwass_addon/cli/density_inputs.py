@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh that the verb ``density`` works on, and what its words for distributions mean."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..applications.density_settings import DensitySettings
+from ..applications.density_tools import unit_mass
+from ..applications.surface_densities import Surface, blur_notice, blur_of, density_surface
+from ..bridge.imports import BLEND, Source, import_objects, parse_source
+from ..bridge.surfaces import read_surface
+from ..bridge.vertex_groups import group_names, read_group
+from ..errors import InputError
+from ..sentence import Sentence
+
+_VERTICES = re.compile(r"vertex:(\d{1,9}(?:,\d{1,9})*)", re.ASCII)
+
+
+@dataclass(frozen=True)
+class DensityScene:
+    """An object of the open file, and its surface.
+
+    Attributes
+    ----------
+    object : bpy.types.Object
+        Whose vertex groups are distributions.
+    surface : Surface
+        In scene units; vertex i is vertex i of the object's mesh.
+    ignored : tuple of str
+        Modifiers that make other vertices, which the surface is without.
+    """
+
+    object: bpy.types.Object
+    surface: Surface
+    ignored: tuple[str, ...] = ()
+
+    @property
+    def notices(self) -> list[Sentence]:
+        """What the user should know about the blur and about modifiers."""
+        notices = [notice for notice in [blur_notice(self.surface)] if notice is not None]
+        if self.ignored:
+            text = "Modifiers that change the vertices are left out: {names}."
+            notices.append(Sentence(text, {"names": ", ".join(self.ignored)}))
+        return notices
+
+    @property
+    def blur(self) -> float:
+        """The blur in use, in scene units."""
+        return blur_of(self.surface)
+
+    @property
+    def first_frame(self) -> int:
+        """The frame at which animations start."""
+        return bpy.context.scene.frame_start
+
+    def extend(self, last: int) -> None:
+        """Let the scene run to a frame at least."""
+        bpy.context.scene.frame_end = max(bpy.context.scene.frame_end, last)
+
+    def stands_for_weights(self, name: str) -> bool:
+        """Whether a word means a group there is, or vertices."""
+        return name in group_names(self.object) or _VERTICES.fullmatch(name) is not None
+
+    def weights(self, name: str) -> NDArray[np.float64]:
+        """Return what a group, or ``vertex:1,2``, stands for: weights or a density, (n,).
+
+        Raises
+        ------
+        InputError
+            No such group, or vertices that cannot hold mass.
+        """
+        if name not in group_names(self.object):
+            found = _VERTICES.fullmatch(name)
+            if found:
+                # The surface's own kernel spreads by just the blur.
+                return self.surface.apply(unit_mass([int(number) for number in found[1].split(",")], self.surface))
+        return read_group(self.object, name)
+
+
+def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
+    """Open the file that is named on the command line and make the surface of the mesh in it.
+
+    A .blend is opened as it is, without running what scripts it may hold; any other file is read into an empty scene.
+
+    Raises
+    ------
+    InputError
+        A file or an object that cannot be used, or a blur that does not suit it.
+    ResourceError
+        The mesh needs more memory than there is.
+    """
+    source = parse_source(text)
+    if source.path.suffix.lower() == BLEND and source.path.is_file():
+        obj = _opened(source)
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
+    read = read_surface(obj, bpy.context.evaluated_depsgraph_get())
+    surface = density_surface(read.mesh, settings.blur, settings.substeps)
+    return DensityScene(obj, surface, tuple(read.ignored))
+
+
+def _opened(source: Source) -> bpy.types.Object:
+    """Open a .blend and return the object meant in it: the one named, or the only mesh there is."""
+    file = Path(source.path).expanduser().absolute()
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(file), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        raise InputError(
+            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
+        ) from error
+    meshes = sorted(obj.name for obj in bpy.context.scene.objects if obj.type == "MESH")
+    listed = ", ".join(meshes) or "none"
+    name = source.object_name
+    if name is None:
+        if len(meshes) != 1:
+            raise InputError(
+                "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+                file=file.name,
+                count=len(meshes),
+                available=listed,
+            )
+        name = meshes[0]
+    found = bpy.context.scene.objects.get(name)
+    if found is None:
+        raise InputError(
+            "{file} has no object {name} in its scene; its meshes are {available}.",
+            file=file.name,
+            name=name,
+            available=listed,
+        )
+    return found

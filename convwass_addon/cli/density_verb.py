@@ -1,0 +1,216 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``density``."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ..applications.density_frames import DensityFrames, DensityStep, joined_frames
+from ..applications.density_graphs import propagation_steps
+from ..applications.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
+from ..applications.density_paths import blend_steps, path_steps
+from ..applications.density_settings import DensitySettings
+from ..applications.surface_densities import heat_map
+from ..applications.vertex_distances import distances_from
+from ..bridge.density_material import heat_material
+from ..bridge.density_nodes import NAME
+from ..bridge.density_player import DensityKey, animate_density
+from ..bridge.density_store import StoredDensity
+from ..bridge.files import checked_target, save_blend
+from ..bridge.vertex_groups import group_names, write_group
+from ..console import ProgressBar
+from ..errors import InputError
+from .answer import Answer
+from .density_inputs import DensityScene, open_mesh
+
+_DIGITS = 6
+
+
+def run_density(options: Namespace) -> Answer:
+    """Do what the command line asks for.
+
+    Raises
+    ------
+    InputError, ResourceError
+        A mesh, groups or options that cannot work.
+    """
+    if (options.start is None) != (options.end is None):
+        raise InputError("--from and --to belong together; name both groups.")
+    if options.biased and not options.measure:
+        raise InputError("--biased is for --measure; leave it out.")
+    target = _target(options)
+    settings = DensitySettings(
+        steps=options.steps,
+        blur=options.blur,
+        sharpen=options.sharpen,
+        pieces="match" if options.match_pieces else "keep",
+        tolerance=options.tolerance,
+        max_iterations=options.max_iterations,
+        substeps=_substeps(options),
+    )
+    with ProgressBar("Reading the mesh") as bar:
+        scene = open_mesh(options.mesh, settings)
+        bar.show(1.0, options.mesh)
+    for notice in scene.notices:
+        _note(notice)
+    if options.measure:
+        return _measured(options, scene, settings)
+    if options.matrix:
+        return _matrix(scene)
+    if options.distance_from:
+        return _distances(options, scene, target)
+    if options.propagate:
+        return _propagated(options, scene, settings, target)
+    if options.blend:
+        return _blended(options, scene, settings, target)
+    return _animated(options, scene, settings, target)
+
+
+def _substeps(options: Namespace) -> int:
+    if options.substeps is not None:
+        return options.substeps
+    return DensitySettings().substeps if _makes_densities(options) else MEASURING_SUBSTEPS
+
+
+def _makes_densities(options: Namespace) -> bool:
+    return bool(options.end is not None or options.through or options.blend or options.propagate)
+
+
+def _target(options: Namespace) -> Path | None:
+    """Return the file to write, checked before the work begins; None for none."""
+    if options.out is None and not _makes_densities(options):
+        return None
+    if options.out is not None and (options.measure or options.matrix):
+        raise InputError("Distances between groups are printed and not written; leave --out out.")
+    return checked_target((options.out or Path("density.blend")).with_suffix(".blend"))
+
+
+def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:
+    names = options.through or [options.start, options.end]
+    weights = [scene.weights(name) for name in names]
+    frames = _frames(path_steps(weights, names, scene.surface, settings))
+    first = scene.first_frame
+    keys = [DensityKey(first, 0.0), DensityKey(first + len(frames.times) - 1, 1.0)]
+    stored = StoredDensity(inputs=list(names), settings=settings.as_dict(), records=frames.records)
+    name = options.name or NAME
+    animate_density(scene.object, frames.densities, frames.times, name, keys=keys, description=stored)
+    if not any(scene.object.data.materials):
+        scene.object.data.materials.append(heat_material(name))
+    scene.extend(int(keys[-1].frame))
+    record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records}
+    return Answer.of_files(record, [save_blend(target)])
+
+
+def _blended(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:
+    names, shares = list(options.blend), list(options.blend.values())
+    weights = [scene.weights(name) for name in names]
+    frames = _frames(blend_steps(weights, names, shares, scene.surface, settings))
+    shown = heat_map(frames.densities[0])
+    write_group(scene.object, options.name or "Blend", shown.weights)
+    record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records}
+    return Answer.of_files({**record, "scale": shown.scale}, [save_blend(target)])
+
+
+def _propagated(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:
+    names = list(dict.fromkeys(name for pair in options.propagate for name in pair))
+    known = {place: scene.weights(name) for place, name in enumerate(names) if scene.stands_for_weights(name)}
+    edges = [(names.index(first), names.index(second)) for first, second in options.propagate]
+    frames = _frames(propagation_steps(edges, known, scene.surface, settings, names))
+    scales = {}
+    for place, name in enumerate(names):
+        if place not in known:
+            shown = heat_map(frames.densities[place])
+            write_group(scene.object, name, shown.weights)
+            scales[name] = shown.scale
+    record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records, "scales": scales}
+    return Answer.of_files(record, [save_blend(target)])
+
+
+def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings) -> Answer:
+    first, second = options.measure
+    found = measured_distance(
+        scene.weights(first),
+        scene.weights(second),
+        scene.surface,
+        (first, second),
+        debias=not options.biased,
+        match_pieces=options.match_pieces,
+    )
+    if not found.converged:
+        _note("the distance is less exact than asked for; more --blur helps")
+    record = {"object": scene.object.name, "groups": [first, second], **vars(found), "blur": scene.blur}
+    return Answer({**record, "written": []}, (f"{found.squared if options.biased else found.length:.{_DIGITS}g}",))
+
+
+def _matrix(scene: DensityScene) -> Answer:
+    groups = {name: scene.weights(name) for name in group_names(scene.object)}
+    names = [name for name, weights in groups.items() if weights.any()]
+    if len(names) < 2:
+        raise InputError(
+            "{object} has no two vertex groups with any weight, which --matrix needs; paint some.",
+            object=scene.object.name,
+        )
+    if len(names) < len(groups):
+        _note(f"empty groups that are left out: {len(groups) - len(names)}")
+    table = distance_table([groups[name] for name in names], names, scene.surface)
+    for notice in table.notices:
+        _note(notice)
+    width = max(*map(len, names), _DIGITS + 6)
+    cells = [["", *names], *([name, *map(_number, row)] for name, row in zip(names, table.lengths, strict=True))]
+    lines = tuple("  ".join(cell.rjust(width) for cell in row) for row in cells)
+    record = {"object": scene.object.name, "groups": names, "lengths": _plain(table.lengths)}
+    figures = {"iterations": table.iterations, "marginal_error": table.marginal_error, "converged": table.converged}
+    return Answer({**record, **figures, "blur": scene.blur, "written": []}, lines)
+
+
+def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> Answer:
+    found = distances_from(options.distance_from, scene.surface)
+    for notice in found.notices:
+        _note(notice)
+    reached = np.flatnonzero(np.isfinite(found.lengths))
+    far = int(reached[found.lengths[reached].argmax()])
+    shown = found.heat_map()
+    written = []
+    if target is not None:
+        write_group(scene.object, options.name or "Distance", shown.weights)
+        written.append(str(save_blend(target)))
+    record = {"object": scene.object.name, "from": options.distance_from, "furthest": far, "scale": shown.scale}
+    record |= {"lengths": _plain(found.lengths), "blur": scene.blur, "written": written}
+    line = f"vertex {far} is the furthest of {len(reached)} that are reached: {_number(found.lengths[far])}"
+    return Answer(record, (line, *written))
+
+
+def _frames(steps: Iterable[DensityStep]) -> DensityFrames:
+    with ProgressBar("Moving the density") as bar:
+        frames = joined_frames(_shown(steps, bar))
+    slack = sum(not record["converged"] for record in frames.records)
+    if slack:
+        _note(f"frames that are less exact than asked for: {slack}; more --blur helps, or --sharpen with more nats")
+    return frames
+
+
+def _shown(steps: Iterable[DensityStep], bar: ProgressBar) -> Iterator[DensityStep]:
+    for step in steps:
+        bar.show(step.fraction, str(step.message))
+        yield step
+
+
+def _plain(values: np.ndarray) -> list[object]:
+    """Return numbers ready for JSON, which has no word for infinity."""
+    return (
+        [_plain(row) for row in values] if values.ndim > 1 else [x if np.isfinite(x) else None for x in values.tolist()]
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.{_DIGITS}g}" if np.isfinite(value) else "-"
+
+
+def _note(text: object) -> None:
+    print(f"convwass: {text}", file=sys.stderr)

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes a morph from the command line, and renders what has been baked."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import nullcontext
+from pathlib import Path
+
+import bpy
+
+from ..applications.cluster import cluster_workers
+from ..applications.layouts import Blend
+from ..applications.morph import MorphStep
+from ..applications.morph_settings import MorphSettings
+from ..bridge.animation import render_animation
+from ..bridge.contact_sheet import render_contact_sheet
+from ..bridge.job import MorphJob
+from ..console import ProgressBar
+from .answer import Answer
+from .morph_choices import Computing
+
+# Colors of shapes that bring no material.
+_PALETTE = ((0.55, 0.09, 0.035, 1.0), (0.72, 0.30, 0.02, 1.0), (0.02, 0.13, 0.40, 1.0), (0.08, 0.24, 0.06, 1.0))
+
+
+def baked(
+    inputs: list[bpy.types.Object],
+    blends: list[Blend],
+    settings: MorphSettings,
+    stored: dict[str, object],
+    computing: Computing,
+) -> tuple[bpy.types.Collection, list[dict[str, object]]]:
+    """Bake a morph into the scene; return its collection and the records of its frames."""
+    job = prepared_job(inputs, blends, settings, stored)
+    try:
+        run_job(job, computing, job.write)
+    except BaseException:
+        job.discard()
+        raise
+    slack = sum(not record.get("converged", True) for record in job.records)
+    if slack:
+        print(f"convwass: {slack} blends are less exact than asked for; more --blur helps", file=sys.stderr)
+    for notice in job.notices:
+        print(f"convwass: {notice}", file=sys.stderr)
+    return job.finish(hide_inputs=True), job.records
+
+
+def prepared_job(
+    inputs: list[bpy.types.Object], blends: list[Blend], settings: MorphSettings, stored: dict[str, object]
+) -> MorphJob:
+    """Return the job of a bake, its inputs colored where they bring no material."""
+    for index, obj in enumerate(inputs):
+        if not any(obj.data.materials):
+            obj.color = _PALETTE[index % len(_PALETTE)]
+    scene = bpy.context.scene
+    return MorphJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
+
+
+def run_job(job: MorphJob, computing: Computing, take: Callable[[MorphStep], None]) -> None:
+    """Do all steps of a job, wherever its frames are computed, and hand them on."""
+    cluster = cluster_workers(computing.scheduler) if computing.scheduler else nullcontext()
+    with cluster as executor, ProgressBar("Morphing") as bar:
+        where = {"workers": computing.workers, "executor": executor}
+        if computing.between is None:
+            steps = job.steps(cache=computing.cache, wanted=computing.wanted, **where)
+        else:
+            steps = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
+        for step in steps:
+            take(step)
+            bar.show(step.fraction, str(step.message))
+    for notice in computing.cache.notices if computing.cache else ():
+        print(f"convwass: {notice}", file=sys.stderr)
+
+
+def rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> list[Path]:
+    """Render a picture of a morph and, where it is `animated`, a movie, beside the file `target`."""
+    with ProgressBar("Rendering the picture") as bar:
+        pictures = [render_contact_sheet(collection, target.with_suffix(".png"), progress=bar.show)]
+    if animated:
+        with ProgressBar("Rendering the movie") as bar:
+            pictures.append(render_animation(collection, target.with_suffix(".mp4"), progress=bar.show))
+    return [Path(picture) for picture in pictures]
+
+
+def report(morph: str, settings: MorphSettings, records: list[dict[str, object]], written: list[Path]) -> Answer:
+    """Return what is known about a finished morph of a name."""
+    record = {"morph": morph, "settings": settings.as_dict(), "frames": records}
+    return Answer.of_files(record, written)

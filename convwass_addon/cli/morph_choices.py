@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the options of the verb ``morph`` mean together; combinations that make no sense are refused."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..applications.frame_cache import FrameCache
+from ..applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from ..applications.morph_settings import MorphSettings
+from ..bridge.exports import FORMATS
+from ..bridge.files import checked_target
+from ..errors import InputError
+
+
+@dataclass(frozen=True)
+class Between:
+    """Frame numbers such as 7.35, and the path that they are on."""
+
+    path: list[Blend]
+    numbers: list[float]
+
+
+@dataclass(frozen=True)
+class Computing:
+    """Where frames are computed, where they are kept, and which of them are wanted (all), or which between them."""
+
+    workers: int | None = None
+    scheduler: str | None = None
+    cache: FrameCache | None = None
+    wanted: range | None = None
+    between: Between | None = None
+
+
+def settings_of(options: Namespace) -> MorphSettings:
+    """Return how the morph is to be made."""
+    return MorphSettings(
+        resolution=options.resolution,
+        blur=options.blur,
+        sharpness=options.sharpness,
+        entropy_limit=options.entropy_limit,
+        level=options.level,
+        thickness=options.thickness,
+        locality=options.locality,
+        thin_parts=not options.no_thin_parts,
+        mend=not options.no_mend,
+        parts=options.parts,
+        tolerance=options.tolerance,
+        carry=not options.no_carry,
+    )
+
+
+def blends_of(options: Namespace, count: int) -> list[Blend]:
+    """Return what is to be made of so many shapes.
+
+    Raises
+    ------
+    InputError
+        The layout or the weights do not suit so many shapes.
+    """
+    if count < 2:
+        raise InputError("A morph needs at least two shapes; name one more.")
+    if options.weights is not None:
+        return single_blend(options.weights, count)
+    makers: dict[str, Callable[[], list[Blend]]] = {
+        "path": lambda: path_blends(count, options.frames),
+        "grid": lambda: grid_blends(count, options.steps),
+        "triangle": lambda: triangle_blends(count, options.steps),
+    }
+    return makers[options.layout]()
+
+
+def between_of(options: Namespace, path: list[Blend]) -> Between:
+    """Return the frames between others that are asked for.
+
+    Raises
+    ------
+    InputError
+        Other options that leave no path or no frames to start from.
+    """
+    if options.weights is not None or options.layout != "path":
+        raise InputError("--at is for a path; leave out --weights and --layout.")
+    if options.frames_range is not None:
+        raise InputError("--at makes blends and --frames-range only fills the cache; choose one of them.")
+    if options.cache is None:
+        raise InputError("--at needs --cache FOLDER, which holds the frames that it starts from.")
+    return Between(path, options.at)
+
+
+def computing_of(options: Namespace, blends: list[Blend], between: Between | None) -> Computing:
+    """Return where the blends are to be computed.
+
+    Raises
+    ------
+    InputError
+        Options that exclude each other, or frames that the path does not have.
+    """
+    wanted = options.frames_range
+    if options.workers is not None and options.scheduler:
+        raise InputError("--workers are threads of this machine and --scheduler means others; choose one of them.")
+    if wanted is not None:
+        last = blends[-1].frame
+        if last is None:
+            raise InputError("--frames-range is for a path; sheets and single blends have no frames.")
+        if wanted[-1] > last:
+            raise InputError(
+                "--frames-range {first}-{final}: the path has the frames 0-{last}.",
+                first=wanted[0],
+                final=wanted[-1],
+                last=last,
+            )
+        if options.cache is None:
+            raise InputError("--frames-range needs --cache FOLDER, which is all that it writes to.")
+        if options.render or options.export:
+            raise InputError("--frames-range writes no scene; leave --render and --export to the run without it.")
+    cache = FrameCache(options.cache) if options.cache is not None else None
+    return Computing(options.workers, options.scheduler, cache, wanted, between)
+
+
+def export_format(path: Path) -> str:
+    """Return the format that the ending of a file to export to stands for.
+
+    Raises
+    ------
+    InputError
+        Another ending, or a place that cannot be written to.
+    """
+    checked_target(path)
+    if path.suffix.lower() not in suffixes():
+        raise InputError(
+            "--export {path}: the ending must be one of {endings}.", path=str(path), endings=", ".join(suffixes())
+        )
+    return suffixes()[path.suffix.lower()]
+
+
+def suffixes() -> dict[str, str]:
+    """Return the format of every ending."""
+    return {suffix: name for name, form in FORMATS.items() for suffix in form.suffixes}

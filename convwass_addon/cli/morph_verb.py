@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``morph``."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+
+import bpy
+
+from ..applications.between_frames import places_at
+from ..applications.layouts import Blend
+from ..applications.morph import MorphStep
+from ..applications.morph_settings import MorphSettings
+from ..bridge.exports import export_frames
+from ..bridge.files import checked_target
+from ..bridge.imports import import_objects, parse_source
+from ..bridge.outputs import save_as
+from .answer import Answer
+from .morph_baking import baked, prepared_job, rendered, report, run_job
+from .morph_choices import Computing, between_of, blends_of, computing_of, export_format, settings_of
+
+
+def run_morph(options: Namespace) -> Answer:
+    """Bake a morph, or some of its frames into a cache.
+
+    Raises
+    ------
+    InputError, ResourceError
+        Shapes or options that cannot work.
+    """
+    settings = settings_of(options)
+    blends = blends_of(options, len(options.shapes))
+    between = None
+    if options.at is not None:
+        between = between_of(options, blends)
+        blends = [place.blend for place in places_at(between.path, between.numbers)]
+    # Everything that can be refused is refused before the work begins.
+    target = options.out.with_suffix(".blend")
+    if options.frames_range is None:
+        target = checked_target(target)
+    exported = export_format(options.export) if options.export else None
+    computing = computing_of(options, blends, between)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    inputs = []
+    for text in options.shapes:
+        source = parse_source(text)
+        inputs += import_objects(source.path, [source.object_name] if source.object_name else None)
+    stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
+    stored["alignment"], stored["scaling"] = (_as_enum(choice) for choice in (options.align, options.scale))
+    if between is not None:
+        stored["at"] = between.numbers
+    if computing.wanted is not None:
+        return _cached(inputs, blends, settings, stored, computing)
+    collection, records = baked(inputs, blends, settings, stored, computing)
+    besides = rendered(collection, target, animated=blends[0].frame is not None) if options.render else []
+    if exported:
+        besides += export_frames(collection, options.export, exported)
+    written = save_as(collection, options.output, target) + besides
+    return report(collection.name, settings, records, written)
+
+
+def _as_enum(choice: str) -> str:
+    return choice.replace("-", "_").upper()
+
+
+def _cached(
+    inputs: list[bpy.types.Object],
+    blends: list[Blend],
+    settings: MorphSettings,
+    stored: dict[str, object],
+    computing: Computing,
+) -> Answer:
+    """Put some frames into the cache and nothing into the scene."""
+    job = prepared_job(inputs, blends, settings, stored)
+    frames, records = [], []
+
+    def note(step: MorphStep) -> None:
+        if step.frame is not None:
+            frames.append(step.frame.blend.frame)
+            records.append(step.frame.record)
+
+    try:
+        run_job(job, computing, note)
+    finally:
+        job.discard()
+    folder = computing.cache.folder
+    print(
+        f"convwass: frames {frames[0]}-{frames[-1]} of {blends[-1].frame} are in {folder}; the same command without "
+        "--frames-range makes the .blend once all are",
+        file=sys.stderr,
+    )
+    record = {"settings": settings.as_dict(), "range": [frames[0], frames[-1]], "frames": records}
+    return Answer.of_files(record, [folder])
