@@ -9,6 +9,7 @@ import math
 
 import bpy
 
+from ..errors import ConvwassError
 from .stored import stored_morph
 
 SIGNATURES_KEY = "convwass_signatures"
@@ -41,7 +42,8 @@ def changed_inputs(collection: bpy.types.Collection) -> list[str]:
     try:
         known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
         names = stored_morph(collection).inputs
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, ConvwassError):
+        # A damaged description is told of where it is used.
         return []
     if not isinstance(known, list) or len(known) != len(names):
         return []

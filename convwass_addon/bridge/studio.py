@@ -111,7 +111,7 @@ class Studio:
             lamp = self._keep(bpy.data.lights.new(name, "SUN"))
             lamp.energy, lamp.angle, lamp.color = strength, math.radians(width), color
             direction = View(view.azimuth + math.radians(turn), math.radians(elevation))
-            self._add(name, lamp).matrix_world = _matrix(Pose(middle, direction))
+            self._add(name, lamp).matrix_world = pose_matrix(Pose(middle, direction))
         return 3.0 * radius * FLOOR_REACH
 
     def look_flat(self, pose: Pose, width: float, depth: float) -> None:
@@ -121,7 +121,7 @@ class Studio:
         camera.sensor_fit = "HORIZONTAL"
         camera.ortho_scale = width
         camera.clip_start, camera.clip_end = depth * 1e-3, depth
-        self._camera.matrix_world = _matrix(pose)
+        self._camera.matrix_world = pose_matrix(pose)
 
     def look(self, pose: Pose, depth: float) -> None:
         """Look with perspective, as far as `depth`."""
@@ -129,7 +129,7 @@ class Studio:
         camera.sensor_fit = "HORIZONTAL"
         camera.angle = 2.0 * math.atan(LENS)
         camera.clip_start, camera.clip_end = depth * 1e-4, depth
-        self._camera.matrix_world = _matrix(pose)
+        self._camera.matrix_world = pose_matrix(pose)
 
     def set_quality(self, resolution: tuple[int, int], samples: int) -> None:
         """Set the picture's size in pixels and the number of light paths per pixel, more of them without a denoiser."""
@@ -265,7 +265,7 @@ def opening(resolution: tuple[int, int]) -> tuple[float, float]:
     return LENS * (1.0 - MARGIN), LENS * (1.0 - MARGIN) * height / width
 
 
-def _matrix(pose: Pose) -> Matrix:
+def pose_matrix(pose: Pose) -> Matrix:
     """Return the world matrix of a camera or lamp."""
     matrix = np.eye(4)
     matrix[:3, :3] = pose.view.axes.T

@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The colors of heat maps, for materials, color attributes and nodes alike."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+# Dark to bright evenly for the eye, so that nothing stands out but what is larger; sRGB.
+_STOPS = ("1a1423", "3b1f52", "6b2569", "a32d63", "d5474b", "f0752f", "f8b13e", "fbf2b5")
+
+
+def heat_stops() -> NDArray[np.float64]:
+    """Return the colors at even steps from 0 to 1, scene linear RGBA, (k, 4)."""
+    srgb = np.array([[int(stop[place : place + 2], 16) for place in (0, 2, 4)] for stop in _STOPS]) / 255.0
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    return np.concatenate([linear, np.ones((len(linear), 1))], axis=1)
+
+
+def heat_colors(values: ArrayLike) -> NDArray[np.float64]:
+    """Return the colors of values from 0 to 1, (n,), as scene linear RGBA, (n, 4); others have those of the ends."""
+    stops = heat_stops()
+    places = np.linspace(0.0, 1.0, len(stops))
+    return np.stack([np.interp(values, places, channel) for channel in stops.T], axis=1)
+
+
+def fill_ramp(ramp: bpy.types.ColorRamp) -> None:
+    """Give a color ramp the colors of `heat_colors`."""
+    stops = heat_stops()
+    ramp.interpolation = "LINEAR"
+    # A new ramp has two elements, at its ends.
+    for place in np.linspace(0.0, 1.0, len(stops))[1:-1]:
+        ramp.elements.new(float(place))
+    for element, color in zip(ramp.elements, stops, strict=True):
+        element.color = color

@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces on which densities move: the vertices of an object's own mesh, where modifiers put them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry.mesh import TriangleMesh
+from .mesh_checks import readable_mesh
+
+# fmt: off
+KEEPS_VERTICES = frozenset((
+    "ARMATURE", "CAST", "CLOTH", "COLLISION", "CORRECTIVE_SMOOTH", "CURVE", "DATA_TRANSFER", "DISPLACE",
+    "DYNAMIC_PAINT", "HOOK", "LAPLACIANDEFORM", "LAPLACIANSMOOTH", "LATTICE", "MESH_CACHE", "MESH_DEFORM",
+    "NORMAL_EDIT", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "SOFT_BODY", "SURFACE", "SURFACE_DEFORM",
+    "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY", "WARP",
+    "WAVE", "WEIGHTED_NORMAL",
+))
+# fmt: on
+"""Types of modifiers that move vertices or leave them alone."""
+
+MAY_KEEP_VERTICES = frozenset(("NODES", "MESH_SEQUENCE_CACHE"))
+"""Types of modifiers that have to be tried."""
+
+
+@dataclass(frozen=True)
+class SurfaceReading:
+    """A surface and what was left out of it.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        World space; vertex i is vertex i of the object's own mesh.
+    ignored : tuple of str
+        Names of modifiers that are shown in the viewport and were not heeded, since they make other vertices.
+    """
+
+    mesh: TriangleMesh
+    ignored: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A mesh in local space.
+
+    Attributes
+    ----------
+    vertices : (n, 3) float32
+        Positions.
+    faces : (m, 3) int32
+        Triangles.
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class _Topology:
+    """What tells whether two meshes have the same vertices: how many, and which is at every corner of every face."""
+
+    count: int
+    corners: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, mesh: bpy.types.Mesh) -> _Topology:
+        return cls(len(mesh.vertices), _corner_vertices(mesh))
+
+    def is_that_of(self, mesh: bpy.types.Mesh) -> bool:
+        return self.count == len(mesh.vertices) and np.array_equal(self.corners, _corner_vertices(mesh))
+
+
+def surface_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
+    """Return the mesh of `read_surface`."""
+    return read_surface(obj, depsgraph).mesh
+
+
+def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> SurfaceReading:
+    """Read the surface of an object as it stands in the scene, vertex by vertex of its own mesh.
+
+    Shape keys are as they are now, and modifiers that move vertices are heeded: those that make others, such as
+    Subdivision Surface, are left out. Hidden and masked faces belong to the surface; vertices without faces are kept
+    and belong to no triangle.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object, as it is in the file (not an evaluated one), in any mode, hidden or not.
+    depsgraph : bpy.types.Depsgraph
+        ``context.evaluated_depsgraph_get()``; brought up to date here.
+
+    Raises
+    ------
+    InputError
+        Not a mesh, no faces or none with an area, or coordinates that are not numbers.
+    """
+    topology = _Topology.of(readable_mesh(obj))
+    depsgraph.update()
+    evaluated = obj.evaluated_get(depsgraph)
+    if evaluated.is_evaluated:
+        shape = _shape_if(topology, evaluated)
+        if shape is not None:
+            return SurfaceReading(_world(obj, shape, np.array(evaluated.matrix_world)))
+    with _probe(obj, depsgraph) as probe:
+        shape = _without_builders(probe, topology, depsgraph) or _shape(obj.data)
+        kept = {modifier.name for modifier in probe.modifiers if modifier.show_viewport}
+        matrix = np.array(probe.evaluated_get(depsgraph).matrix_world)
+    shown = [modifier.name for modifier in obj.modifiers if modifier.show_viewport]
+    return SurfaceReading(_world(obj, shape, matrix), tuple(name for name in shown if name not in kept))
+
+
+@contextmanager
+def _probe(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    """Give a copy of an object that is evaluated, though the object be hidden, and that may lose its modifiers."""
+    probe = obj.copy()
+    probe.hide_viewport = False
+    depsgraph.scene.collection.objects.link(probe)
+    try:
+        yield probe
+    finally:
+        bpy.data.objects.remove(probe)
+
+
+def _without_builders(probe: bpy.types.Object, topology: _Topology, depsgraph: bpy.types.Depsgraph) -> _Shape | None:
+    """Let an object keep only those of its modifiers that keep the vertices, and return its shape."""
+
+    def seen() -> _Shape | None:
+        depsgraph.update()
+        evaluated = probe.evaluated_get(depsgraph)
+        return _shape_if(topology, evaluated) if evaluated.is_evaluated else None
+
+    for modifier in list(probe.modifiers):
+        if modifier.type not in KEEPS_VERTICES | MAY_KEEP_VERTICES:
+            probe.modifiers.remove(modifier)
+    shape = seen()
+    doubtful = [modifier for modifier in probe.modifiers if modifier.show_viewport]
+    if shape is not None or not doubtful:
+        return shape
+    for modifier in doubtful:
+        modifier.show_viewport = False
+    for modifier in doubtful:
+        modifier.show_viewport = True
+        if modifier.type in MAY_KEEP_VERTICES and seen() is None:
+            modifier.show_viewport = False
+    return seen()
+
+
+def _shape_if(topology: _Topology, evaluated: bpy.types.Object) -> _Shape | None:
+    """Return the shape of an evaluated object, if it has the vertices that it should have."""
+    try:
+        mesh = evaluated.to_mesh()
+        return _shape(mesh) if topology.is_that_of(mesh) else None
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _shape(mesh: bpy.types.Mesh) -> _Shape:
+    vertices = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+    _read(mesh, ("position", "vector"), (mesh.vertices, "co"), vertices.ravel())
+    if len(mesh.loops) == 3 * len(mesh.polygons):
+        return _Shape(vertices, _corner_vertices(mesh).reshape(-1, 3))
+    mesh.calc_loop_triangles()
+    faces = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", faces.ravel())
+    return _Shape(vertices, faces)
+
+
+def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """Return the vertex at every corner of every polygon."""
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    _read(mesh, (".corner_vert", "value"), (mesh.loops, "vertex_index"), corners)
+    return corners
+
+
+def _read(
+    mesh: bpy.types.Mesh,
+    attribute: tuple[str, str],
+    items: tuple[bpy.types.bpy_prop_collection, str],
+    values: NDArray[np.generic],
+) -> None:
+    """Fill an array from an attribute, or from the items that show it: that takes a hundred times as long.
+
+    In Edit Mode attributes are those of what is being edited, and cannot be read.
+    """
+    name, part = attribute
+    if not mesh.is_editmode and name in mesh.attributes:
+        mesh.attributes[name].data.foreach_get(part, values)
+    else:
+        items[0].foreach_get(items[1], values)
+
+
+def _has_area(mesh: TriangleMesh) -> bool:
+    """Tell whether some triangle has an area; the first ones will do, as a rule."""
+    for start in range(0, len(mesh.faces), 4096):
+        a, b, c = mesh.vertices[mesh.faces[start : start + 4096]].swapaxes(0, 1)
+        if np.cross(b - a, c - a).any():
+            return True
+    return False
+
+
+def _world(obj: bpy.types.Object, shape: _Shape, matrix: NDArray[np.float64]) -> TriangleMesh:
+    """Bring a shape to world space and check that densities can lie on it."""
+    if not len(shape.faces):
+        raise InputError("{object} has no faces; choose an object with a surface.", object=obj.name)
+    if not np.isfinite(matrix).all():
+        raise InputError(
+            "{object}: its location, rotation or scale is not a number (NaN or infinite).", object=obj.name
+        )
+    bad = int((~np.isfinite(shape.vertices)).any(axis=1).sum())
+    if bad:
+        raise InputError(
+            "{object}: {bad} of {count} vertices have coordinates that are not numbers (NaN or infinite); "
+            "delete them, or the modifier that makes them.",
+            object=obj.name,
+            bad=bad,
+            count=len(shape.vertices),
+        )
+    vertices = shape.vertices.astype(np.float64)
+    mesh = TriangleMesh.from_arrays(vertices @ matrix[:3, :3].T + matrix[:3, 3], shape.faces)
+    if not _has_area(mesh):
+        raise InputError("The surface of {object} has no area; look at its scale in Item > Transform.", object=obj.name)
+    return mesh.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else mesh

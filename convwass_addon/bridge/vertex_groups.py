@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertex groups as arrays, and arrays as vertex groups."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from .mesh_checks import readable_mesh, writable_mesh
+from .sequence import frame_group, own_geometry
+
+# Names of attributes that are there for a moment.
+_READ, _WRITTEN = "convwass read {}", "convwass written"
+
+
+def group_names(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the vertex groups of an object, in their order."""
+    return obj.vertex_groups.keys()
+
+
+def read_group(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
+    """Return the weight of every vertex in a group, (n,); 0 for those that are not in it.
+
+    The object may be in Weight Paint or Edit Mode: what is seen there is read.
+
+    Raises
+    ------
+    InputError
+        Not a mesh, or it has no such group.
+    """
+    return read_groups(obj, [name])[0]
+
+
+def read_groups(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float64]:
+    """Return the weights of every vertex in several groups, (k, n), in a few milliseconds for any size of mesh.
+
+    Raises
+    ------
+    InputError
+        As `read_group`.
+    """
+    mesh = readable_mesh(obj)
+    for name in names:
+        if name not in obj.vertex_groups:
+            raise InputError(
+                "{object} has no vertex group {name}; it has: {groups}.",
+                object=obj.name,
+                name=name,
+                groups=", ".join(group_names(obj)) or "none",
+            )
+    # Nodes cannot tell a group from an attribute of the same name.
+    hidden = [name for name in names if name in mesh.attributes]
+    weights = _by_nodes(mesh, names)
+    for name in hidden:
+        weights[list(names).index(name)] = _one_by_one(mesh, obj.vertex_groups[name].index)
+    return weights
+
+
+def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.types.VertexGroup:
+    """Write a group; made if it is missing. Its place in the list and the other groups stay.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        In any mode but Edit Mode.
+    name : str
+        Of the group.
+    weights : (n,) array_like
+        From 0 to 1; vertices of weight 0 are not in the group. Densities are brought there by `as_weights`.
+
+    Raises
+    ------
+    InputError
+        Not a mesh, in Edit Mode, linked, a locked group, or a name that is too long.
+    """
+    mesh = writable_mesh(obj)
+    values = _checked(weights, len(mesh.vertices))
+    group = obj.vertex_groups.get(name)
+    if group is not None and group.lock_weight:
+        raise InputError("The group {name} is locked; unlock it, or choose another name.", name=name)
+    active, active_attribute = obj.vertex_groups.active_index, mesh.attributes.active_index
+    try:
+        _convert(obj, mesh, values)
+        _take_the_place(obj, obj.vertex_groups[-1], name)
+    finally:
+        mesh.attributes.active_index = active_attribute
+        obj.vertex_groups.active_index = max(active, 0)
+    mesh.update()
+    return obj.vertex_groups[name]
+
+
+def as_weights(density: ArrayLike) -> NDArray[np.float64]:
+    """Scale a density, or several, so that the largest value is 1; negative values become 0."""
+    values = np.maximum(np.asarray(density, dtype=np.float64), 0.0)
+    largest = float(values.max(initial=0.0))
+    return values / largest if largest > 0.0 else values
+
+
+def _checked(weights: ArrayLike, count: int) -> NDArray[np.float32]:
+    values = np.ascontiguousarray(weights, dtype=np.float32)
+    if values.shape != (count,):
+        raise ValueError(f"{values.shape} weights for {count} vertices")
+    if not (np.isfinite(values).all() and values.min(initial=0.0) >= 0.0 and values.max(initial=0.0) <= 1.0):
+        raise ValueError("weights are not from 0 to 1")
+    return values
+
+
+def _by_nodes(mesh: bpy.types.Mesh, names: Sequence[str]) -> NDArray[np.float64]:
+    """Let geometry nodes copy groups to attributes, which can be read at once; Python asks vertex by vertex.
+
+    That happens in a scene of its own, so that nothing else is evaluated.
+    """
+    edited = mesh.copy() if mesh.is_editmode else None
+    scene = bpy.data.scenes.new("Vertex Groups")
+    probe = bpy.data.objects.new("Vertex Groups", edited or mesh)
+    tree = _copying_tree(names)
+    try:
+        probe.modifiers.new("Vertex Groups", "NODES").node_group = tree
+        scene.collection.objects.link(probe)
+        layer = scene.view_layers[0]
+        layer.update()
+        attributes = probe.evaluated_get(layer.depsgraph).data.attributes
+        weights = np.empty((len(names), len(mesh.vertices)), dtype=np.float32)
+        for place, row in enumerate(weights):
+            attributes[_READ.format(place)].data.foreach_get("value", row)
+        return weights.astype(np.float64)
+    finally:
+        bpy.data.scenes.remove(scene)
+        bpy.data.batch_remove([probe, tree, *([edited] if edited else [])])
+
+
+def _copying_tree(names: Sequence[str]) -> bpy.types.NodeTree:
+    tree = frame_group("Vertex Groups")
+    geometry = own_geometry(tree)
+    for place, name in enumerate(names):
+        source = tree.nodes.new("GeometryNodeInputNamedAttribute")
+        source.inputs["Name"].default_value = name
+        stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+        stored.inputs["Name"].default_value = _READ.format(place)
+        tree.links.new(source.outputs["Attribute"], stored.inputs["Value"])
+        tree.links.new(geometry, stored.inputs["Geometry"])
+        geometry = stored.outputs["Geometry"]
+    tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    return tree
+
+
+def _one_by_one(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float64]:
+    weights = np.zeros(len(mesh.vertices))
+    for vertex in mesh.vertices:
+        for entry in vertex.groups:
+            if entry.group == index:
+                weights[vertex.index] = entry.weight
+    return weights
+
+
+def _convert(obj: bpy.types.Object, mesh: bpy.types.Mesh, values: NDArray[np.float32]) -> None:
+    """Make a last group of these weights by Blender's own conversion of an attribute: no other call takes all at once.
+
+    It works on objects that are hidden or in no scene, too.
+    """
+    attribute = mesh.attributes.new(_WRITTEN, "FLOAT", "POINT")
+    attribute.data.foreach_set("value", values)
+    mesh.attributes.active = attribute
+    with bpy.context.temp_override(object=obj, active_object=obj):
+        bpy.ops.geometry.attribute_convert(mode="VERTEX_GROUP")
+
+
+def _take_the_place(obj: bpy.types.Object, made: bpy.types.VertexGroup, name: str) -> None:
+    """Give the last group a name; of a group that has it already it takes the place."""
+    groups, old = obj.vertex_groups, obj.vertex_groups.get(name)
+    steps = 0
+    if old is not None and old != made:
+        steps = len(groups) - 2 - old.index
+        groups.remove(old)
+    made = groups[-1]
+    made.name = name
+    if made.name != name:
+        groups.remove(made)
+        raise InputError("{name} is too long for the name of a vertex group; choose a shorter one.", name=name)
+    groups.active_index = made.index
+    with bpy.context.temp_override(object=obj, active_object=obj):
+        for _ in range(steps):
+            bpy.ops.object.vertex_group_move(direction="UP")

@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertex groups as arrays, in every mode in which a user may leave the object."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+
+from convwass_addon.bridge.vertex_groups import as_weights, group_names, read_group, read_groups, write_group
+from convwass_addon.errors import InputError
+
+WEIGHTS = np.array([0.0, 1.0, 0.25, 0.25, 0.123456789, 1e-6])
+
+
+@pytest.fixture
+def obj(make_object):
+    obj = make_object("A")
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def slowly(obj, name):
+    """Read a group by Blender's own way for single vertices."""
+    index = obj.vertex_groups[name].index
+    return [{own.group: own.weight for own in vertex.groups}.get(index, 0.0) for vertex in obj.data.vertices]
+
+
+def test_written_groups_read_back(obj, inventory):
+    before = inventory()
+    group = write_group(obj, "Head", WEIGHTS)
+    assert group.name == "Head"
+    assert read_group(obj, "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+    assert slowly(obj, "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+    assert [len(vertex.groups) for vertex in obj.data.vertices] == [0, 1, 1, 1, 1, 1]
+    assert inventory() == before
+
+
+def test_other_groups_stay(obj):
+    write_group(obj, "Before", WEIGHTS[::-1])
+    for weights in (WEIGHTS, 1 - WEIGHTS, np.zeros(6)):
+        write_group(obj, "Head", weights)
+        write_group(obj, "After", WEIGHTS)
+        assert group_names(obj) == ["Before", "Head", "After"]
+        found = read_groups(obj, ["Head", "After", "Before"])
+        np.testing.assert_allclose(found, [weights, WEIGHTS, WEIGHTS[::-1]], rtol=1e-6)
+
+
+def test_what_is_active_stays_active(obj):
+    obj.vertex_groups.new(name="First")
+    obj.vertex_groups.new(name="Second")
+    obj.vertex_groups.active_index = 0
+    mark = obj.data.attributes.new("mark", "INT", "POINT")
+    obj.data.attributes.active = mark
+    names = obj.data.attributes.keys()
+    write_group(obj, "Head", WEIGHTS)
+    assert obj.vertex_groups.active.name == "First"
+    assert obj.data.attributes.active.name == "mark"
+    assert obj.data.attributes.keys() == names
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(weights=st.lists(st.floats(0, 1, width=32), min_size=6, max_size=6), name=st.sampled_from(["New", "Old"]))
+def test_any_weights(obj, weights, name):
+    obj.vertex_groups.clear()
+    write_group(obj, "Old", np.ones(6))
+    write_group(obj, name, weights)
+    assert read_group(obj, name).tolist() == weights
+    assert slowly(obj, name) == weights
+
+
+@pytest.mark.parametrize("name", ["position", "mark", 'Ünï "quote" [1]', ".hidden", "convwass written"])
+def test_any_name(obj, name):
+    obj.data.attributes.new("mark", "FLOAT", "POINT").data.foreach_set("value", np.full(6, 7, np.float32))
+    write_group(obj, name, WEIGHTS)
+    assert read_group(obj, name) == pytest.approx(WEIGHTS, rel=1e-6)
+    assert group_names(obj) == [name]
+
+
+def test_names_that_are_too_long(obj):
+    with pytest.raises(InputError, match="is too long for the name of a vertex group"):
+        write_group(obj, "x" * 100, WEIGHTS)
+    assert group_names(obj) == []
+
+
+def test_missing_groups_are_named(obj):
+    with pytest.raises(InputError, match="A has no vertex group Head; it has: none"):
+        read_group(obj, "Head")
+    obj.vertex_groups.new(name="Tail")
+    with pytest.raises(InputError, match="it has: Tail"):
+        read_groups(obj, ["Tail", "Head"])
+
+
+def test_a_locked_group_is_not_written(obj):
+    write_group(obj, "Head", WEIGHTS).lock_weight = True
+    with pytest.raises(InputError, match="The group Head is locked"):
+        write_group(obj, "Head", 1 - WEIGHTS)
+    assert read_group(obj, "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+
+
+def test_objects_that_are_no_meshes(bare_scene):
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    with pytest.raises(InputError, match="Lamp is not a mesh but of type light"):
+        read_group(lamp, "Head")
+    with pytest.raises(InputError, match="Lamp is not a mesh"):
+        write_group(lamp, "Head", WEIGHTS)
+
+
+def test_weight_paint_mode(obj):
+    write_group(obj, "Head", WEIGHTS)
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    obj.vertex_groups["Head"].add([0], 0.5, "REPLACE")
+    assert read_group(obj, "Head")[0] == 0.5
+    write_group(obj, "Head", WEIGHTS[::-1])
+    write_group(obj, "New", WEIGHTS)
+    assert obj.mode == "WEIGHT_PAINT"
+    np.testing.assert_allclose(read_groups(obj, ["Head", "New"]), [WEIGHTS[::-1], WEIGHTS], rtol=1e-6)
+
+
+def test_edit_mode_is_read_as_it_is_and_not_written(obj):
+    import bmesh
+
+    write_group(obj, "Head", WEIGHTS)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(obj.data)
+    layer = edited.verts.layers.deform.verify()
+    edited.verts.ensure_lookup_table()
+    edited.verts[0][layer][0] = 0.75
+    assert read_group(obj, "Head") == pytest.approx([0.75, *WEIGHTS[1:]], rel=1e-6)
+    with pytest.raises(InputError, match="A is in Edit Mode; leave it with Tab"):
+        write_group(obj, "Head", WEIGHTS)
+    assert obj.mode == "EDIT"
+
+
+def test_edit_mode_of_another_object_with_the_mesh(obj, bare_scene):
+    write_group(obj, "Head", WEIGHTS)
+    twin = obj.copy()
+    bare_scene.collection.objects.link(twin)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert read_group(twin, "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+    with pytest.raises(InputError, match="is in Edit Mode"):
+        write_group(twin, "Head", WEIGHTS)
+
+
+@pytest.mark.parametrize("where", ["hidden", "excluded", "nowhere", "not selected"])
+def test_objects_out_of_sight(obj, bare_scene, where):
+    if where == "hidden":
+        obj.hide_viewport = True
+    if where == "excluded":
+        home = bpy.data.collections.new("Home")
+        bare_scene.collection.children.link(home)
+        home.objects.link(obj)
+        bare_scene.collection.objects.unlink(obj)
+        bpy.context.view_layer.layer_collection.children["Home"].exclude = True
+    if where == "nowhere":
+        bare_scene.collection.objects.unlink(obj)
+    bpy.context.view_layer.objects.active = None
+    write_group(obj, "Head", WEIGHTS)
+    write_group(obj, "Head", WEIGHTS[::-1])
+    assert read_group(obj, "Head") == pytest.approx(WEIGHTS[::-1], rel=1e-6)
+
+
+def test_shape_keys_and_modifiers_do_not_matter(obj):
+    for name in ("Basis", "Smile"):
+        obj.shape_key_add(name=name)
+    obj.modifiers.new("Subdivision", "SUBSURF")
+    obj.modifiers.new("Mask", "MASK").vertex_group = "Head"
+    write_group(obj, "Head", WEIGHTS)
+    assert read_group(obj, "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+    assert len(obj.data.shape_keys.key_blocks) == 2
+
+
+def test_linked_objects_are_read_and_not_written(obj, tmp_path, inventory):
+    write_group(obj, "Head", WEIGHTS)
+    file = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(file), link=True) as (_, target):
+        target.objects = ["A"]
+    before = inventory()
+    assert read_group(target.objects[0], "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+    with pytest.raises(InputError, match="A is linked from another file"):
+        write_group(target.objects[0], "Head", WEIGHTS)
+    assert inventory() == before
+
+
+@pytest.mark.parametrize("weights", [np.ones(5), np.full(6, 1.5), np.full(6, -0.1), np.full(6, np.nan)])
+def test_weights_that_do_not_fit(obj, weights):
+    with pytest.raises(ValueError, match="weights"):
+        write_group(obj, "Head", weights)
+    assert group_names(obj) == []
+
+
+def test_densities_as_weights():
+    np.testing.assert_array_equal(as_weights([[0, 4], [-1, 2]]), [[0, 1], [0, 0.5]])
+    np.testing.assert_array_equal(as_weights([0, 0]), [0, 0])
