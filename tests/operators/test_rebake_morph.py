@@ -43,6 +43,11 @@ def shapes(morph):
     return [bpy.data.objects[name] for name in stored_morph(morph).inputs]
 
 
+def test_a_damaged_description_does_not_stop_the_panel(morph):
+    morph["convwass_morph"] = "{"
+    assert changed_inputs(morph) == []
+
+
 def test_a_changed_shape_is_noticed_and_baked_again(morph):
     name, width = morph.name, middle_width(morph)
     assert changed_inputs(morph) == []
