@@ -24,7 +24,11 @@ from .bridge.stored import FIRST_FRAMES
 OUTPUTS = (
     ("OBJECTS", "Objects", "One mesh object per frame, each visible in its frame alone"),
     ("PLAYER", "Player", "One object with a value to animate that chooses the mesh; for a sheet, a pad to drag on"),
-    ("VOLUME", "Volume", "VDB files beside the .blend, and a mesh made of them whose level and smoothing stay editable"),
+    (
+        "VOLUME",
+        "Volume",
+        "VDB files beside the .blend, and a mesh made of them whose level and smoothing stay editable",
+    ),
     ("CACHE", "Cache", "An Alembic file beside the .blend, and one object that reads it"),
 )
 """What a bake makes, as items of an enum."""

@@ -16,6 +16,7 @@ from ..bridge.stand_ins import shown_morph
 from ..bridge.stored import MORPH_KEY, stored_inputs, stored_morph, stored_settings
 from ..errors import ConvwassError
 from ..properties import stored_arguments
+from .background import is_idle
 from .reporting import refuse
 
 
@@ -44,10 +45,7 @@ def is_free_to_bake(operator: type[bpy.types.Operator], context: bpy.types.Conte
     if context.mode != "OBJECT":
         operator.poll_message_set("Go to Object Mode first")
         return False
-    if context.window_manager.convwass_progress.running:
-        operator.poll_message_set("A morph is being baked; press Esc in the viewport to stop it")
-        return False
-    return True
+    return is_idle(operator, context)
 
 
 class OnActiveMorph:

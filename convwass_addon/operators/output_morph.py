@@ -53,7 +53,7 @@ class _OutputMorph(OnActiveMorph):
 
 
 class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
-    """Move the active morph to VDB files, shown by a Volume object and a mesh whose level and smoothing stay editable"""
+    """Move the active morph to VDB files, shown by a Volume object and a mesh of editable level and smoothing"""
 
     bl_idname = "convwass.make_volume"
     bl_label = "Make Volume"

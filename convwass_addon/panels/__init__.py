@@ -6,6 +6,6 @@ from __future__ import annotations
 
 import bpy
 
-from . import baked, morph
+from . import baked, densities, morph
 
-register, unregister = bpy.utils.register_classes_factory((*morph.classes, *baked.classes))
+register, unregister = bpy.utils.register_classes_factory((*morph.classes, *baked.classes, *densities.classes))

@@ -8,7 +8,8 @@ import bpy
 from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..operators.bake_morph import CONVWASS_OT_bake_morph, CONVWASS_OT_stop_bake
+from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.bake_morph import CONVWASS_OT_bake_morph
 from ..operators.edit_inputs import (
     CONVWASS_OT_add_inputs,
     CONVWASS_OT_check_inputs,

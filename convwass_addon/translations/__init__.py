@@ -8,11 +8,11 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..sentence import Sentence
-from . import french, french_messages, german, german_messages
+from . import french, french_densities, french_messages, german, german_densities, german_messages
 
 TABLES: dict[str, dict[str, str]] = {
-    "de_DE": german.TEXTS | german_messages.TEXTS,
-    "fr_FR": french.TEXTS | french_messages.TEXTS,
+    "de_DE": german.TEXTS | german_messages.TEXTS | german_densities.TEXTS,
+    "fr_FR": french.TEXTS | french_messages.TEXTS | french_densities.TEXTS,
 }
 """For every language, the translation of every English text."""
 

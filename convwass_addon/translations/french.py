@@ -6,7 +6,6 @@ from __future__ import annotations
 
 TEXTS: dict[str, str] = {
     "0 is smooth and may melt details, 1 is crisp and may tear": "0 est lisse et peut fondre les détails, 1 est net et peut déchirer",
-    "A morph is being baked; press Esc in the viewport to stop it": "Un morphing est en cours de calcul ; Échap dans la vue 3D l'arrête",
     "Active": "Actif",
     "Active Input": "Entrée active",
     "Add Inputs": "Ajouter des entrées",
@@ -74,8 +73,6 @@ TEXTS: dict[str, str] = {
     "Entropy Limit": "Entropie max",
     "Equal Volume": "Volume égal",
     "Stop": "Arrêter",
-    "Stop the bake that is running; frames that are finished are kept, as with Esc in the viewport": "Arrête le calcul en cours ; les images finies sont gardées, comme avec Échap dans la vue 3D",
-    "No morph is being baked": "Aucun morphing n'est en cours de calcul",
     "The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it": "Les maillages ajoutent environ {:.0f} Mo au fichier ; créer un cache ou un volume les garde à côté",
     "{:s}, about {:d} s left": "{:s}, encore {:d} s environ",
     "Every face belongs to its material": "Chaque face appartient à son matériau",
@@ -137,7 +134,7 @@ TEXTS: dict[str, str] = {
     "Morphs": "Morphings",
     "Move Input": "Déplacer l'entrée",
     "Move a shape to another place on the list, which is the order of the morph": "Déplacer une forme dans la liste, dont l'ordre est celui du morphing",
-    "Move the active morph to VDB files, shown by a Volume object and a mesh whose level and smoothing stay editable": "Déplacer le morphing actif vers des fichiers VDB, montrés par un objet volume et un maillage dont le niveau et le lissage restent modifiables",
+    "Move the active morph to VDB files, shown by a Volume object and a mesh of editable level and smoothing": "Déplacer le morphing actif vers des fichiers VDB, montrés par un objet volume et un maillage dont le niveau et le lissage restent modifiables",
     "Move the active morph to an Alembic or USD file, shown by one object with a Mesh Sequence Cache": "Déplacer le morphing actif vers un fichier Alembic ou USD, montré par un objet avec un cache de séquence de maillage",
     "Name of a morph's collection whose frames the new ones take the place of; empty for a new morph": "Nom de la collection d'un morphing dont les images sont remplacées par les nouvelles ; vide pour un nouveau morphing",
     "Names of morphs to bake again when this one is done, one per line": "Noms des morphings à précalculer à nouveau quand celui-ci est prêt, un par ligne",

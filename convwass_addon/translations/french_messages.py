@@ -89,6 +89,7 @@ TEXTS: dict[str, str] = {
     "The cluster at {address} does not know {package}; start its scheduler and its workers with a Python that has the same packages as this one.": "Le cluster à {address} ne connaît pas {package} ; démarrer son ordonnanceur et ses workers avec un Python qui a les mêmes paquets que celui-ci.",
     "The collection {name} holds no frames of a morph; bake one first.": "La collection {name} ne contient aucune image d'un morphing ; en précalculer un d'abord.",
     "The collection {name} is not a morph; choose one that was made by Bake Morph.": "La collection {name} n'est pas un morphing ; en choisir une créée par « Précalculer le morphing ».",
+    "The entropy limit must be 'between', 'max', a number, or off.": "L'entropie maximale doit être « between », « max », un nombre, ou désactivée.",
     "The entropy limit must be 'max', a number, or off.": "L'entropie maximale doit être « max », un nombre, ou désactivée.",
     "The entropy to sharpen to must be a number, got {limit}.": "L'entropie à atteindre doit être un nombre, et non {limit}.",
     "The first frame must be from {first} to {last}, not {first_frame}.": "La première image doit être comprise entre {first} et {last}, et non {first_frame}.",

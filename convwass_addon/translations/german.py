@@ -6,7 +6,6 @@ from __future__ import annotations
 
 TEXTS: dict[str, str] = {
     "0 is smooth and may melt details, 1 is crisp and may tear": "0 ist weich und kann Einzelheiten verschmelzen, 1 ist scharf und kann reißen",
-    "A morph is being baked; press Esc in the viewport to stop it": "Ein Morph wird gerade gebacken; Esc in der 3D-Ansicht bricht ab",
     "Active": "Aktiver",
     "Active Input": "Aktive Eingabe",
     "Add Inputs": "Eingaben hinzufügen",
@@ -74,8 +73,6 @@ TEXTS: dict[str, str] = {
     "Entropy Limit": "Entropiegrenze",
     "Equal Volume": "Gleiches Volumen",
     "Stop": "Abbrechen",
-    "Stop the bake that is running; frames that are finished are kept, as with Esc in the viewport": "Bricht das laufende Backen ab; fertige Bilder bleiben, wie bei Esc in der 3D-Ansicht",
-    "No morph is being baked": "Es wird kein Morph gebacken",
     "The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it": "Die Netze machen die Datei um etwa {:.0f} MB größer; Cache erzeugen oder Volumen erzeugen legt sie daneben ab",
     "{:s}, about {:d} s left": "{:s}, noch etwa {:d} s",
     "Every face belongs to its material": "Jede Fläche gehört zu ihrem Material",
@@ -137,7 +134,7 @@ TEXTS: dict[str, str] = {
     "Morphs": "Morphs",
     "Move Input": "Eingabe verschieben",
     "Move a shape to another place on the list, which is the order of the morph": "Eine Form an einen anderen Platz der Liste verschieben, deren Reihenfolge die des Morphs ist",
-    "Move the active morph to VDB files, shown by a Volume object and a mesh whose level and smoothing stay editable": "Den aktiven Morph in VDB-Dateien auslagern, gezeigt von einem Volumenobjekt und einem Netz, dessen Schwelle und Glättung änderbar bleiben",
+    "Move the active morph to VDB files, shown by a Volume object and a mesh of editable level and smoothing": "Den aktiven Morph in VDB-Dateien auslagern, gezeigt von einem Volumenobjekt und einem Netz, dessen Schwelle und Glättung änderbar bleiben",
     "Move the active morph to an Alembic or USD file, shown by one object with a Mesh Sequence Cache": "Den aktiven Morph in eine Alembic- oder USD-Datei auslagern, gezeigt von einem Objekt mit Netzsequenz-Cache",
     "Name of a morph's collection whose frames the new ones take the place of; empty for a new morph": "Name der Sammlung eines Morphs, dessen Bilder durch die neuen ersetzt werden; leer für einen neuen Morph",
     "Names of morphs to bake again when this one is done, one per line": "Namen von Morphs, die erneut gebacken werden, wenn dieser fertig ist, einer je Zeile",

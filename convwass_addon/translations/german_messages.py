@@ -89,6 +89,7 @@ TEXTS: dict[str, str] = {
     "The cluster at {address} does not know {package}; start its scheduler and its workers with a Python that has the same packages as this one.": "Der Cluster unter {address} kennt {package} nicht; seinen Scheduler und seine Worker mit einem Python starten, das dieselben Pakete hat wie dieses.",
     "The collection {name} holds no frames of a morph; bake one first.": "Die Sammlung {name} enthält keine Bilder eines Morphs; erst einen backen.",
     "The collection {name} is not a morph; choose one that was made by Bake Morph.": "Die Sammlung {name} ist kein Morph; eine wählen, die mit „Morph backen“ entstanden ist.",
+    "The entropy limit must be 'between', 'max', a number, or off.": "Die Entropiegrenze muss „between“, „max“, eine Zahl oder aus sein.",
     "The entropy limit must be 'max', a number, or off.": "Die Entropiegrenze muss „max“, eine Zahl oder aus sein.",
     "The entropy to sharpen to must be a number, got {limit}.": "Die Entropie, auf die geschärft wird, muss eine Zahl sein, nicht {limit}.",
     "The first frame must be from {first} to {last}, not {first_frame}.": "Das erste Bild muss zwischen {first} und {last} liegen, nicht bei {first_frame}.",

@@ -52,6 +52,10 @@ class FakeLayout:
         arguments = self.operator(name, text, icon)
         assert prop in arguments._names
 
+    def prop_search(self, data, name, search_data, search_property, text=None, icon="NONE", **_options):
+        assert search_property in search_data.bl_rna.properties
+        self.prop(data, name, text, icon)
+
     def progress(self, factor=0.0, text="", **_options):
         assert 0.0 <= factor <= 1.0
         self.drawn.append(("progress", text))

@@ -22,8 +22,8 @@ pytestmark = pytest.mark.usefixtures("empty_scene")
 LAYOUTS = ("PATH", "GRID", "TRIANGLE", "BLEND")
 
 
-def panels():
-    names = sorted(name for name in dir(bpy.types) if name.startswith("CONVWASS_PT_"))
+def panels(start="CONVWASS_PT_"):
+    names = sorted(name for name in dir(bpy.types) if name.startswith(start))
     return [getattr(bpy.types, name) for name in names if name != "CONVWASS_PT_solver_presets"]
 
 
@@ -34,8 +34,9 @@ def draw(panel, context=None):
         return []
     layout = FakeLayout()
     shown = SimpleNamespace(layout=layout)
-    if hasattr(panel, "draw_settings"):
-        shown.draw_settings = partial(panel.draw_settings, shown)
+    for name in ("draw_settings", "draw_tools"):
+        if hasattr(panel, name):
+            setattr(shown, name, partial(getattr(panel, name), shown))
     if hasattr(panel, "draw_header_preset"):
         panel.draw_header_preset(shown, context)
     panel.draw(shown, context)
@@ -43,7 +44,9 @@ def draw(panel, context=None):
 
 
 def draw_all(context=None):
-    return [entry for panel in panels() for entry in draw(panel, context)]
+    """Return what the panels of morphs draw; those of densities have tests of their own."""
+    shown = [panel for panel in panels() if "densit" not in panel.__name__]
+    return [entry for panel in shown for entry in draw(panel, context)]
 
 
 def settings():

@@ -42,6 +42,7 @@ MAY_IMPORT = {
     "applications": {"errors", "sentence", "transport", "geometry"},
     "bridge": {"errors", "sentence", "transport", "geometry", "applications"},
     "properties": {"errors", "sentence", "applications", "bridge"},
+    "density_properties": {"errors", "sentence", "applications", "bridge"},
     "presets": set(),
     "solver_presets": {"sentence"},
     "preferences": {"sentence", "solver_presets"},
@@ -51,6 +52,7 @@ MAY_IMPORT = {
         "sentence",
         "applications",
         "bridge",
+        "density_properties",
         "preferences",
         "properties",
         "solver_presets",
@@ -61,6 +63,7 @@ MAY_IMPORT = {
         "sentence",
         "applications",
         "bridge",
+        "density_properties",
         "properties",
         "operators",
         "solver_presets",
@@ -69,7 +72,16 @@ MAY_IMPORT = {
     "console": {"errors", "sentence"},
     "cli": {"errors", "sentence", "applications", "bridge", "console"},
     "__main__": {"cli", "console", "errors", "sentence"},
-    "__init__": {"cli", "operators", "panels", "preferences", "properties", "solver_presets", "translations"},
+    "__init__": {
+        "cli",
+        "density_properties",
+        "operators",
+        "panels",
+        "preferences",
+        "properties",
+        "solver_presets",
+        "translations",
+    },
 }
 """Which rooms of the package each room may import from, besides itself."""
 

@@ -30,7 +30,7 @@ def registered_texts() -> Iterator[str]:
     """Yield names and descriptions of all that is registered; needs the add-on."""
     import bpy
 
-    from convwass_addon import preferences, properties
+    from convwass_addon import density_properties, preferences, properties
 
     for name in dir(bpy.types):
         if name.startswith("CONVWASS_PT_"):
@@ -41,7 +41,13 @@ def registered_texts() -> Iterator[str]:
             operator = getattr(bpy.ops.convwass, name.removeprefix("CONVWASS_OT_")).get_rna_type()
             yield from (operator.name, operator.description)
             yield from _texts_of_properties(getattr(bpy.types, name), operator)
-    for cls in (properties.CONVWASS_PG_input, properties.CONVWASS_PG_morph, preferences.CONVWASS_AP_preferences):
+    for cls in (
+        properties.CONVWASS_PG_input,
+        properties.CONVWASS_PG_morph,
+        density_properties.CONVWASS_PG_density_stop,
+        density_properties.CONVWASS_PG_densities,
+        preferences.CONVWASS_AP_preferences,
+    ):
         yield from _texts_of_properties(cls, cls.bl_rna)
 
 

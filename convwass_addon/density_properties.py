@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of densities on surfaces, as each mesh object has its own, and what was last found out about it."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .applications.density_settings import DensitySettings
+from .bridge.density_nodes import NAME
+
+DEFAULT_FOLDER = "//density"
+"""Beside the .blend file."""
+
+OUTPUTS = (
+    ("GROUPS", "Vertex Groups", "One vertex group for each step"),
+    ("COLORS", "Color Attributes", "One color attribute for each step, in the colors of a heat map"),
+    ("ANIMATED_COLOR", "Animated Color", "One color attribute that shows the heat map of every frame, without images"),
+    ("IMAGES", "Images", "One grayscale image for each step, through the UV map"),
+)
+"""What a played density can be baked to, as items of an enum."""
+
+LIMITS = {"OFF": None, "BETWEEN": "between", "MAX": "max"}
+"""Bounds for the entropy that are no numbers, and the application's words for them."""
+
+_LENGTH = {"min": 0.0, "subtype": "DISTANCE", "precision": 3}
+
+
+class SurfaceProperties:
+    """What every solve on a surface is asked for."""
+
+    blur: FloatProperty(
+        name="Blur",
+        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh, "
+        "longer ones carry farther and are smoother",
+        default=0.0,
+        soft_max=1.0,
+        **_LENGTH,
+    )
+    pieces: EnumProperty(
+        name="Pieces",
+        description="What to do where groups have different shares of their mass on the connected pieces of the mesh, "
+        "between which nothing can travel",
+        items=(
+            ("keep", "Keep", "Refuse such groups, and name the pieces"),
+            ("match", "Match", "Scale each group on every piece to the share that the first one has there"),
+        ),
+    )
+
+
+class TravelProperties(SurfaceProperties):
+    """What every density that is made of others is asked for."""
+
+    sharpen: EnumProperty(
+        name="Entropy Limit",
+        description="Keep densities from spreading out more than this on their way",
+        items=(
+            ("OFF", "Off", "No limit"),
+            ("BETWEEN", "As the Groups", "From as much as the one group spreads out to as much as the next one does"),
+            ("MAX", "As the Widest Group", "Nothing spreads out more than the group that spreads out most"),
+            ("NUMBER", "Custom", "Set the bound in nats"),
+        ),
+        default="BETWEEN",
+    )
+    entropy_bound: FloatProperty(
+        name="Entropy Bound",
+        description="Largest entropy of a density, in nats; 0 covers the whole surface evenly",
+        default=-2.0,
+    )
+    blend_sharpness: FloatProperty(
+        name="Sharpness",
+        description="How much of the blur is taken out of blends of several groups, which keeps their peaks apart",
+        default=DensitySettings.blend_sharpness,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Marginal error at which a density is done; less is more exact and takes longer",
+        default=DensitySettings.tolerance,
+        min=1e-6,
+        max=0.5,
+        precision=4,
+    )
+    max_iterations: IntProperty(
+        name="Iterations",
+        description="Most iterations of the solver",
+        default=DensitySettings.max_iterations,
+        min=1,
+        soft_max=2000,
+    )
+
+    def density_settings(self, steps: int = DensitySettings.steps) -> DensitySettings:
+        """Return the settings of the application; raises InputError where they make no sense."""
+        return DensitySettings(
+            steps=steps,
+            blur=self.blur or None,
+            sharpen=self.entropy_bound if self.sharpen == "NUMBER" else LIMITS[self.sharpen],
+            blend_sharpness=self.blend_sharpness,
+            pieces=self.pieces,
+            tolerance=self.tolerance,
+            max_iterations=self.max_iterations,
+        )
+
+
+class PathProperties(TravelProperties):
+    """What a density that travels is asked for besides."""
+
+    steps: IntProperty(
+        name="Steps",
+        description="Steps from each group to the next; between them frames are mixed",
+        default=DensitySettings.steps,
+        min=1,
+        soft_max=100,
+        max=10_000,
+    )
+    easing: EnumProperty(
+        name="Easing",
+        description="How the value goes from group to group; edit its curve for more",
+        items=(
+            ("LINEAR", "Linear", "At constant speed"),
+            ("SMOOTH", "Smooth", "Slow away from every group and slow into the next"),
+        ),
+    )
+    density: StringProperty(
+        name="Name",
+        description="Name of the animated attribute, which materials and Geometry Nodes read; one of the same name is "
+        "replaced",
+        default=NAME,
+    )
+    add_material: BoolProperty(
+        name="Show Heat Map",
+        description="Give the object a material that shows the density, if it has none",
+        default=True,
+    )
+
+
+class OutputProperties:
+    """What else a played density is baked to."""
+
+    output: EnumProperty(name="Output", description="What the steps of the density are written to", items=OUTPUTS)
+    folder: StringProperty(
+        name="Folder",
+        description="Where images go; // is the folder of the .blend file",
+        default=DEFAULT_FOLDER,
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
+    size: IntProperty(
+        name="Size", description="Pixels along each side of an image", default=1024, min=16, soft_max=4096, max=16384
+    )
+    margin: IntProperty(
+        name="Margin",
+        description="Pixels around the islands of the UV map that are filled, so that no seams show",
+        default=8,
+        min=0,
+        max=256,
+    )
+    file_format: EnumProperty(
+        name="Format",
+        description="Which files are written",
+        items=(
+            ("PNG", "PNG", "16 bits; white is the largest value of all steps"),
+            ("OPEN_EXR", "OpenEXR", "32 bits, the values as they are"),
+        ),
+    )
+
+
+class CONVWASS_PG_density_stop(bpy.types.PropertyGroup):
+    """A group on the list of stops."""
+
+    group: StringProperty(
+        name="Group",
+        description="Vertex group that the density comes to here; for Propagate, one that is left out, missing or "
+        "empty is filled in",
+    )
+    frame: FloatProperty(
+        name="Frame",
+        description="Scene frame at which the density has come to this group",
+        default=1.0,
+        precision=1,
+    )
+    weight: FloatProperty(
+        name="Weight",
+        description="Share of this group in a blend, compared with those of the others",
+        default=1.0,
+        min=0.0,
+        soft_max=1.0,
+    )
+    enabled: BoolProperty(name="Enabled", description="Whether this stop takes part", default=True)
+
+
+class CONVWASS_PG_densities(PathProperties, OutputProperties, bpy.types.PropertyGroup):
+    """Settings of the densities of an object."""
+
+    first: StringProperty(name="First", description="Vertex group that the density starts from")
+    second: StringProperty(name="Second", description="Vertex group that the density goes to")
+    stops: CollectionProperty(
+        name="Stops",
+        description="Groups to go through or to blend, in this order; while there are none, the first and the second "
+        "group count",
+        type=CONVWASS_PG_density_stop,
+    )
+    active_stop: IntProperty(name="Active Stop", description="The stop that buttons beside the list act on", min=0)
+    edges: StringProperty(
+        name="Edges",
+        description="Pairs of stops that are to be near to each other, by their numbers from 0, such as 0-1, 1-2, 1-3; "
+        "empty for a chain",
+    )
+    length: FloatProperty(
+        name="Length",
+        description="Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's "
+        "width",
+        soft_max=1.0,
+        **_LENGTH,
+    )
+    share: FloatProperty(
+        name="Share",
+        description="Share of its area that the density covers afterwards",
+        default=0.5,
+        min=0.01,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    radius: FloatProperty(
+        name="Radius",
+        description="Length by which a dropped mass is spread along the surface; 0 leaves it on the vertices alone",
+        soft_max=1.0,
+        **_LENGTH,
+    )
+
+    @property
+    def enabled_stops(self) -> list[CONVWASS_PG_density_stop]:
+        """The stops that take part."""
+        return [stop for stop in self.stops if stop.enabled]
+
+
+class CONVWASS_PG_density_findings(bpy.types.PropertyGroup):
+    """What was last found out about the densities of an object."""
+
+    group: StringProperty(name="Group")
+    covered: FloatProperty(name="Covered")
+    radius: FloatProperty(name="Radius")
+    entropy: FloatProperty(name="Entropy")
+    first: StringProperty(name="First")
+    second: StringProperty(name="Second")
+    distance: FloatProperty(name="Distance")
+    table: StringProperty(name="Table")
+
+
+_classes = (CONVWASS_PG_density_stop, CONVWASS_PG_densities, CONVWASS_PG_density_findings)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
+
+
+def register() -> None:
+    """Add the settings and the findings to objects."""
+    _register_classes()
+    bpy.types.Object.convwass_density = PointerProperty(type=CONVWASS_PG_densities)
+    bpy.types.Object.convwass_density_findings = PointerProperty(type=CONVWASS_PG_density_findings)
+
+
+def unregister() -> None:
+    """Take both away."""
+    del bpy.types.Object.convwass_density_findings
+    del bpy.types.Object.convwass_density
+    _unregister_classes()

@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators whose work goes on beside the user's where there is a window, and at once where there is none."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from typing import Protocol
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..applications.background import BackgroundJob
+from ..errors import Cancelled, ConvwassError
+from ..sentence import Sentence
+from ..translations import translated
+from .reporting import refuse
+
+_TIMER_SECONDS = 0.05
+# The window answers at least this often while many objects wait to be made.
+_BUSY_SECONDS = 0.1
+# From when on the time that is left is told: before that, the first steps say little.
+_SOONEST, _LEAST_FRACTION = 2.0, 0.15
+
+
+class Step(Protocol):
+    """What a job has done last.
+
+    Attributes
+    ----------
+    fraction : float
+        Done share of the whole job.
+    message : Sentence
+        What is being done.
+    """
+
+    fraction: float
+    message: Sentence
+
+
+class Job(Protocol):
+    """Work whose steps are computed on a thread and written on the main one."""
+
+    def write(self, step: Step) -> None:
+        """Take what a step has brought."""
+
+    def discard(self) -> None:
+        """Remove everything that has been written."""
+
+
+class BackgroundOperator:
+    """What operators of long work have in common; they fill in the hooks at the end."""
+
+    _job: Job
+    _background: BackgroundJob[Step]
+    _timer: bpy.types.Timer
+    _began: float
+
+    def execute(self, context):
+        try:
+            self._job = self._begin(context)
+        except ConvwassError as error:
+            return refuse(self, error)
+        manager = context.window_manager
+        manager.progress_begin(0, 100)
+        try:
+            for step in self._steps()(None):
+                self._job.write(step)
+                manager.progress_update(int(100 * step.fraction))
+            return self._finish(context, self._job)
+        except BaseException as error:
+            self._job.discard()
+            if not isinstance(error, ConvwassError):
+                raise
+            return refuse(self, error)
+        finally:
+            manager.progress_end()
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self._job = self._begin(context)
+        except ConvwassError as error:
+            return refuse(self, error)
+        self._background = BackgroundJob(self._steps())
+        self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        context.window_manager.convwass_progress.stopping = False
+        self._began = time.monotonic()
+        self._show(context, 0.0, Sentence("Starting"))
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        stopping = context.window_manager.convwass_progress.stopping or (event.type == "ESC" and event.value == "PRESS")
+        if stopping:
+            self._background.cancel()
+        elif event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            written = self._write(context, math.inf if stopping else _BUSY_SECONDS)
+        except ConvwassError as error:
+            self._background.cancel()
+            self._stop(context)
+            self._job.discard()
+            return refuse(self, error)
+        if not written:
+            return {"PASS_THROUGH"}
+        waiting = None if stopping else self._waits_for(context)
+        if waiting is not None:
+            self._show(context, 1.0, waiting)
+            return {"PASS_THROUGH"}
+        return self._end(context, stopping)
+
+    def cancel(self, context):
+        self._background.cancel()
+        self._stop(context)
+        self._job.discard()
+
+    def _write(self, context: bpy.types.Context, seconds: float) -> bool:
+        """Write what has been done, for so long; return whether nothing more will come."""
+        done, until, step = self._background.done, time.monotonic() + seconds, None
+        for step in self._background.poll():
+            self._job.write(step)
+            if time.monotonic() > until:
+                done = False
+                break
+        if step is not None:
+            self._show(context, step.fraction, step.message)
+        return done
+
+    def _end(self, context: bpy.types.Context, stopping: bool) -> set[str]:
+        """Finish or give up once the thread has ended."""
+        self._stop(context)
+        error = self._background.error
+        if error is None and stopping and self._waits_for(context) is not None:
+            error = Cancelled("Cancelled.")
+        try:
+            if error is None:
+                return self._finish(context, self._job)
+            if isinstance(error, Cancelled) and self._keep(context, self._job):
+                return {"FINISHED"}
+        except ConvwassError as failure:
+            error = failure
+        self._job.discard()
+        if isinstance(error, Cancelled):
+            self.report({"INFO"}, self._nothing_kept())
+        elif isinstance(error, ConvwassError):
+            return refuse(self, error)
+        else:
+            raise error
+        return {"CANCELLED"}
+
+    def _show(self, context: bpy.types.Context, fraction: float, sentence: Sentence) -> None:
+        message = translated(sentence)
+        progress = context.window_manager.convwass_progress
+        left = time_left(time.monotonic() - self._began, fraction)
+        if left is not None:
+            message = rpt_("{:s}, about {:d} s left").format(message, left)
+        progress.running, progress.fraction, progress.message = True, fraction, message
+        context.workspace.status_text_set(f"{self._title()}: {message}    Esc: {rpt_('stop')}")
+        # The sidebar alone: drawing the shapes again may take long, and new ones see to that themselves.
+        for area in context.window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
+
+    def _stop(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.convwass_progress.running = False
+        if context.workspace:
+            context.workspace.status_text_set(None)
+        for area in context.window.screen.areas if context.window else ():
+            area.tag_redraw()
+
+    # What an operator fills in.
+
+    def _begin(self, context: bpy.types.Context) -> Job:
+        """Read the inputs; everything that can be refused is refused here or before the first step."""
+        raise NotImplementedError
+
+    def _steps(self) -> Callable[[Callable[[], None] | None], Iterator[Step]]:
+        """Return what makes the steps of the job and touches nothing of Blender; without a window its check is None."""
+        raise NotImplementedError
+
+    def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
+        """Leave the result in the file, and tell of it."""
+        raise NotImplementedError
+
+    def _title(self) -> str:
+        """Say in the user's language what is going on."""
+        raise NotImplementedError
+
+    def _nothing_kept(self) -> str:
+        """Say in the user's language that a stopped job has left nothing."""
+        return rpt_("Stopped; nothing was changed")
+
+    def _keep(self, context: bpy.types.Context, job: Job) -> bool:
+        """Keep what a stopped job has finished; return whether that is anything."""
+        return False
+
+    def _waits_for(self, context: bpy.types.Context) -> Sentence | None:
+        """Say what the user should do before the result can be left in the file; None for nothing."""
+        return None
+
+
+class CONVWASS_OT_stop_bake(bpy.types.Operator):
+    """Stop what is running, as with Esc in the viewport; the finished frames of a morph are kept"""
+
+    bl_idname = "convwass.stop_bake"
+    bl_label = "Stop"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.window_manager.convwass_progress.running:
+            cls.poll_message_set("Nothing is being computed")
+            return False
+        return True
+
+    def execute(self, context):
+        context.window_manager.convwass_progress.stopping = True
+        return {"FINISHED"}
+
+
+def is_idle(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Tell for an operator's poll whether nothing runs in the background, or leave a message that something does."""
+    if context.window_manager.convwass_progress.running:
+        operator.poll_message_set("Something is being computed; press Esc in the viewport to stop it")
+        return False
+    return True
+
+
+def time_left(passed: float, fraction: float) -> int | None:
+    """Return how many seconds a job will take from here on, in steps that do not flicker; None while nobody knows."""
+    if passed < _SOONEST or fraction < _LEAST_FRACTION:
+        return None
+    left = passed * (1.0 - fraction) / fraction
+    step = 1 if left < 10 else 5 if left < 60 else 30
+    return step * math.ceil(left / step)
+
+
+classes = (CONVWASS_OT_stop_bake,)

@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Do something with an animated density: bake it, show it, make it again, or remove it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from numpy.typing import NDArray
+
+from ..bridge.density_attributes import stored_frames
+from ..bridge.density_images import ImageSettings, write_step_images
+from ..bridge.density_material import growth_material, heat_material
+from ..bridge.density_nodes import color_name
+from ..bridge.density_outputs import show_heat_colors, write_step_colors, write_step_groups
+from ..bridge.density_player import density_modifier, remove_density
+from ..bridge.density_store import StoredDensity, store_density, stored_density, stored_or_new
+from ..bridge.mesh_checks import writable_mesh
+from ..density_properties import LIMITS, OutputProperties
+from ..errors import ConvwassError, InputError
+from .density_changes import changed_inputs
+from .density_targets import OnDensity, chosen_density, density_property
+from .reporting import refuse
+
+# What is stored with a density and is an argument of Interpolate Density under the same name.
+_SAME_NAME = ("steps", "pieces", "blend_sharpness", "tolerance", "max_iterations", "easing")
+
+
+class CONVWASS_OT_bake_density(OutputProperties, OnDensity, bpy.types.Operator):
+    """Write the steps of an animated density to vertex groups, color attributes or images, which other programs read"""
+
+    bl_idname = "convwass.bake_density"
+    bl_label = "Bake Density"
+
+    density: density_property()
+    uv_map: StringProperty(name="UV Map", description="Name of the UV map for images; empty for that of renders")
+
+    def execute(self, context):
+        obj = context.object
+        name = chosen_density(obj, self.density)
+        try:
+            density_modifier(obj, name)
+            writable_mesh(obj)
+            frames = stored_frames(obj, name)
+            if not len(frames):
+                raise InputError("{object} has lost the frames of {name}; make it again.", object=obj.name, name=name)
+            written = self._written(context, obj, name, frames)
+        except ConvwassError as error:
+            return refuse(self, error)
+        self.report({"INFO"}, written)
+        return {"FINISHED"}
+
+    def _written(
+        self, context: bpy.types.Context, obj: bpy.types.Object, name: str, frames: NDArray[np.float32]
+    ) -> str:
+        """Write the output, and return the sentence that tells of it."""
+        if self.output == "GROUPS":
+            made = write_step_groups(obj, frames, name)
+            return rpt_("{:d} vertex groups, from {:s} to {:s}").format(len(made), made[0], made[-1])
+        if self.output == "COLORS":
+            made = write_step_colors(obj, frames, name)
+            return rpt_("{:d} color attributes, from {:s} to {:s}").format(len(made), made[0], made[-1])
+        if self.output == "ANIMATED_COLOR":
+            show_heat_colors(obj, name)
+            text = rpt_("{:s} shows the heat map: choose Attribute as the color of Viewport Shading")
+            return text.format(color_name(name))
+        settings = ImageSettings(self.size, self.margin, self.file_format, self.uv_map)
+        made = self._images(context.window_manager, obj, name, frames, settings)
+        return rpt_("{:d} images in {:s}").format(len(made), bpy.path.abspath(self.folder))
+
+    def _images(
+        self,
+        manager: bpy.types.WindowManager,
+        obj: bpy.types.Object,
+        name: str,
+        frames: NDArray[np.float32],
+        settings: ImageSettings,
+    ) -> list[str]:
+        """Write images, and let the object remember them."""
+        made = []
+        manager.progress_begin(0, len(frames))
+        try:
+            for path in write_step_images(obj, frames, self.folder, name, settings):
+                made.append(str(path))
+                manager.progress_update(len(made))
+        finally:
+            manager.progress_end()
+        known = stored_or_new(obj, name)
+        store_density(obj, name, replace(known, outputs={**known.outputs, "images": made}))
+        return made
+
+
+class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):
+    """Remove an animated density with its modifier, keys and frames; painted and baked vertex groups stay"""
+
+    bl_idname = "convwass.remove_density"
+    bl_label = "Remove Density"
+
+    density: density_property()
+
+    def execute(self, context):
+        try:
+            remove_density(context.object, chosen_density(context.object, self.density))
+        except ConvwassError as error:
+            return refuse(self, error)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_show_density_material(OnDensity, bpy.types.Operator):
+    """Put a material that shows an animated density into the active material slot, or into a new one"""
+
+    bl_idname = "convwass.show_density_material"
+    bl_label = "Show Density"
+
+    density: density_property()
+    kind: EnumProperty(
+        name="Kind",
+        description="How the density is shown",
+        items=(
+            ("HEAT", "Heat Map", "Dark to bright where there is more"),
+            ("MOSS", "Moss", "Moss grows where there is much"),
+            ("FROST", "Frost", "Frost grows where there is much"),
+        ),
+    )
+    color: FloatVectorProperty(
+        name="Color",
+        description="Color of what moss and frost grow on",
+        default=(0.35, 0.3, 0.27, 1.0),
+        size=4,
+        min=0.0,
+        max=1.0,
+        subtype="COLOR",
+    )
+    threshold: FloatProperty(
+        name="Threshold",
+        description="Density at which moss and frost cover half of the surface; 1 is the largest one",
+        default=0.25,
+        min=0.01,
+        max=1.0,
+        subtype="FACTOR",
+    )
+
+    def execute(self, context):
+        obj = context.object
+        name = chosen_density(obj, self.density)
+        try:
+            density_modifier(obj, name)
+            writable_mesh(obj)
+        except ConvwassError as error:
+            return refuse(self, error)
+        if self.kind == "HEAT":
+            obj.active_material = heat_material(name)
+        else:
+            obj.active_material = growth_material(name, self.kind, tuple(self.color), threshold=self.threshold)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_rebake_density(OnDensity, bpy.types.Operator):
+    """Interpolate an animated density again from the groups and settings that it was made from; its keys stay"""
+
+    bl_idname = "convwass.rebake_density"
+    bl_label = "Interpolate Again"
+
+    density: density_property()
+    only_if_changed: BoolProperty(
+        name="Only if Changed", description="Do nothing where the groups and the mesh are as they were", default=False
+    )
+
+    def invoke(self, context, event):
+        return self._bake(context, "INVOKE_DEFAULT")
+
+    def execute(self, context):
+        return self._bake(context, "EXEC_DEFAULT")
+
+    def _bake(self, context: bpy.types.Context, how: str) -> set[str]:
+        obj = context.object
+        name = chosen_density(obj, self.density)
+        try:
+            stored = stored_density(obj, name)
+            changed = changed_inputs(obj, stored)
+            if self.only_if_changed and not changed:
+                self.report({"INFO"}, rpt_("The groups and the mesh are as they were"))
+                return {"CANCELLED"}
+            _call(bpy.ops.convwass.interpolate_density, how, name, stored)
+        except ConvwassError as error:
+            return refuse(self, error)
+        except RuntimeError as error:
+            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            return {"CANCELLED"}
+        if changed:
+            self.report({"INFO"}, rpt_("Changed since it was made: {:s}").format(", ".join(changed)))
+        return {"FINISHED"}
+
+
+def _call(operator: Callable[..., set[str]], how: str, name: str, stored: StoredDensity) -> None:
+    """Call Interpolate Density with what is stored; raises InputError where that cannot be."""
+    try:
+        settings = stored.settings
+        limit, frames = settings["sharpen"], settings["frames"]
+        arguments = {
+            **{key: settings[key] for key in _SAME_NAME},
+            "groups": "\n".join(stored.inputs),
+            "frames": ", ".join(repr(float(frame)) for frame in frames),
+            "blur": settings["blur"] or 0.0,
+            "sharpen": next((name for name, word in LIMITS.items() if word == limit), "NUMBER"),
+        }
+        if arguments["sharpen"] == "NUMBER":
+            arguments["entropy_bound"] = limit
+        operator(how, density=name, set_keys=False, add_material=False, **arguments)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            "What is stored with {name} is damaged ({reason}); interpolate it anew.", name=name, reason=str(error)
+        ) from error
+
+
+classes = (
+    CONVWASS_OT_bake_density,
+    CONVWASS_OT_remove_density,
+    CONVWASS_OT_show_density_material,
+    CONVWASS_OT_rebake_density,
+)

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distances along a surface: between two groups, between all pairs of them, and from vertices to everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import BoolProperty, FloatProperty, StringProperty
+from numpy.typing import NDArray
+
+from ..applications.density_measures import (
+    MEASURING_SUBSTEPS,
+    DensityDistance,
+    DistanceTable,
+    distance_table,
+    measured_distance,
+)
+from ..applications.density_settings import DensitySettings
+from ..applications.surface_densities import Surface, density_surface
+from ..applications.vertex_distances import distances_from
+from ..bridge.mesh_checks import writable_mesh
+from ..bridge.surfaces import read_surface
+from ..bridge.vertex_groups import group_names, read_groups, write_group
+from ..density_properties import SurfaceProperties
+from ..errors import ConvwassError, InputError
+from ..sentence import Sentence
+from .chosen_inputs import split_names
+from .density_job import Check, DensityJob, DensityOperator, FoundStep
+from .density_pick import OnVertices
+from .density_targets import OnGroups, OnMesh, ignored_notice, length_text, out_of_edit_mode, tell
+from .reporting import refuse
+
+
+class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
+    """Measure the Wasserstein distance between two vertex groups along the surface, in units of the scene. Hidden and masked vertices count like all others"""  # noqa: E501
+
+    bl_idname = "convwass.measure_distance"
+    bl_label = "Measure Distance"
+
+    first: StringProperty(
+        name="First", description="Vertex group; empty for the one chosen in the panel", options={"SKIP_SAVE"}
+    )
+    second: StringProperty(
+        name="Second", description="Vertex group; empty for the one chosen in the panel", options={"SKIP_SAVE"}
+    )
+    debias: BoolProperty(
+        name="Debias",
+        description="Take the blur out of the distance, which is zero between equal groups then; otherwise it is the "
+        "plain value of eq. (10) of the paper",
+        default=True,
+    )
+
+    def _begin(self, context):
+        obj = context.object
+        own = obj.convwass_density
+        self._names = self.first or own.first, self.second or own.second
+        if not all(self._names):
+            raise InputError("Choose two groups to measure between.")
+        pair = read_groups(obj, self._names)
+        settings = DensitySettings(blur=self.blur or None, pieces=self.pieces, substeps=MEASURING_SUBSTEPS)
+        return DensityJob(context, obj, settings, partial(_distance_steps, pair, self._names, self.debias, settings))
+
+    def _title(self):
+        return rpt_("Measuring")
+
+    def _finish(self, context, job):
+        result: DensityDistance = job.found
+        found = job.target().convwass_density_findings
+        (found.first, found.second), found.distance = self._names, result.length
+        length = length_text(context.scene, result.length)
+        text = rpt_("From {:s} to {:s}: {:s}").format(*self._names, length)
+        if not self.debias:
+            text = rpt_("{:s} (eq. (10): {:.4g})").format(text, result.squared)
+        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *_inexact(result.converged)])
+        return {"FINISHED"}
+
+
+def _distance_steps(
+    pair: NDArray[np.float64],
+    names: tuple[str, str],
+    debias: bool,
+    settings: DensitySettings,
+    surface: Surface,
+    check: Check | None,
+) -> Iterator[FoundStep]:
+    message = Sentence("From {first} to {second}", {"first": names[0], "second": names[1]})
+    yield FoundStep(0.0, message)
+    match = settings.pieces == "match"
+    found = measured_distance(*pair, surface, names, debias=debias, match_pieces=match, check=check)
+    yield FoundStep(1.0, message, found=found)
+
+
+def _inexact(converged: bool) -> list[Sentence]:
+    return [] if converged else [Sentence("It is less exact than asked for; a longer blur helps.")]
+
+
+class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
+    """Measure the distances between all pairs of vertex groups, as a table in the Text Editor; empty groups are left out"""  # noqa: E501
+
+    bl_idname = "convwass.measure_groups"
+    bl_label = "Measure All Groups"
+
+    groups: StringProperty(
+        name="Groups",
+        description="Names of vertex groups, one per line or with commas between them; empty for all of them",
+        options={"SKIP_SAVE"},
+    )
+    blur: FloatProperty(
+        name="Blur",
+        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        subtype="DISTANCE",
+    )
+
+    def _begin(self, context):
+        obj = context.object
+        named = split_names(self.groups)
+        names = named or group_names(obj)
+        weights = read_groups(obj, names)
+        if not named:
+            painted = weights.any(axis=1)
+            names, weights = [name for name, own in zip(names, painted, strict=True) if own], weights[painted]
+        if len(names) < 2:
+            raise InputError("There must be at least two groups to measure between; paint one more.")
+        settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
+        return DensityJob(context, obj, settings, partial(_table_steps, weights, names))
+
+    def _title(self):
+        return rpt_("Measuring")
+
+    def _finish(self, context, job):
+        table: DistanceTable = job.found
+        obj = job.target()
+        text = bpy.data.texts.new(f"{obj.name} Distances")
+        text.write(_written(table))
+        obj.convwass_density_findings.table = text.name
+        count = len(table.names)
+        warnings = [*job.warnings, *table.notices, *_inexact(table.converged)]
+        message = rpt_("Distances between {:d} groups are in the text {:s}").format(count, text.name)
+        tell(self, message, ignored_notice(job.ignored), warnings)
+        return {"FINISHED"}
+
+
+def _table_steps(
+    weights: NDArray[np.float64], names: list[str], surface: Surface, check: Check | None
+) -> Iterator[FoundStep]:
+    message = Sentence("Between {count} groups", {"count": len(names)})
+    yield FoundStep(0.0, message)
+    yield FoundStep(1.0, message, found=distance_table(weights, names, surface, check=check))
+
+
+def _written(table: DistanceTable) -> str:
+    """Return a table as spreadsheets read it: tabs between cells, nothing where there is no distance."""
+    rows = [["", *table.names]]
+    for name, lengths in zip(table.names, table.lengths, strict=True):
+        rows.append([name, *(f"{length:.6g}" if np.isfinite(length) else "" for length in lengths)])
+    return "".join("\t".join(row) + "\n" for row in rows)
+
+
+class CONVWASS_OT_distance_from_vertices(OnVertices, OnMesh, bpy.types.Operator):
+    """Write the distance along the surface from the selected vertices, or from where the surface is clicked on, as a vertex group; its largest weight is the farthest vertex. What lies on other pieces of the mesh has weight 1"""  # noqa: E501
+
+    bl_idname = "convwass.distance_from_vertices"
+    bl_label = "Distance from Vertices"
+
+    group: StringProperty(
+        name="Group", description="Name of the vertex group that is written", default="Distance", maxlen=63
+    )
+    blur: FloatProperty(
+        name="Blur",
+        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        subtype="DISTANCE",
+    )
+
+    def execute(self, context):
+        obj = context.object
+        try:
+            chosen = self.chosen_vertices(obj)
+            with out_of_edit_mode(context, obj):
+                writable_mesh(obj)
+                reading = read_surface(obj, context.evaluated_depsgraph_get())
+                surface = density_surface(reading.mesh, self.blur or None, MEASURING_SUBSTEPS)
+                found = distances_from(chosen, surface)
+                shown = found.heat_map()
+                group = write_group(obj, self.group or "Distance", shown.weights)
+                obj.vertex_groups.active_index = group.index
+        except ConvwassError as error:
+            return refuse(self, error)
+        text = rpt_("{:s}: a weight of 1 is {:s}").format(group.name, length_text(context.scene, shown.scale))
+        tell(self, text, ignored_notice(reading.ignored), found.notices)
+        return {"FINISHED"}
+
+
+classes = (CONVWASS_OT_measure_distance, CONVWASS_OT_measure_groups, CONVWASS_OT_distance_from_vertices)

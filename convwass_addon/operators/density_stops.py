@@ -1,0 +1,236 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of groups that a density goes through: edit it, and tell which groups are meant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from ..density_properties import CONVWASS_PG_densities
+from ..errors import InputError
+from .chosen_inputs import split_names
+from .density_targets import MODES, OnMesh, chosen_group
+from .reporting import refuse
+
+ACTIVE = -1
+"""Index that stands for the active stop."""
+
+
+@dataclass(frozen=True)
+class Stops:
+    """Groups to go through, to blend or to propagate from.
+
+    Attributes
+    ----------
+    names : list of str
+        Of the groups; empty where none is named.
+    frames : list of float
+        Scene frames.
+    weights : list of float
+        For a blend.
+    """
+
+    names: list[str]
+    frames: list[float]
+    weights: list[float]
+
+
+class StopArguments:
+    """The arguments by which a script says what is on the list."""
+
+    groups: StringProperty(
+        name="Groups",
+        description="Names of vertex groups in their order, one per line or with commas between them; empty for the "
+        "first and the second group, or else those on the list of stops",
+        options={"SKIP_SAVE"},
+    )
+
+    def chosen_stops(
+        self,
+        context: bpy.types.Context,
+        steps: int,
+        frames: str = "",
+        weights: str = "",
+        first: str = "",
+        second: str = "",
+    ) -> Stops:
+        """Return what is meant: what is named, else the list of the object, else its first and its second group.
+
+        Raises
+        ------
+        InputError
+            Nothing is named and nothing is on the list, or numbers that do not fit.
+        """
+        own = context.object.convwass_density
+        names = split_names(self.groups) or ([first, second] if first and second else [])
+        if names or not own.stops:
+            names = names or [own.first, own.second]
+            if not all(names):
+                raise InputError("Choose a first and a second group, or put groups on the list of stops.")
+            start = context.scene.frame_start
+            found = Stops(names, [float(start + steps * place) for place in range(len(names))], [1.0] * len(names))
+        else:
+            stops = own.enabled_stops
+            found = Stops(
+                [stop.group for stop in stops], [stop.frame for stop in stops], [stop.weight for stop in stops]
+            )
+        return Stops(
+            names=found.names, frames=_numbers(frames) or found.frames, weights=_numbers(weights) or found.weights
+        )
+
+
+def named_stops(stops: Stops) -> Stops:
+    """Return the same stops; raises InputError where one of them names no group."""
+    missing = next((place for place, name in enumerate(stops.names) if not name), None)
+    if missing is not None:
+        raise InputError("Stop number {number} on the list has no group; choose one, or remove it.", number=missing)
+    return stops
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(word) for word in text.replace(",", " ").split()]
+    except ValueError as error:
+        raise InputError("Frames and weights are numbers with commas between them, not {text!r}.", text=text) from error
+
+
+def _index_property() -> object:
+    return IntProperty(
+        name="Index", description="Place on the list, from 0; -1 is the active one", default=ACTIVE, min=ACTIVE
+    )
+
+
+class _OnStops(OnMesh):
+    modes = frozenset(MODES)
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not context.object.convwass_density.stops:
+            cls.poll_message_set("There are no stops on the list yet")
+            return False
+        return True
+
+    def _place(self, own: CONVWASS_PG_densities) -> int:
+        """Return the index that is meant; raises InputError where there is none."""
+        index = own.active_stop if self.index == ACTIVE else self.index
+        if not 0 <= index < len(own.stops):
+            raise InputError("There is no stop number {number} on the list", number=index)
+        return index
+
+
+class CONVWASS_OT_add_density_stop(OnMesh, bpy.types.Operator):
+    """Put vertex groups on the list of stops, each some frames after the one before"""
+
+    bl_idname = "convwass.add_density_stop"
+    bl_label = "Add Stop"
+
+    which: EnumProperty(
+        name="Which",
+        description="What to put on the list",
+        items=(
+            ("ACTIVE", "Active Group", "The active vertex group"),
+            ("ALL", "All Groups", "All vertex groups that are not on the list yet"),
+            ("EMPTY", "Place to Fill In", "A place without a group, which Propagate fills in"),
+        ),
+    )
+    group: StringProperty(
+        name="Group", description="Name of a vertex group to put on the list instead", options={"SKIP_SAVE"}
+    )
+
+    def execute(self, context):
+        obj = context.object
+        own = obj.convwass_density
+        try:
+            names = self._names(obj)
+        except InputError as error:
+            return refuse(self, error)
+        for name in names:
+            frame = own.stops[-1].frame + own.steps if own.stops else context.scene.frame_start
+            stop = own.stops.add()
+            stop.group, stop.frame = name, frame
+        own.active_stop = max(len(own.stops) - 1, 0)
+        return {"FINISHED"} if names else {"CANCELLED"}
+
+    def _names(self, obj: bpy.types.Object) -> list[str]:
+        if self.group or self.which == "ACTIVE":
+            return [chosen_group(obj, self.group)]
+        if self.which == "EMPTY":
+            return [""]
+        known = {stop.group for stop in obj.convwass_density.stops}
+        return [group.name for group in obj.vertex_groups if group.name not in known]
+
+
+class CONVWASS_OT_remove_density_stop(_OnStops, bpy.types.Operator):
+    """Take a stop off the list; the vertex group stays as it is"""
+
+    bl_idname = "convwass.remove_density_stop"
+    bl_label = "Remove Stop"
+
+    index: _index_property()
+
+    def execute(self, context):
+        own = context.object.convwass_density
+        try:
+            index = self._place(own)
+        except InputError as error:
+            return refuse(self, error)
+        own.stops.remove(index)
+        if own.active_stop >= index:
+            own.active_stop = max(own.active_stop - 1, 0)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_move_density_stop(_OnStops, bpy.types.Operator):
+    """Move a group to another place on the list, which is the order of the path; frames stay where they are"""
+
+    bl_idname = "convwass.move_density_stop"
+    bl_label = "Move Stop"
+
+    index: _index_property()
+    direction: EnumProperty(
+        name="Direction",
+        description="Where to",
+        items=(("UP", "Up", "One place towards the beginning"), ("DOWN", "Down", "One place towards the end")),
+    )
+
+    def execute(self, context):
+        own = context.object.convwass_density
+        try:
+            index = self._place(own)
+        except InputError as error:
+            return refuse(self, error)
+        target = index + (1 if self.direction == "DOWN" else -1)
+        if not 0 <= target < len(own.stops):
+            return {"CANCELLED"}
+        one, other = own.stops[index], own.stops[target]
+        one.frame, other.frame = other.frame, one.frame
+        own.stops.move(index, target)
+        if own.active_stop in (index, target):
+            own.active_stop = target if own.active_stop == index else index
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_clear_density_stops(_OnStops, bpy.types.Operator):
+    """Empty the list of stops; then the first and the second group count"""
+
+    bl_idname = "convwass.clear_density_stops"
+    bl_label = "Clear Stops"
+
+    def execute(self, context):
+        own = context.object.convwass_density
+        own.stops.clear()
+        own.active_stop = 0
+        return {"FINISHED"}
+
+
+classes = (
+    CONVWASS_OT_add_density_stop,
+    CONVWASS_OT_remove_density_stop,
+    CONVWASS_OT_move_density_stop,
+    CONVWASS_OT_clear_density_stops,
+)

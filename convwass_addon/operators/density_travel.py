@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Densities that are made of painted ones: on the way between them, blended, or filled in over a graph."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import BoolProperty, StringProperty
+
+from ..applications.density_graphs import propagation_steps
+from ..applications.density_paths import blend_steps, path_steps
+from ..applications.surface_densities import Surface, heat_map
+from ..bridge.density_attributes import require_free
+from ..bridge.density_material import heat_material
+from ..bridge.density_player import DensityKey, animate_density
+from ..bridge.density_store import StoredDensity, stored_or_new
+from ..bridge.mesh_checks import writable_mesh
+from ..bridge.vertex_groups import group_names, read_groups, write_group
+from ..density_properties import PathProperties, TravelProperties
+from ..errors import InputError
+from .density_changes import marks_of
+from .density_job import Check, DensityJob, WritingDensityOperator, slack_notices
+from .density_stops import StopArguments, named_stops
+from .density_targets import OnGroups, ignored_notice, require_unlocked, tell
+
+_WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
+
+
+class CONVWASS_OT_interpolate_density(
+    PathProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
+):
+    """Let a density travel along the surface from vertex group to vertex group, as one animated attribute that plays without the add-on. Hidden and masked faces carry it like all others, loose vertices hold nothing, and nothing crosses to other pieces of the mesh"""  # noqa: E501
+
+    bl_idname = "convwass.interpolate_density"
+    bl_label = "Interpolate Density"
+
+    modes = _WRITING
+
+    first: StringProperty(name="First", description="Vertex group that the density starts from", options={"SKIP_SAVE"})
+    second: StringProperty(name="Second", description="Vertex group that the density goes to", options={"SKIP_SAVE"})
+    frames: StringProperty(
+        name="Frames",
+        description="Scene frames with commas between them, rising, one per group; empty for those on the list, or one "
+        "frame per step from the start of the scene",
+        options={"SKIP_SAVE"},
+    )
+    set_keys: BoolProperty(
+        name="Set Keys",
+        description="Set keys where the density comes to each group; otherwise those of a density of the same name "
+        "stay as they are",
+        default=True,
+        options={"SKIP_SAVE"},
+    )
+
+    def _begin(self, context):
+        obj = context.object
+        writable_mesh(obj)
+        stops = named_stops(self.chosen_stops(context, self.steps, self.frames, "", self.first, self.second))
+        require_free(obj, self.density)
+        self._stops, self._settings = stops, self.density_settings(self.steps)
+        weights = read_groups(obj, stops.names)
+        solve = partial(_path, weights, stops.names, stops.frames, self._settings)
+        self._stored = {**self._settings.as_dict(), **marks_of(obj, weights)}
+        return DensityJob(context, obj, self._settings, solve)
+
+    def _title(self):
+        return rpt_("Interpolating density")
+
+    def _finish(self, context, job):
+        frames, obj, stops = job.frames, job.target(), self._stops
+        known = stored_or_new(obj, self.density)
+        settings = {**self._stored, "frames": stops.frames, "easing": self.easing}
+        description = StoredDensity(stops.names, settings, frames.records, outputs=known.outputs)
+        times = (np.array(stops.frames) - stops.frames[0]) / (stops.frames[-1] - stops.frames[0])
+        keys = [DensityKey(*key) for key in zip(stops.frames, times.tolist(), strict=True)] if self.set_keys else []
+        animate_density(
+            obj, frames.densities, frames.times, self.density, keys=keys, easing=self.easing, description=description
+        )
+        if self.add_material and not any(slot.material for slot in obj.material_slots):
+            obj.active_material = heat_material(self.density)
+        if keys:
+            context.scene.frame_end = max(context.scene.frame_end, int(np.ceil(stops.frames[-1])))
+        text = rpt_("{:s}: {:d} steps from frame {:g} to {:g}")
+        text = text.format(self.density, len(frames.times), stops.frames[0], stops.frames[-1])
+        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
+        return {"FINISHED"}
+
+
+def _path(weights, names, frames, settings, surface: Surface, check: Check | None):
+    return path_steps(weights, names, surface, settings, frames, check)
+
+
+class CONVWASS_OT_blend_densities(
+    TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
+):
+    """Blend vertex groups along the surface into a new one, by the weights on the list of stops. Nothing crosses to other pieces of the mesh"""  # noqa: E501
+
+    bl_idname = "convwass.blend_densities"
+    bl_label = "Blend Groups"
+
+    modes = _WRITING
+
+    weights: StringProperty(
+        name="Weights",
+        description="Numbers with commas between them, one per group; empty for those on the list",
+        options={"SKIP_SAVE"},
+    )
+    group: StringProperty(
+        name="Group", description="Name of the vertex group that is written", default="Blend", maxlen=63
+    )
+
+    def _begin(self, context):
+        obj = context.object
+        writable_mesh(obj)
+        require_unlocked(obj, [self.group or "Blend"])
+        stops = named_stops(self.chosen_stops(context, 1, "", self.weights))
+        settings = self.density_settings()
+        solve = partial(_blend, read_groups(obj, stops.names), stops.names, stops.weights, settings)
+        return DensityJob(context, obj, settings, solve)
+
+    def _title(self):
+        return rpt_("Blending groups")
+
+    def _finish(self, context, job):
+        frames, obj = job.frames, job.target()
+        group = write_group(obj, self.group or "Blend", heat_map(frames.densities[0]).weights)
+        obj.vertex_groups.active_index = group.index
+        text = rpt_("The blend is in the vertex group {:s}").format(group.name)
+        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
+        return {"FINISHED"}
+
+
+def _blend(weights, names, shares, settings, surface: Surface, check: Check | None):
+    return blend_steps(weights, names, shares, surface, settings, check)
+
+
+class CONVWASS_OT_propagate_densities(
+    TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
+):
+    """Fill in the stops whose group is left out, missing or empty, so that neighbors along the edges are as near to each other as can be; each becomes a vertex group"""  # noqa: E501
+
+    bl_idname = "convwass.propagate_densities"
+    bl_label = "Propagate"
+
+    modes = _WRITING
+
+    edges: StringProperty(
+        name="Edges",
+        description="Pairs of stops that are to be near to each other, by their numbers from 0, such as 0-1, 1-2, 1-3; "
+        "empty for a chain",
+        options={"SKIP_SAVE"},
+    )
+
+    def _begin(self, context):
+        obj = context.object
+        writable_mesh(obj)
+        stops = self.chosen_stops(context, 1)
+        count = len(stops.names)
+        names = [name or f"Place {place}" for place, name in enumerate(stops.names)]
+        there = [name for name in stops.names if name in group_names(obj)]
+        weights = dict(zip(there, read_groups(obj, there), strict=True)) if there else {}
+        fixed = {place: weights[name] for place, name in enumerate(stops.names) if weights.get(name, _NOTHING).any()}
+        if len(fixed) == count:
+            raise InputError("All stops are painted; leave the group out where something is to be filled in.")
+        self._filled = {place: name for place, name in enumerate(names) if place not in fixed}
+        require_unlocked(obj, self._filled.values())
+        settings = self.density_settings()
+        pairs = _pairs(self.edges or obj.convwass_density.edges) or [(n, n + 1) for n in range(count - 1)]
+        solve = partial(_graph, pairs, fixed, names, settings)
+        return DensityJob(context, obj, settings, solve)
+
+    def _title(self):
+        return rpt_("Filling in groups")
+
+    def _finish(self, context, job):
+        frames, obj = job.frames, job.target()
+        # All or nothing.
+        require_unlocked(obj, self._filled.values())
+        for place, name in self._filled.items():
+            write_group(obj, name, heat_map(frames.densities[place]).weights)
+        text = rpt_("Filled in: {:s}").format(", ".join(self._filled.values()))
+        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
+        return {"FINISHED"}
+
+
+_NOTHING = np.zeros(1)
+
+
+def _graph(pairs, fixed, names, settings, surface: Surface, check: Check | None):
+    return propagation_steps(pairs, fixed, surface, settings, names, check=check)
+
+
+def _pairs(text: str) -> list[tuple[int, int]]:
+    """Read edges; raises InputError where they are none."""
+    words = [word for word in re.split(r"[,;\s]+", re.sub(r"\s*-\s*", "-", text.strip())) if word]
+    found = [re.fullmatch(r"(\d{1,6})-(\d{1,6})", word, re.ASCII) for word in words]
+    if not all(found):
+        raise InputError("Edges are pairs of numbers such as 0-1, 1-2, not {text!r}.", text=text)
+    return [(int(pair[1]), int(pair[2])) for pair in found]
+
+
+classes = (CONVWASS_OT_interpolate_density, CONVWASS_OT_blend_densities, CONVWASS_OT_propagate_densities)

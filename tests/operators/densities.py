@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Painted meshes for the tests of densities, and a context that stands in for a window."""
+
+from __future__ import annotations
+
+import inspect
+import time
+from types import MethodType, SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.vertex_groups import read_group, write_group
+
+TIMER = SimpleNamespace(type="TIMER", value="NOTHING")
+ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
+
+
+def ball(location=(0, 0, 0), radius=1.0):
+    """Add a sphere of 266 vertices with the groups A and B, caps around its ends along X."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12, location=location, radius=radius)
+    obj = bpy.context.object
+    points = positions(obj) / radius
+    write_group(obj, "A", (points[:, 0] > 0.8).astype(float))
+    write_group(obj, "B", (points[:, 0] < -0.8).astype(float))
+    obj.vertex_groups.active_index = 0
+    return obj
+
+
+def two_balls():
+    """Add two spheres that are one mesh; A is on the first one, B on the second, Both on both."""
+    first = ball()
+    ball(location=(5, 0, 0))
+    first.select_set(True)
+    bpy.context.view_layer.objects.active = first
+    bpy.ops.object.join()
+    on_first = positions(first)[:, 0] < 2
+    for name, place in (("A", on_first), ("B", ~on_first)):
+        write_group(first, name, read_group(first, name) * place)
+    write_group(first, "Both", np.where(on_first, 1.0, 0.5))
+    return first
+
+
+def positions(obj):
+    points = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def center(obj, weights):
+    """Return the mean place of weights."""
+    return weights @ positions(obj) / weights.sum()
+
+
+def inventory():
+    """Return all that an operator could leave behind: data-blocks, and on every object groups and modifiers."""
+    blocks = {(block.id_type, block.name) for block in bpy.data.user_map()}
+    own = {
+        obj.name: (obj.vertex_groups.keys(), obj.modifiers.keys(), sorted(obj.data.attributes.keys()))
+        for obj in bpy.data.objects
+        if obj.type == "MESH"
+    }
+    return blocks, own
+
+
+class Pressed:
+    """An operator between two events: its own methods, and default arguments but for those that are given."""
+
+    def __init__(self, kind, **arguments):
+        self.reports = []
+        self._kind = kind
+        self._arguments = arguments
+        self._defaults = getattr(bpy.ops.convwass, kind.bl_idname.split(".")[1]).get_rna_type().properties
+
+    def report(self, kind, message):
+        self.reports.append((next(iter(kind)), message))
+
+    def __getattr__(self, name):
+        if name in self._arguments:
+            return self._arguments[name]
+        found = inspect.getattr_static(self._kind, name, None)
+        if inspect.isfunction(found):
+            return MethodType(found, self)
+        if name in self._defaults:
+            return self._defaults[name].default
+        raise AttributeError(name)
+
+
+def window_context():
+    """Return a context with a window, a timer and a place for the progress."""
+    manager = SimpleNamespace(
+        convwass_progress=SimpleNamespace(running=False, stopping=False),
+        event_timer_add=lambda seconds, window: "timer",
+        event_timer_remove=lambda timer: None,
+        modal_handler_add=lambda operator: None,
+    )
+    window = SimpleNamespace(
+        screen=SimpleNamespace(areas=[]),
+        modal_operators=[],
+        cursor_modal_set=lambda cursor: None,
+        cursor_modal_restore=lambda: None,
+    )
+    return SimpleNamespace(
+        window_manager=manager,
+        window=window,
+        workspace=SimpleNamespace(status_text_set=lambda text: None),
+        scene=bpy.context.scene,
+        object=bpy.context.object,
+        view_layer=bpy.context.view_layer,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+    )
+
+
+def until(pressed, context, wanted=lambda: False):
+    """Send timer events until something holds; return what the last one returned."""
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        result = pressed.modal(context, TIMER)
+        if wanted() or result != {"PASS_THROUGH"}:
+            return result
+        time.sleep(0.005)
+    pytest.fail("it takes too long")

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is done with an animated density: baked, shown, made again, removed."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.density_attributes import stored_frames
+from convwass_addon.bridge.density_player import played_densities
+from convwass_addon.bridge.density_store import DENSITIES_KEY, stored_density
+from convwass_addon.bridge.vertex_groups import read_group, write_group
+from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
+from tests.operators.densities import ball, inventory, positions
+from tests.operators.test_density_travel import curve
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+NAMES = ("bake_density", "remove_density", "show_density_material", "rebake_density")
+
+
+def call(name, **arguments):
+    return getattr(bpy.ops.convwass, name)(**arguments)
+
+
+@pytest.fixture
+def obj():
+    """A ball with an animated density of four steps."""
+    made = ball()
+    call("interpolate_density", groups="A, B", steps=4, frames="1, 9", sharpen="NUMBER", entropy_bound=-1.5, blur=0.3)
+    return made
+
+
+def test_steps_become_groups(obj):
+    assert call("bake_density", output="GROUPS") == {"FINISHED"}
+    assert obj.vertex_groups.keys() == ["A", "B", *(f"Density.{step:03d}" for step in range(5))]
+    np.testing.assert_allclose(read_group(obj, "Density.002"), stored_frames(obj)[2], atol=1e-6)
+
+
+def test_steps_become_colors(obj):
+    assert call("bake_density", output="COLORS", density="Density") == {"FINISHED"}
+    assert len(obj.data.color_attributes) == 5
+
+
+def test_colors_are_animated(obj):
+    assert call("bake_density", output="ANIMATED_COLOR") == {"FINISHED"}
+    assert obj.data.color_attributes.active_color_name == "Density color"
+
+
+def test_steps_become_images(obj, tmp_path):
+    folder = tmp_path / "out"
+    assert call("bake_density", output="IMAGES", folder=str(folder), size=32, file_format="OPEN_EXR") == {"FINISHED"}
+    assert sorted(path.name for path in folder.iterdir()) == [f"Density.{step:04d}.exr" for step in range(5)]
+    assert len(stored_density(obj, "Density").outputs["images"]) == 5
+    with pytest.raises(RuntimeError, match="Save the file first"):
+        call("bake_density", output="IMAGES")
+    with pytest.raises(RuntimeError, match="no UV map Nobody"):
+        call("bake_density", output="IMAGES", folder=str(folder), uv_map="Nobody")
+
+
+def test_materials_show_it(obj):
+    assert call("show_density_material", kind="MOSS", threshold=0.4) == {"FINISHED"}
+    assert obj.active_material.name == "Density Moss"
+    call("show_density_material")
+    assert obj.active_material.name == "Density Heat Map"
+    assert len(obj.material_slots) == 1
+
+
+def test_removing_leaves_the_groups(obj):
+    call("bake_density", output="GROUPS")
+    groups = obj.vertex_groups.keys()
+    bpy.ops.ed.undo_push(message="there")
+    before = inventory()
+    assert call("remove_density") == {"FINISHED"}
+    assert played_densities(obj) == []
+    assert obj.vertex_groups.keys() == groups
+    assert obj.animation_data is None or obj.animation_data.action is None
+    assert not any(name.startswith(".Density") for name in obj.data.attributes.keys())  # noqa: SIM118
+    bpy.ops.ed.undo_push(message="gone")
+    bpy.ops.ed.undo()
+    assert inventory() == before
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_polls_and_unknown_names(name):
+    with pytest.raises(RuntimeError, match="Make a mesh object active"):
+        call(name)
+    ball()
+    with pytest.raises(RuntimeError, match="Interpolate a density first"):
+        call(name)
+    call("interpolate_density", groups="A, B", steps=1)
+    with pytest.raises(RuntimeError, match="Nobody"):
+        call(name, density="Nobody")
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Go to Object or Weight Paint Mode first"):
+        call(name)
+
+
+def test_it_is_made_again_from_what_is_stored(obj, capfd):
+    keys, before = curve(obj), stored_density(obj, "Density")
+    assert call("rebake_density", only_if_changed=True) == {"CANCELLED"}
+    write_group(obj, "B", (positions(obj)[:, 1] < -0.8).astype(float))
+    assert call("rebake_density", only_if_changed=True) == {"FINISHED"}
+    assert "Changed since it was made: B" in capfd.readouterr().out
+    after = stored_density(obj, "Density")
+    assert (after.inputs, curve(obj)) == (before.inputs, keys)
+    changed = {name for name, value in after.settings.items() if value != before.settings[name]}
+    assert changed == {"marks"}
+    last = stored_frames(obj)[-1]
+    assert (last @ positions(obj) / last.sum())[1] < -0.85
+
+
+@pytest.mark.parametrize("sharpen", ["OFF", "BETWEEN", "MAX", "NUMBER"])
+def test_every_bound_comes_back(sharpen):
+    obj = ball()
+    call("interpolate_density", groups="A, B", steps=2, sharpen=sharpen, easing="SMOOTH", pieces="match")
+    before = stored_density(obj, "Density").settings
+    assert call("rebake_density") == {"FINISHED"}
+    assert stored_density(obj, "Density").settings == before
+
+
+def test_what_is_gone_is_noticed(obj):
+    stored = stored_density(obj, "Density")
+    assert lost_inputs(obj, stored) == changed_inputs(obj, stored) == []
+    obj.vertex_groups["A"].add([5], 0.125, "REPLACE")
+    assert (lost_inputs(obj, stored), changed_inputs(obj, stored)) == ([], ["A"])
+    obj.vertex_groups.remove(obj.vertex_groups["B"])
+    assert lost_inputs(obj, stored) == ["B"]
+    obj.data.vertices.add(1)
+    assert lost_inputs(obj, stored) == ["B", "Sphere"]
+    with pytest.raises(RuntimeError, match="no vertex group B"):
+        call("rebake_density")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("steps", "many"), ("sharpen", "much"), ("frames", 3), ("frames", ["a"]), ("blur", "x"), ("pieces", "torn")],
+)
+def test_damaged_settings_are_told(obj, key, value):
+    data = json.loads(obj[DENSITIES_KEY])
+    data["densities"]["Density"]["settings"][key] = value
+    obj[DENSITIES_KEY] = json.dumps(data)
+    with pytest.raises(RuntimeError, match="damaged"):
+        call("rebake_density")
+    del data["densities"]["Density"]["settings"][key]
+    obj[DENSITIES_KEY] = json.dumps(data)
+    with pytest.raises(RuntimeError, match="damaged"):
+        call("rebake_density")

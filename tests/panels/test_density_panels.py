@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels of densities show, drawn into a layout that remembers; and that drawing does nothing else."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.density_properties import OUTPUTS, OutputProperties, PathProperties, SurfaceProperties
+from tests.operators.densities import ball, inventory
+
+from .test_panels import draw, panels
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def draw_all():
+    return [entry for panel in panels("CONVWASS_PT_densit") for entry in draw(panel)]
+
+
+def offered(drawn):
+    return {name for kind, name in drawn if kind == "operator"}
+
+
+def texts(drawn):
+    return " ".join(text for kind, text in drawn if kind in ("label", "text"))
+
+
+@pytest.fixture
+def obj():
+    return ball()
+
+
+@pytest.fixture
+def played(obj):
+    bpy.ops.convwass.interpolate_density(groups="A, B", steps=2)
+    return obj
+
+
+def test_they_are_there_for_meshes_alone(obj):
+    assert draw_all()
+    bpy.ops.object.empty_add()
+    assert not draw(bpy.types.CONVWASS_PT_densities)
+    obj.select_set(False)
+    bpy.ops.object.delete()
+    bpy.context.view_layer.objects.active = None
+    assert not draw(bpy.types.CONVWASS_PT_densities)
+
+
+def test_only_painting_is_open_at_first():
+    opened = [panel.__name__ for panel in panels("CONVWASS_PT_density_") if "DEFAULT_CLOSED" not in panel.bl_options]
+    assert opened == ["CONVWASS_PT_density_paint"]
+
+
+def test_without_a_group_it_says_what_to_do():
+    bpy.ops.mesh.primitive_cube_add()
+    assert ("label", "Paint a vertex group first") in draw_all()
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT"])
+def test_the_active_group_and_its_figures(obj, mode):
+    bpy.ops.object.mode_set(mode=mode)
+    assert "Radius" not in texts(draw(bpy.types.CONVWASS_PT_densities))
+    bpy.ops.convwass.normalize_density()
+    shown = texts(draw(bpy.types.CONVWASS_PT_densities))
+    assert shown.startswith("A Covers 1")
+    assert "Radius" in shown
+    obj.vertex_groups.active_index = 1
+    assert texts(draw(bpy.types.CONVWASS_PT_densities)) == "B"
+
+
+def test_distances_are_told(obj):
+    bpy.ops.convwass.measure_distance(first="A", second="B")
+    bpy.ops.convwass.measure_groups()
+    shown = texts(draw(bpy.types.CONVWASS_PT_density_measure))
+    assert "From A to B: 2." in shown
+    assert "Sphere Distances" in shown
+
+
+def test_a_list_takes_the_place_of_the_pair(obj):
+    drawn = draw(bpy.types.CONVWASS_PT_density_interpolate)
+    assert ("prop", "first") in drawn
+    assert "convwass.blend_densities" not in offered(drawn)
+    bpy.ops.convwass.add_density_stop(which="ALL")
+    bpy.ops.convwass.add_density_stop(which="EMPTY")
+    obj.convwass_density.stops[0].enabled = False
+    drawn = draw(bpy.types.CONVWASS_PT_density_interpolate)
+    assert ("prop", "first") not in drawn
+    assert {"convwass.blend_densities", "convwass.propagate_densities"} <= offered(drawn)
+    assert [text for kind, text in drawn if kind == "label"] == ["", "0", "1"]
+
+
+def test_every_setting_is_somewhere(played):
+    own = played.convwass_density
+    own.sharpen, own.output = "NUMBER", "IMAGES"
+    drawn = {name for kind, name in draw_all() if kind == "prop"}
+    kinds = (*PathProperties.__mro__, *OutputProperties.__mro__, SurfaceProperties)
+    expected = {name for kind in kinds for name in vars(kind).get("__annotations__", {})}
+    assert expected <= drawn
+
+
+def test_every_operator_is_somewhere(played):
+    before = offered(draw_all())
+    bpy.ops.convwass.add_density_stop(which="ALL")
+    kinds = [name for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
+    own = {getattr(bpy.types, name).bl_idname for name in kinds if "density" in getattr(bpy.types, name).__module__}
+    assert own == (before | offered(draw_all())) - {"convwass.stop_bake"}
+    assert len(own) == 18
+
+
+def test_an_animated_density_shows_its_value(obj):
+    assert not draw(bpy.types.CONVWASS_PT_density_output)
+    bpy.ops.convwass.interpolate_density(groups="A, B", steps=2)
+    assert ("text", "Density") in draw(bpy.types.CONVWASS_PT_densities)
+    for name in [name for name, *_ in OUTPUTS]:
+        obj.convwass_density.output = name
+        drawn = draw(bpy.types.CONVWASS_PT_density_output)
+        assert (("prop", "folder") in drawn) == (name == "IMAGES")
+    assert {"convwass.rebake_density", "convwass.remove_density"} <= offered(drawn)
+
+
+def test_what_has_changed_is_told(played):
+    assert "Changed" not in texts(draw_all())
+    played.vertex_groups.remove(played.vertex_groups["B"])
+    assert "Changed since it was made: B" in texts(draw_all())
+
+
+def test_nodes_that_somebody_has_edited_are_left_out(played):
+    tree = played.modifiers[0].node_group
+    for item in [item for item in tree.interface.items_tree if item.name == "Density"]:
+        tree.interface.remove(item)
+    assert ("text", "Density") not in draw(bpy.types.CONVWASS_PT_densities)
+
+
+def test_a_running_job_shows_its_bar(obj):
+    progress = bpy.context.window_manager.convwass_progress
+    progress.running, progress.fraction, progress.message = True, 0.5, "From A to B"
+    try:
+        drawn = draw(bpy.types.CONVWASS_PT_densities)
+    finally:
+        progress.running = False
+    assert ("progress", "From A to B") in drawn
+    assert "convwass.stop_bake" in offered(drawn)
+
+
+def test_drawing_computes_and_writes_nothing(played, monkeypatch):
+    def refuse(*_arguments, **_options):
+        raise AssertionError("drawing asked for work")
+
+    for place in (
+        "operators.density_changes.read_groups",
+        "operators.density_job.read_surface",
+        "operators.density_paint.read_surface",
+        "operators.density_manage.stored_frames",
+        "bridge.vertex_groups.read_groups",
+    ):
+        monkeypatch.setattr(f"convwass_addon.{place}", refuse)
+    bpy.ops.convwass.add_density_stop(which="ALL")
+    before = inventory()
+    draw_all()
+    assert inventory() == before
