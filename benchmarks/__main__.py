@@ -12,19 +12,20 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import morph, peers, quality, table1
+from . import midpoints, morph, peers, quality, surface, table1
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks that the command line asks for."""
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
-    names = parser.add_subparsers(title="benchmarks", metavar="morph | quality | table1 | peers")
+    names = parser.add_subparsers(title="benchmarks", metavar="morph | quality | table1 | surface | peers")
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
+    _add_surface(names.add_parser("surface", help=surface.__doc__))
     _add_peers(names.add_parser("peers", help=peers.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
-    for chosen in [arguments] if arguments else [["morph"], ["quality"], ["table1"], ["peers"]]:
+    for chosen in [arguments] if arguments else [["morph"], ["quality"], ["table1"], ["surface"], ["peers"]]:
         options = parser.parse_args(chosen)
         options.run(options)
     return 0
@@ -52,13 +53,22 @@ def _add_table1(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=lambda options: table1.main(options.sizes, options.trials, options.limit))
 
 
+def _add_surface(parser: argparse.ArgumentParser) -> None:
+    sizes = ",".join(map(str, surface.SIZES))
+    parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
+    parser.add_argument("--steps", type=int, default=24, help="densities between the two (%(default)s)")
+    parser.set_defaults(run=lambda options: surface.main(options.sizes, options.steps))
+
+
 def _add_peers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resolutions", type=_numbers, default="64,100", help="cells along the longest side (%(default)s)"
     )
     parser.add_argument("--side", type=int, default=256, help="cells along a side of the images (%(default)s)")
+    sizes = ",".join(map(str, midpoints.SIZES))
+    parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the surfaces (%(default)s)")
     parser.add_argument("--limit", type=float, default=300.0, help="most CPU seconds per run of a peer (%(default)s)")
-    parser.set_defaults(run=lambda options: peers.main(options.resolutions, options.side, options.limit))
+    parser.set_defaults(run=lambda options: peers.main(options.resolutions, options.side, options.sizes, options.limit))
 
 
 def _numbers(text: str) -> list[int]:

@@ -2,20 +2,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Barycenters by other programs, one per process: ``python -m benchmarks.barycenter_peers CASE OPTIONS``.
 
-Runs in the peers' environment, so it imports nothing of ours. Every case reads ``densities.npy`` from a folder, writes
-``density.npy`` and ``scalings.npy`` (on the barycenter's side) to it, and prints what that took as JSON.
+Runs in the peers' environment, so it imports nothing that needs the project's own. Every case on grids reads
+``densities.npy`` from a folder and writes ``density.npy`` and ``scalings.npy`` (on the barycenter's side) to it; the
+one on surfaces reads ``masses.npy`` and ``costs.npy`` and writes ``barycenter.npy``. All print what that took as JSON.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
+
+from . import geomloss_loop
+from .clock import Clock
+from .processes import peak_megabytes
 
 # Read when jax is imported. One thread, as all others have.
 os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
@@ -23,17 +28,8 @@ os.environ["JAX_PLATFORMS"] = "cpu"
 os.environ["JAX_ENABLE_X64"] = "1"
 
 _INNER = 10
-
-
-class Clock:
-    """Seconds since it was made."""
-
-    def __init__(self) -> None:
-        self._cpu, self._wall = time.process_time(), time.perf_counter()
-
-    def read(self) -> dict[str, float]:
-        """Return CPU and wall seconds."""
-        return {"cpu": time.process_time() - self._cpu, "wall": time.perf_counter() - self._wall}
+# Logarithm of the smallest number of float64 that has all its digits.
+_LOWEST = -708.0
 
 
 def ott(folder: Path, sigma: float, threshold: float, debiased: bool, logarithms: bool) -> dict[str, object]:
@@ -83,6 +79,58 @@ def pot(folder: Path, sigma: float, threshold: float, debiased: bool) -> dict[st
     return {**used, "iterations": int(log["niter"]) + 1, "start": 0.0}
 
 
+def pot_dense(folder: Path, gamma: float, threshold: float) -> dict[str, object]:
+    """POT: barycenter of two masses by a dense matrix of costs, in logarithms where float64 does not hold the kernel.
+
+    Its error is the sum of the standard deviations of two marginals, which is half of that of their difference.
+    """
+    # It imports what it finds of these, and they take memory.
+    os.environ["POT_BACKEND_DISABLE_JAX"] = os.environ["POT_BACKEND_DISABLE_PYTORCH"] = "1"
+    import ot
+
+    masses, costs = np.load(folder / "masses.npy"), np.load(folder / "costs.npy")
+    logarithms = -costs.max() / gamma < _LOWEST
+    clock = Clock()
+    method = "sinkhorn_log" if logarithms else "sinkhorn"
+    mass, log = ot.bregman.barycenter(masses.T, costs, gamma, method=method, stopThr=threshold / 2, log=True)
+    used = clock.read()
+    np.save(folder / "barycenter.npy", mass)
+    name = "POT, log-sum-exp" if logarithms else "POT, kernel"
+    found = {"iterations": int(log["niter"]) + 1, "error": 2.0 * float(log["err"][-1])}
+    return {**used, **found, "peak": peak_megabytes(), "program": name}
+
+
+def geomloss(folder: Path, sigma: float, threshold: float) -> dict[str, object]:
+    """GeomLoss: debiased barycenter on squares and cubes, from coarse to fine; stopped by our error, outside the clock.
+
+    Of images as documented. Volumes its own loop takes, too, where the weights have one axis more than documented.
+    Ten iterations for each halving of the blur, as is its default, and as many at the end as are needed.
+    """
+    import torch
+    from geomloss._legacy import utils, wasserstein_barycenter_images as images
+
+    torch.set_num_threads(1)
+    utils.LazyTensor, utils.keops_available = geomloss_loop.Lines, True
+    densities = np.load(folder / "densities.npy")
+    cube = geomloss_loop.in_cube(densities)
+    side = cube.shape[-1]
+    # A gradient is the only thing for which its interface has more iterations at the end. None is computed.
+    measures = torch.tensor(cube[None], dtype=torch.float32, requires_grad=True)
+    weights = torch.full((1, len(cube), *[1] * (cube.ndim - 3)), 1.0 / len(cube))
+    blur = sigma / side
+    clock = Clock()
+    watch = geomloss_loop.Watch(
+        images.barycenter_iteration, utils.softmin_grid, blur=blur, side=side, threshold=threshold, clock=clock
+    )
+    images.barycenter_iteration = watch
+    with contextlib.suppress(geomloss_loop.Reached):
+        images.ImagesBarycenter(measures, weights, blur=blur, scaling_N=geomloss_loop.SCALING, backward_iterations=2000)
+    used = clock.read()
+    inside = [geomloss_loop.out_of_cube(each, densities.shape[1:]) for each in (watch.log_density, watch.log_v)]
+    _save(folder, np.exp(inside[0].astype(float)), inside[1].astype(float), densities.shape)
+    return {**used, "iterations": watch.iterations, "start": 0.0, "cells": cube.shape[1:]}
+
+
 def _logarithm(scalings: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.log(scalings)
@@ -102,13 +150,30 @@ def limit_processor_time(seconds: float) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), math.ceil(seconds)))
 
 
-CASES = {"ott": ott, "pot": pot}
+def limit_memory(megabytes: float) -> None:
+    """Have the system refuse more memory than that to this process, where it can."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    with contextlib.suppress(ValueError):  # macOS
+        resource.setrlimit(resource.RLIMIT_AS, (int(1e6 * megabytes), int(1e6 * megabytes)))
+
+
+CASES = {"ott": ott, "pot": pot, "pot_dense": pot_dense, "geomloss": geomloss}
 
 if __name__ == "__main__":
     case, options = sys.argv[1], json.loads(sys.argv[2])
     limit_processor_time(options.pop("seconds"))
+    megabytes = options.pop("megabytes", None)
+    if megabytes is not None:
+        limit_memory(megabytes)
     try:
         report = CASES[case](Path(options.pop("folder")), **options)
+    except ModuleNotFoundError as error:
+        report = {"failed": f"not installed: {error.name}"}
+    except MemoryError:
+        report = {"failed": "does not fit" if megabytes is None else f"does not fit in {megabytes / 1000:g} GB"}
     except Exception as error:  # what a peer cannot do is a row of the table
         report = {"failed": f"{type(error).__name__}: {error}".splitlines()[0]}
     print(json.dumps(report), flush=True)

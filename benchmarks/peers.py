@@ -11,6 +11,7 @@ from pathlib import Path
 from tools.environment import SetupError
 from tools.peers import PeersEnvironment
 
+from . import midpoints
 from .processes import PROJECT, measured, reports
 
 _OURS = "benchmarks.barycenter_cases"
@@ -23,7 +24,8 @@ _SAFETY = 0.8
 _BUSY = 6.0
 
 _HEADING = """
-One cold barycenter of horse and bird, t = 0.5, to {percent:.0f} % marginal error, double precision, one thread.
+One cold barycenter of horse and bird, t = 0.5, to {percent:.0f} % marginal error, double
+precision (GeomLoss: single), one thread.
 
 start     CPU s that come first and once per process, such as compiling; not in CPU s and wall s
 error     of the result and the scalings that a program returns, measured by us: the largest sum |v H(w) - mu|
@@ -31,6 +33,10 @@ edge      cells over which the density falls from 90 to 10 % of its plateau
 Programs are asked for less of their own error until ours is reached; the row is the last run alone. None starts from a
 neighboring frame as ours does, so 24 frames take a peer 24 times as long. * is more than
 {limit:.0f} CPU s.
+GeomLoss documents images alone, but its loop and its soft-min run on volumes. It takes squares and cubes with a power
+of two of cells to a side, so its rows name the one that the shapes were put into. Its soft-min uses PyTorch's
+log-sum-exp instead of KeOps. Its loop has no stopping rule: it is stopped by our error, tested at every fifth iteration
+and not counted.
 """
 
 _COLUMNS = (
@@ -39,8 +45,8 @@ _COLUMNS = (
 )
 
 
-def main(resolutions: list[int], side: int, limit: float) -> None:
-    """Run all programs and print a table for volumes and one for images.
+def main(resolutions: list[int], side: int, sizes: list[int], limit: float) -> None:
+    """Run all programs and print a table for volumes, one for images and one for surfaces.
 
     Parameters
     ----------
@@ -48,6 +54,8 @@ def main(resolutions: list[int], side: int, limit: float) -> None:
         Cells along the longest side of the volumes.
     side : int
         Of the images, in cells.
+    sizes : list of int
+        Vertices of the surfaces.
     limit : float
         CPU seconds that a run of a peer may take.
     """
@@ -61,9 +69,10 @@ def main(resolutions: list[int], side: int, limit: float) -> None:
     print(_COLUMNS)
     for cells in resolutions:
         runner.volumes(cells)
-    print(f"{'any':>14} {'any':>5}  {'POT, GeomLoss':36} no barycenter of volumes in what they document")
+    print(f"{'any':>14} {'any':>5}  {'POT':36} no barycenter of volumes in what it documents")
     print(f"\nThe same of silhouettes, {side} x {side} cells\n\n{_COLUMNS}")
     runner.images(side)
+    midpoints.main(sizes, environment.program, limit, TOLERANCE)
 
 
 class _Runner:
@@ -80,10 +89,12 @@ class _Runner:
             self._own(folder, shape, wide, (0.0, 1.0))
             for debiased in (False, True):
                 self._peer(folder, shape, wide, "ott", debiased, logarithms=False)
+            self._geomloss(folder, shape, wide)
             self._own(folder, shape, narrow, (0.0, 0.75, 1.0))
             for debiased in (False, True):
                 self._peer(folder, shape, narrow, "ott", debiased, logarithms=False)
             self._peer(folder, shape, narrow, "ott", True, logarithms=True)
+            self._geomloss(folder, shape, narrow)
 
     def images(self, side: int) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -91,6 +102,7 @@ class _Runner:
             self._own(folder, shape, side / 40, (0.0, 1.0))
             for debiased in (False, True):
                 self._peer(folder, shape, side / 40, "pot", debiased)
+            self._geomloss(folder, shape, side / 40)
 
     def _own(self, folder: str, shape: list[int], sigma: float, dial: tuple[float, ...]) -> None:
         for sharpness in dial:
@@ -101,15 +113,25 @@ class _Runner:
             _print(shape, sigma, f"Convwass, sharpness {sharpness:g}", *_to_tolerance(run, folder, sigma))
 
     def _peer(self, folder: str, shape: list[int], sigma: float, case: str, debiased: bool, **more: object) -> None:
+        name = {"ott": "OTT-JAX", "pot": "POT"}[case]
+        name += {True: ", log-sum-exp", False: ", kernel"}.get(more.get("logarithms"), "")
+        name += ", debiased" if debiased else ""
+        _print(shape, sigma, name, *self._found(case, folder, sigma, debiased=debiased, **more))
+
+    def _geomloss(self, folder: str, shape: list[int], sigma: float) -> None:
+        name = "GeomLoss, debiased" if len(shape) == 2 else "GeomLoss' soft-min on volumes"
+        report, found = self._found("geomloss", folder, sigma)
+        _print(report.get("cells", shape), sigma, name, report, found)
+
+    def _found(
+        self, case: str, folder: str, sigma: float, **more: object
+    ) -> tuple[dict[str, object], dict[str, object]]:
         def run(threshold):
-            options = {"folder": folder, "sigma": sigma, "threshold": threshold, "debiased": debiased, **more}
-            options["seconds"] = self._limit
+            options = {"folder": folder, "sigma": sigma, "threshold": threshold, "seconds": self._limit, **more}
             found = reports(_THEIRS, case, _BUSY * self._limit, program=self._program, **options)
             return found[-1] if found else {"failed": "*"}
 
-        name = {"ott": "OTT-JAX", "pot": "POT"}[case]
-        name += {True: ", log-sum-exp", False: ", kernel"}.get(more.get("logarithms"), "")
-        _print(shape, sigma, f"{name}, debiased" if debiased else name, *_to_tolerance(run, folder, sigma))
+        return _to_tolerance(run, folder, sigma)
 
 
 def _to_tolerance(run, folder: str, sigma: float) -> tuple[dict[str, object], dict[str, object]]:

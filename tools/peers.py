@@ -8,14 +8,15 @@ import hashlib
 import sys
 from pathlib import Path
 
-from .environment import Environment, Stamp, _locked, _say
+from .environment import Environment, SetupError, Stamp, _locked, _say
 
 FOLDER = ".venv-peers"
 REQUIREMENTS = "benchmarks/peers.txt"
+OPTIONAL = "benchmarks/peers-optional.txt"
 
 
 class PeersEnvironment(Environment):
-    """A folder with a Python and what `REQUIREMENTS` lists; nothing of the project's own."""
+    """A folder with a Python and what `REQUIREMENTS` lists, and `OPTIONAL` where pip finds it; nothing of our own."""
 
     @classmethod
     def of(cls, project: Path) -> PeersEnvironment:
@@ -23,8 +24,9 @@ class PeersEnvironment(Environment):
         return cls(project, project / FOLDER)
 
     def declared(self) -> str:
-        """Hash of the requirements."""
-        return hashlib.sha256((self.project / REQUIREMENTS).read_bytes()).hexdigest()
+        """Hash of the requirements, with the optional ones."""
+        both = [(self.project / name).read_bytes() for name in (REQUIREMENTS, OPTIONAL)]
+        return hashlib.sha256(b"\0".join(both)).hexdigest()
 
     def prepare_peers(self) -> None:
         """Make the environment with the running Python, unless it is there and still right.
@@ -41,7 +43,7 @@ class PeersEnvironment(Environment):
                 self._install_peers()
 
     def _install_peers(self) -> None:
-        _say(f"Setting up {self.shown} for the peers. This happens once; it downloads about 250 MB.")
+        _say(f"Setting up {self.shown} for the peers. This happens once; it downloads about 450 MB.")
         self._remove()
         self.folder.mkdir(parents=True)
         self._write_stamp(Stamp())
@@ -51,6 +53,16 @@ class PeersEnvironment(Environment):
             "Installing the peers failed; pip's message is above. The first time it needs a network; the benchmarks "
             "named morph, quality and table1 do without.",
         )
+        self._install_optional()
         self._write_stamp(
             Stamp(declared=self.declared(), folder=str(self.folder), distributions=self._installed_records())
         )
+
+    def _install_optional(self) -> None:
+        try:
+            self._run([*self._pip_install(quiet=True), "--requirement", OPTIONAL], "")
+        except SetupError:
+            _say(
+                f"  Going on without what {OPTIONAL} lists: pip's message is above, and the rows say what is missing. "
+                f"To try again, delete {self.shown}."
+            )

@@ -4,19 +4,37 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
+from scipy.sparse.csgraph import dijkstra
 
-from benchmarks import __main__ as command_line, measures, meshes, peers, processes, quality, table1
+from benchmarks import (
+    __main__ as command_line,
+    barycenter_peers,
+    geomloss_loop,
+    measures,
+    meshes,
+    midpoint_cases,
+    midpoints,
+    peers,
+    processes,
+    quality,
+    surface,
+    table1,
+)
 from benchmarks.barycenter_cases import marginal_error
+from benchmarks.clock import Clock
 from benchmarks.rods import RADIUS, Legged
-from convwass_addon.transport import Grid, barycenter
+from convwass_addon.transport import Grid, Surface, barycenter
 from tests.shapes import ball, joined, square, torus
-from tools.peers import REQUIREMENTS, PeersEnvironment
+from tools.environment import SetupError
+from tools.peers import OPTIONAL, REQUIREMENTS, PeersEnvironment
 
 PAPER_SIZES = (693, 1150, 1911, 3176, 5278, 8774, 14584)
 
@@ -106,7 +124,7 @@ def test_what_a_late_case_has_reported_counts(tmp_path, monkeypatch):
 
 def test_no_name_means_every_benchmark(monkeypatch):
     started = []
-    for name in ("morph", "quality", "table1", "peers"):
+    for name in ("morph", "quality", "table1", "surface", "peers"):
         module = getattr(command_line, name)
         monkeypatch.setattr(module, "main", lambda *options, name=name: started.append((name, *options)))
     assert command_line.main([]) == 0
@@ -114,7 +132,8 @@ def test_no_name_means_every_benchmark(monkeypatch):
         ("morph", [64, 100], 24),
         ("quality", 64, None),
         ("table1", list(table1.SIZES), 5, 60.0),
-        ("peers", [64, 100], 256, 300.0),
+        ("surface", list(surface.SIZES), 24),
+        ("peers", [64, 100], 256, list(midpoints.SIZES), 300.0),
     ]
 
 
@@ -123,8 +142,8 @@ def test_options_reach_the_benchmarks(monkeypatch, tmp_path):
     monkeypatch.setattr(command_line.quality, "main", lambda *options: started.append(options))
     monkeypatch.setattr(command_line.peers, "main", lambda *options: started.append(options))
     command_line.main(["quality", "--cells", "48", "--meshes", str(tmp_path)])
-    command_line.main(["peers", "--resolutions", "32,48", "--side", "64", "--limit", "10"])
-    assert started == [(48, tmp_path), ([32, 48], 64, 10.0)]
+    command_line.main(["peers", "--resolutions", "32,48", "--side", "64", "--sizes", "500", "--limit", "10"])
+    assert started == [(48, tmp_path), ([32, 48], 64, [500], 10.0)]
 
 
 def test_pieces_bubbles_and_handles_are_counted():
@@ -285,7 +304,8 @@ def test_what_a_peer_cannot_do_is_a_row(capsys):
 
 def test_peers_need_a_network_the_first_time_and_say_so(project, tmp_path, monkeypatch, capfd):
     (tmp_path / REQUIREMENTS).parent.mkdir()
-    shutil.copy(project / REQUIREMENTS, tmp_path / REQUIREMENTS)
+    for name in (REQUIREMENTS, OPTIONAL):
+        shutil.copy(project / name, tmp_path / name)
     monkeypatch.setattr(peers, "PROJECT", tmp_path)
     # An environment takes seconds to make; pip fails in any.
     install = PeersEnvironment._run
@@ -299,24 +319,254 @@ def test_peers_need_a_network_the_first_time_and_say_so(project, tmp_path, monke
     assert not PeersEnvironment.of(tmp_path).is_installed()
 
 
-def test_peers_are_installed_once_and_again_where_others_are_wanted(tmp_path, monkeypatch):
-    steps = []
+@pytest.fixture
+def peers_environment(tmp_path, monkeypatch):
+    """One to be made in a folder with both lists of requirements, the steps of which are stood in for."""
 
     def run(self, command, problem):
-        steps.append(command[2])
+        steps.append(command[2] if command[2] == "venv" else command[-1])
         if command[2] == "venv":
             self.program.parent.mkdir(parents=True)
             self.program.symlink_to(sys.executable)
             (self.folder / "pyvenv.cfg").write_text(f"home = {sys.base_prefix}\n", encoding="utf-8")
+        if command[-1] in failing:
+            raise SetupError(problem)
 
+    steps, failing = [], []
     monkeypatch.setattr(PeersEnvironment, "_run", run)
-    requirements = tmp_path / REQUIREMENTS
-    requirements.parent.mkdir()
-    requirements.write_text("one\n", encoding="utf-8")
-    environment = PeersEnvironment.of(tmp_path)
+    (tmp_path / REQUIREMENTS).parent.mkdir()
+    for name in (REQUIREMENTS, OPTIONAL):
+        (tmp_path / name).write_text("one\n", encoding="utf-8")
+    return PeersEnvironment.of(tmp_path), steps, failing
+
+
+@pytest.mark.parametrize("changed", [REQUIREMENTS, OPTIONAL])
+def test_peers_are_installed_once_and_again_where_others_are_wanted(peers_environment, changed):
+    environment, steps, _ = peers_environment
     environment.prepare_peers()
     environment.prepare_peers()
-    assert steps == ["venv", "pip"]
-    requirements.write_text("another\n", encoding="utf-8")
+    assert steps == ["venv", REQUIREMENTS, OPTIONAL]
+    (environment.project / changed).write_text("another\n", encoding="utf-8")
     environment.prepare_peers()
-    assert steps == ["venv", "pip"] * 2
+    assert steps == ["venv", REQUIREMENTS, OPTIONAL] * 2
+
+
+def test_peers_do_without_what_pip_does_not_find_and_say_so(peers_environment, capsys):
+    environment, steps, failing = peers_environment
+    failing.append(OPTIONAL)
+    environment.prepare_peers()
+    said = capsys.readouterr().out
+    assert f"Going on without what {OPTIONAL} lists" in said
+    assert "To try again, delete .venv-peers" in said
+    assert environment.is_installed()
+    environment.prepare_peers()
+    assert steps == ["venv", REQUIREMENTS, OPTIONAL], "it is tried once"
+
+
+def test_a_peer_that_is_not_installed_is_a_row(tmp_path, project, monkeypatch, capsys):
+    # None makes Python say that there is no such module, whether there is one or not.
+    start = (
+        "import runpy, sys; sys.modules['torch'] = None; sys.argv[0] = 'barycenter_peers'; "
+        "runpy.run_module('benchmarks.barycenter_peers', run_name='__main__', alter_sys=True)"
+    )
+    options = f'{{"folder": {json.dumps(str(tmp_path))}, "sigma": 1.0, "threshold": 0.01, "seconds": 60}}'
+    command = [sys.executable, "-c", start, "geomloss", options]
+    printed = subprocess.run(command, cwd=project, capture_output=True, text=True, check=True).stdout
+    monkeypatch.setattr(peers, "reports", lambda *_, **__: [json.loads(printed)])
+    peers._Runner(sys.executable, 60.0)._geomloss("folder", [8, 8, 8], 1.0)
+    assert capsys.readouterr().out.rstrip().endswith("GeomLoss' soft-min on volumes        not installed: torch")
+
+
+def test_rows_of_geomloss_name_the_cube_that_it_ran_on(monkeypatch, capsys):
+    used = {"cpu": 1.0, "wall": 1.0, "start": 0.0, "iterations": 65}
+    monkeypatch.setattr(peers, "measured", lambda *_, **__: {"error": 0.009, "edge": 1.5})
+    for cells in ([32, 32], [32, 32, 32]):
+        monkeypatch.setattr(peers, "reports", lambda *_, cells=cells, **__: [{**used, "cells": cells}])
+        peers._Runner(sys.executable, 60.0)._geomloss("folder", [24] * len(cells), 1.0)
+    image, volume = capsys.readouterr().out.splitlines()
+    assert image.split()[:6] == ["32", "x", "32", "1.00", "GeomLoss,", "debiased"]
+    assert volume.startswith("  32 x 32 x 32  1.00  GeomLoss' soft-min on volumes ")
+
+
+def test_shapes_are_in_the_middle_of_a_power_of_two_and_come_back():
+    densities = np.random.default_rng(0).random((2, 5, 8, 3))
+    assert geomloss_loop.in_cube(densities).shape == (2, 8, 8, 8)
+    assert geomloss_loop.in_cube(densities[..., 0].repeat(2, axis=2)).shape == (2, 16, 16)
+    cube = geomloss_loop.in_cube(densities)
+    assert cube.sum() == pytest.approx(densities.sum())
+    assert not cube[:, 0].any(), "three cells are added: one before, two behind"
+    assert not cube[:, -2:].any()
+    np.testing.assert_array_equal(geomloss_loop.out_of_cube(cube, (5, 8, 3)), densities)
+
+
+class _Tensor(np.ndarray):
+    """The little of PyTorch's that is needed."""
+
+    def new_empty(self, shape):
+        return np.empty(shape).view(_Tensor)
+
+    def logsumexp(self, dim):
+        return np.log(np.exp(self).sum(axis=dim))
+
+
+@pytest.mark.parametrize("block", [1, 150, 1 << 20])
+def test_lines_are_soft_mins_whatever_the_block(monkeypatch, block):
+    monkeypatch.setattr(geomloss_loop, "_BLOCK", block)
+    values = np.random.default_rng(0).normal(size=(11, 1, 7, 1)).view(_Tensor)
+    x = np.linspace(0, 2, 7).view(_Tensor)
+    values_j, x_i, x_j = map(geomloss_loop.Lines, (values, x.reshape(1, 7, 1, 1), x.reshape(1, 1, 7, 1)))
+    found = (values_j - (x_i - x_j) ** 2).logsumexp(dim=2)
+    kernel = np.exp(-((x[:, None] - x) ** 2))
+    np.testing.assert_allclose(found[..., 0], np.log(np.exp(values[:, 0, :, 0]) @ kernel), atol=1e-12)
+
+
+def _soft_min(eps, p, values):
+    """Do what GeomLoss' soft-min does, on a few cells."""
+    x = np.arange(values.shape[-1]) / values.shape[-1]
+    cost = abs(x[:, None] - x) ** p / (p * eps)
+    for axis in range(2, values.ndim):
+        values = np.moveaxis(np.logaddexp.reduce(np.moveaxis(values, axis, -1)[..., None, :] - cost, axis=-1), -1, axis)
+    return -eps * values
+
+
+def _iteration(f_k, g_k, d_log, eps, p, ak_log, w_k):
+    """Do what GeomLoss' does, from what is written about it: halfway to the new potentials, then the density."""
+    bar_log = d_log - (w_k * _soft_min(eps, p, ak_log + g_k / eps) / eps).sum(1, keepdims=True)
+    to_bar, to_inputs = _soft_min(eps, p, ak_log + g_k / eps), _soft_min(eps, p, bar_log + f_k / eps)
+    f_k, g_k = (f_k + to_bar) / 2, (g_k + to_inputs) / 2
+    bar_log = d_log - (w_k * _soft_min(eps, p, ak_log + g_k / eps) / eps).sum(1, keepdims=True)
+    return f_k, g_k, (d_log + bar_log + _soft_min(eps, p, d_log) / eps) / 2, bar_log
+
+
+@pytest.mark.parametrize(("dimensions", "threshold"), [(2, 0.1), (2, 1e-2), (2, 1e-5), (3, 1e-2)])
+def test_scalings_from_potentials_of_geomloss_have_the_error_at_which_it_is_stopped(dimensions, threshold):
+    side, sigma = 8, 1.3
+    places = np.moveaxis(np.indices([side] * dimensions), 0, -1)
+    squares = [((places - center) ** 2).sum(axis=-1) for center in (2.2, 4.6)]
+    densities = np.exp([-squares[0] / 2.5, -squares[1] / 5.0])
+    densities /= densities.sum(axis=tuple(range(1, 1 + dimensions)), keepdims=True)
+    blur = sigma / side
+    watch = geomloss_loop.Watch(_iteration, _soft_min, blur=blur, side=side, threshold=threshold, clock=Clock())
+    state = (0 * densities[None], 0 * densities[None], np.zeros((1, 1, *[side] * dimensions)))
+    with pytest.raises(geomloss_loop.Reached):
+        for _ in range(2000):
+            state = watch(*state, blur**2, 2, np.log(densities[None]), 0.5)[:3]
+    domain = Grid(densities.shape[1:], sigma)
+    error = marginal_error(watch.log_v, np.exp(watch.log_density), densities, domain)
+    assert 0.2 * threshold < error <= 1.001 * threshold
+    assert watch.iterations % 5 == 0
+    # Densities between settle slowly, but it is the debiased one that this goes to.
+    plain, debiased = (
+        barycenter(densities, [0.5, 0.5], domain, sharpness=sharpness, tolerance=1e-7).density for sharpness in (0, 1)
+    )
+    apart = [_apart(np.exp(watch.log_density), other) for other in (plain, debiased)]
+    assert apart[1] < 0.3 * apart[0]
+
+
+def _apart(first, second):
+    return abs(first / first.sum() - second / second.sum()).sum()
+
+
+def test_geomloss_is_not_stopped_before_the_blur_that_was_asked_for():
+    def returned(f_k, g_k, d_log, eps, p, ak_log, w_k):
+        seen.append(eps)
+        return f_k, g_k, d_log, np.zeros((1, 1, *ak_log.shape[2:]))
+
+    seen = []
+    watch = geomloss_loop.Watch(returned, _soft_min, blur=0.25, side=4, threshold=99.0, clock=Clock())
+    for side, eps in ((2, 0.0625), (4, 0.25), (4, 0.09)):
+        for _ in range(5):
+            watch(*[np.zeros((1, 1, side, side))] * 3, eps, 2, np.zeros((1, 1, side, side)), 1.0)
+    assert seen == [0.0625] * 5 + [0.25] * 5 + [0.09] * 5
+    # Its schedule ends a step of 2^(1/10) above a blur of one cell.
+    for _ in range(4):
+        watch(*[np.zeros((1, 1, 4, 4))] * 3, 0.0625 * 2**0.2, 2, np.zeros((1, 1, 4, 4)), 1.0)
+    with pytest.raises(geomloss_loop.Reached):
+        watch(*[np.zeros((1, 1, 4, 4))] * 3, 0.0625, 2, np.zeros((1, 1, 4, 4)), 1.0)
+    assert seen[-5:] == [0.0625] * 5
+
+
+def test_midpoints_on_surfaces_are_a_table(capsys):
+    # POT is among the test tools, so this Python will do.
+    midpoints.main([300], sys.executable, 60.0, 0.01)
+    own, pot = (line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("     300"))
+    assert own[:2] == ["300", "Convwass"]
+    assert pot[:3] == ["300", "POT,", "kernel"]
+    *_, iterations, own_error, own_peak = map(float, own[2:])
+    assert own_error <= 0.01
+    assert iterations >= 1
+    assert own_peak > 10
+    *_, iterations, error, peak, apart = map(float, pot[3:])
+    assert iterations % 10 == 2, "it tests its error at the second iteration and every tenth after it"
+    assert error <= 0.01
+    assert peak > 10
+    assert 0.005 < apart < 0.5, "other costs far away, but not another place"
+
+
+@pytest.mark.parametrize("of_kernel", [True, False])
+def test_pot_with_the_costs_of_our_kernel_finds_our_midpoint(tmp_path, of_kernel):
+    count = 300
+    own = midpoint_cases.own(str(tmp_path), count, 1e-4)
+    surface = Surface(*meshes.blob(count))
+    kernel = surface.apply(np.diag(1.0 / surface.weights))
+    costs = -surface.gamma * np.log(kernel)
+    # Areas differ by a factor of four: without them POT has another reference.
+    np.save(tmp_path / "costs.npy", costs - surface.gamma * np.log(surface.weights) if of_kernel else costs)
+    found = barycenter_peers.pot_dense(tmp_path, own["gamma"], 1e-4)
+    assert max(own["error"], found["error"]) <= 1e-4
+    assert found["program"] == "POT, kernel"
+    apart = midpoints._apart(tmp_path)
+    assert apart < 1e-3 if of_kernel else apart > 0.05
+
+
+def test_errors_of_midpoints_are_those_of_plans(tmp_path):
+    surface = Surface(*meshes.blob(200))
+    masses = np.random.default_rng(0).random((2, 200))
+    masses /= masses.sum(axis=1, keepdims=True)
+    v = np.exp(np.random.default_rng(1).normal(size=(2, 200)))
+    kernel = surface.weights[:, None] * surface.apply(np.diag(1.0 / surface.weights)) * surface.weights
+    plans = [mass[:, None] / (kernel @ each)[:, None] * kernel * each for mass, each in zip(masses, v, strict=True)]
+    for plan, mass in zip(plans, masses, strict=True):
+        np.testing.assert_allclose(plan.sum(axis=1), mass)
+    expected = abs(plans[0].sum(axis=0) - plans[1].sum(axis=0)).sum()
+    assert midpoint_cases.marginals_apart(np.log(v), masses, surface) == pytest.approx(expected)
+
+
+def test_costs_are_squared_distances_less_logarithms_of_areas(tmp_path):
+    count = 600
+    midpoint_cases.costs(str(tmp_path), count)
+    surface = Surface(*meshes.blob(count))
+    squares = np.load(tmp_path / "costs.npy") + surface.gamma * np.log(surface.weights)
+    np.testing.assert_allclose(squares, squares.T, atol=1e-12)
+    paths = dijkstra(meshes.edge_graph(surface.positions, surface.mesh.faces)) / surface.unit_length
+    shares = np.sqrt(squares[paths > 0.2]) / paths[paths > 0.2]
+    assert 0.7 < shares.min() <= shares.max() < 1.05
+    assert 0.85 < np.median(shares) < 0.97, "paths along edges are 5 to 9 % too long"
+
+
+def test_pot_goes_to_logarithms_where_float64_ends(tmp_path):
+    own = midpoint_cases.own(str(tmp_path), 100, 0.01)
+    midpoint_cases.costs(str(tmp_path), 100)
+    found = barycenter_peers.pot_dense(tmp_path, own["gamma"] / 100, 0.5)
+    assert found["program"] == "POT, log-sum-exp"
+    assert np.isfinite(np.load(tmp_path / "barycenter.npy")).all()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits the memory of a process")
+def test_a_matrix_that_does_not_fit_is_a_row(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(midpoints, "_MEGABYTES", 1500)
+    np.save(tmp_path / "masses.npy", np.full((2, 4), 0.25))
+    costs = np.lib.format.open_memmap(tmp_path / "costs.npy", mode="w+", dtype=float, shape=(20_000, 20_000))
+    del costs
+    report = midpoints._pot(str(tmp_path), sys.executable, 60.0, 0.01, 0.01)
+    midpoints._print(20_000, "POT", {"setup": 1.0, **report}, "")
+    assert capsys.readouterr().out.split() == ["20000", "POT", "1.00", "does", "not", "fit", "in", "1.5", "GB"]
+
+
+def test_clock_leaves_out_what_is_paused():
+    clock = Clock()
+    with clock.paused():
+        time.sleep(0.2)
+    assert clock.read()["wall"] < 0.15
+    time.sleep(0.2)
+    assert clock.read()["wall"] >= 0.2
