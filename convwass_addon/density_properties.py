@@ -132,6 +132,10 @@ class PathProperties(TravelProperties):
             ("SMOOTH", "Smooth", "Slow away from every group and slow into the next"),
         ),
     )
+    trail: BoolProperty(
+        name="Leave a Trail",
+        description="What the density has covered stays covered, as moss or frost that creeps along",
+    )
     density: StringProperty(
         name="Name",
         description="Name of the animated attribute, which materials and Geometry Nodes read; one of the same name is "

@@ -82,7 +82,7 @@ def test_a_group_travels_to_another_in_the_users_own_scene(files, tmp_path, capf
     assert [material.name for material in ball.data.materials] == ["Density Heat Map"]
     known = stored_density(ball, "Density")
     assert known.inputs == ["East", "North"]
-    assert known.settings == result["settings"]
+    assert known.settings == {**result["settings"], "trail": False}
     frames = stored_frames(ball)
     assert len(frames) == 5
     points = np.array([vertex.co for vertex in ball.data.vertices])
@@ -261,6 +261,28 @@ def test_what_lies_between_is_filled_in_as_groups(files, tmp_path, capfd):
     # In the middle of the octant that the three span.
     np.testing.assert_allclose(center / np.linalg.norm(center), np.full(3, 3**-0.5), atol=0.05)
     assert weights.max() == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_trail_stays_covered(files, tmp_path, capfd):
+    out = tmp_path / "trail.blend"
+    words = [
+        f"{files / 'scene.blend'}:Ball",
+        "--from",
+        "East",
+        "--to",
+        "North",
+        "--steps",
+        "4",
+        "--trail",
+        "--out",
+        out,
+    ]
+    assert run(capfd, *words)[0] == 0
+    frames = stored_frames(reopened(out), "Density")
+    assert (np.diff(frames, axis=0) >= 0.0).all()
+    assert frames.max(axis=1) == pytest.approx(np.ones(5), abs=1e-3)
+    covered = (frames > 0.5).sum(axis=1)
+    assert covered[-1] > 1.8 * covered[0]
 
 
 @pytest.mark.parametrize("edge", ["East", "East=", "East=x=North"])

@@ -47,8 +47,8 @@ class DensityScene:
         """What the user should know about the blur and about modifiers."""
         notices = [notice for notice in [blur_notice(self.surface)] if notice is not None]
         if self.ignored:
-            text = "Modifiers that change the vertices are left out: {names}."
-            notices.append(Sentence(text, {"names": ", ".join(self.ignored)}))
+            names = {"names": ", ".join(self.ignored)}
+            notices.append(Sentence("Modifiers that change the vertices are left out: {names}.", names))
         return notices
 
     @property

@@ -83,6 +83,9 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         "wider one of them (max) or as a number of nats (%(default)s)",
     )
     group.add_argument(
+        "--trail", action="store_true", help="what the density has covered stays covered, as moss that creeps along"
+    )
+    group.add_argument(
         "--match-pieces",
         action="store_true",
         help="scale what lies on each connected piece of the mesh to the share that the first group has there",

@@ -97,9 +97,11 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
     frames = _frames(path_steps(weights, names, scene.surface, settings))
     first = scene.first_frame
     keys = [DensityKey(first, 0.0), DensityKey(first + len(frames.times) - 1, 1.0)]
-    stored = StoredDensity(inputs=list(names), settings=settings.as_dict(), records=frames.records)
+    own = {**settings.as_dict(), "trail": options.trail}
+    stored = StoredDensity(inputs=list(names), settings=own, records=frames.records)
     name = options.name or NAME
-    animate_density(scene.object, frames.densities, frames.times, name, keys=keys, description=stored)
+    shown = frames.covered if options.trail else frames.densities
+    animate_density(scene.object, shown, frames.times, name, keys=keys, description=stored)
     if not any(scene.object.data.materials):
         scene.object.data.materials.append(heat_material(name))
     scene.extend(int(keys[-1].frame))

@@ -28,7 +28,7 @@ from .density_targets import OnDensity, chosen_density, density_property
 from .reporting import refuse
 
 # What is stored with a density and is an argument of Interpolate Density under the same name.
-_SAME_NAME = ("steps", "pieces", "blend_sharpness", "tolerance", "max_iterations", "easing")
+_SAME_NAME = ("steps", "pieces", "blend_sharpness", "tolerance", "max_iterations", "easing", "trail")
 
 
 class CONVWASS_OT_bake_density(OutputProperties, OnDensity, bpy.types.Operator):

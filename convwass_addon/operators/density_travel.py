@@ -65,7 +65,7 @@ class CONVWASS_OT_interpolate_density(
         self._stops, self._settings = stops, self.density_settings(self.steps)
         weights = read_groups(obj, stops.names)
         solve = partial(_path, weights, stops.names, stops.frames, self._settings)
-        self._stored = {**self._settings.as_dict(), **marks_of(obj, weights)}
+        self._stored = {**self._settings.as_dict(), "trail": self.trail, **marks_of(obj, weights)}
         return DensityJob(context, obj, self._settings, solve)
 
     def _title(self):
@@ -78,9 +78,8 @@ class CONVWASS_OT_interpolate_density(
         description = StoredDensity(stops.names, settings, frames.records, outputs=known.outputs)
         times = (np.array(stops.frames) - stops.frames[0]) / (stops.frames[-1] - stops.frames[0])
         keys = [DensityKey(*key) for key in zip(stops.frames, times.tolist(), strict=True)] if self.set_keys else []
-        animate_density(
-            obj, frames.densities, frames.times, self.density, keys=keys, easing=self.easing, description=description
-        )
+        shown = frames.covered if self.trail else frames.densities
+        animate_density(obj, shown, frames.times, self.density, keys=keys, easing=self.easing, description=description)
         if self.add_material and not any(slot.material for slot in obj.material_slots):
             obj.active_material = heat_material(self.density)
         if keys:

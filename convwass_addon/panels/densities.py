@@ -177,6 +177,7 @@ class CONVWASS_PT_density_interpolate(_Subpanel, bpy.types.Panel):
 
     bl_label = "Interpolate"
     bl_idname = "CONVWASS_PT_density_interpolate"
+    bl_options = set()
 
     def draw_tools(self, context, layout, own):
         if own.stops:
@@ -185,12 +186,11 @@ class CONVWASS_PT_density_interpolate(_Subpanel, bpy.types.Panel):
             _draw_pair(layout, context, own)
             layout.operator(CONVWASS_OT_add_density_stop.bl_idname, text="Make a List", icon="PRESET_NEW").which = "ALL"
         column = layout.column()
-        for name in ("density", "steps", "easing", "sharpen"):
+        for name in ("density", "steps", "easing", "trail", "sharpen"):
             column.prop(own, name)
         if own.sharpen == "NUMBER":
             column.prop(own, "entropy_bound")
-        for name in ("blend_sharpness", "blur", "pieces", "tolerance", "max_iterations", "add_material"):
-            column.prop(own, name)
+        column.prop(own, "add_material")
         row = layout.row()
         row.scale_y = 1.6
         operator = row.operator(CONVWASS_OT_interpolate_density.bl_idname, icon="ANIM")
@@ -205,6 +205,18 @@ class CONVWASS_PT_density_interpolate(_Subpanel, bpy.types.Panel):
             operator = layout.operator(CONVWASS_OT_propagate_densities.bl_idname, icon="CON_TRACKTO")
             _fill(operator, own, TravelProperties)
             operator.edges = own.edges
+
+
+class CONVWASS_PT_density_solver(_Subpanel, bpy.types.Panel):
+    """Settings with good defaults"""
+
+    bl_label = "Solver"
+    bl_idname = "CONVWASS_PT_density_solver"
+    bl_parent_id = "CONVWASS_PT_density_interpolate"
+
+    def draw_tools(self, context, layout, own):
+        for name in ("blur", "pieces", "blend_sharpness", "tolerance", "max_iterations"):
+            layout.prop(own, name)
 
 
 class CONVWASS_PT_density_output(_Subpanel, bpy.types.Panel):
@@ -274,5 +286,6 @@ classes = (
     CONVWASS_PT_density_paint,
     CONVWASS_PT_density_measure,
     CONVWASS_PT_density_interpolate,
+    CONVWASS_PT_density_solver,
     CONVWASS_PT_density_output,
 )

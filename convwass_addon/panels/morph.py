@@ -54,6 +54,11 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
     bl_label = "Morph"
     bl_idname = "CONVWASS_PT_morph"
 
+    @classmethod
+    def poll(cls, context):
+        # Who paints weights wants densities.
+        return context.mode != "PAINT_WEIGHT"
+
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True

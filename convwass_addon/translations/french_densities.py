@@ -213,4 +213,6 @@ TEXTS: dict[str, str] = {
     "{object} has lost the frames of {name}; make it again.": "{object} a perdu les images de {name} ; la refaire.",
     "{object} has no active vertex group; paint one first.": "{object} n'a pas de groupe de sommets actif ; en peindre un d'abord.",
     "{object} has other vertices than when the work on it began; start again.": "{object} a d'autres sommets qu'au début du travail ; recommencer.",
+    "Leave a Trail": "Laisser une trace",
+    "What the density has covered stays covered, as moss or frost that creeps along": "Ce que la densité a couvert reste couvert, comme une mousse ou un givre qui s'étend",
 }

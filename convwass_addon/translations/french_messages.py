@@ -228,4 +228,5 @@ TEXTS: dict[str, str] = {
     "{target} cannot be written ({reason}); close programs that show it, or choose another folder.": "{target} ne peut pas être écrit ({reason}) ; fermer les programmes qui l'affichent, ou choisir un autre dossier.",
     "{target} is a folder; add a file name to it.": "{target} est un dossier ; y ajouter un nom de fichier.",
     "{text}: name an object after the colon, or leave the colon out.": "{text} : nommer un objet après les deux-points, ou omettre les deux-points.",
+    "Modifiers that change the vertices are left out: {names}.": "Les modificateurs qui changent les sommets sont ignorés : {names}.",
 }

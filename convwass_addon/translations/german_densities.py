@@ -213,4 +213,6 @@ TEXTS: dict[str, str] = {
     "{object} has lost the frames of {name}; make it again.": "{object} hat die Bilder von {name} verloren; die Dichte erneut erzeugen.",
     "{object} has no active vertex group; paint one first.": "{object} hat keine aktive Vertexgruppe; erst eine malen.",
     "{object} has other vertices than when the work on it began; start again.": "{object} hat andere Vertices als zu Beginn der Arbeit; von vorn beginnen.",
+    "Leave a Trail": "Spur hinterlassen",
+    "What the density has covered stays covered, as moss or frost that creeps along": "Was die Dichte bedeckt hat, bleibt bedeckt, wie Moos oder Reif, der weiterkriecht",
 }

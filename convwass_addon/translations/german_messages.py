@@ -228,4 +228,5 @@ TEXTS: dict[str, str] = {
     "{target} cannot be written ({reason}); close programs that show it, or choose another folder.": "{target} kann nicht geschrieben werden ({reason}); Programme schließen, die die Datei zeigen, oder einen anderen Ordner wählen.",
     "{target} is a folder; add a file name to it.": "{target} ist ein Ordner; einen Dateinamen anfügen.",
     "{text}: name an object after the colon, or leave the colon out.": "{text}: nach dem Doppelpunkt ein Objekt nennen, oder den Doppelpunkt weglassen.",
+    "Modifiers that change the vertices are left out: {names}.": "Modifikatoren, die die Vertices ändern, werden ausgelassen: {names}.",
 }

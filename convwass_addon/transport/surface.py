@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import diags_array
 
 from ..geometry.edges import vertex_components
-from ..geometry.factorization import factorize
+from ..geometry.factorization import Factorization, factorize
 from ..geometry.mesh import TriangleMesh
 from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
 from .matern import cost_slope, kernel_distance, squared_distance
@@ -66,8 +66,6 @@ class Surface:
         Total area in the units of the vertices, squared.
     mean_edge_length : float
         In lengths of the domain.
-    solver : str
-        The factorization in use.
 
     Raises
     ------
@@ -116,12 +114,24 @@ class Surface:
         self.weights = stiffness.areas / self.area
         self._used = np.flatnonzero(stiffness.areas > 0)
         self._area_weights = np.ascontiguousarray(self.weights[self._used])
+
+    @cached_property
+    def _factor(self) -> Factorization:
+        """Made when the kernel is applied for the first time: areas and lengths do without it."""
         # L does not change when lengths are rescaled, areas do.
-        part = stiffness.matrix[self._used][:, self._used]
+        part = self.laplacian.matrix[self._used][:, self._used]
         system = diags_array(self._area_weights) + (self.gamma / 4.0 / self.steps) * part
-        self._factor = factorize(system.tocsc())
-        self.solver = self._factor.name
-        self.factor_bytes = self._factor.factor_bytes
+        return factorize(system.tocsc())
+
+    @property
+    def solver(self) -> str:
+        """The factorization in use."""
+        return self._factor.name
+
+    @property
+    def factor_bytes(self) -> int | None:
+        """What it holds; None where that is not known."""
+        return self._factor.factor_bytes
 
     @property
     def positions(self) -> NDArray[np.float64]:

@@ -73,6 +73,14 @@ class Window:
         yield from self.move(x, y)
         yield from self._input("click", button)
 
+    def drag(self, places: list[tuple[float, float]]) -> Iterator[float]:
+        """Press the mouse at the first place, go through all, and let go."""
+        yield from self.move(*places[0])
+        yield from self._input("mousedown", 1)
+        for place in places[1:]:
+            yield from self.move(*place)
+        yield from self._input("mouseup", 1)
+
     def key(self, *names: str) -> Iterator[float]:
         """Press keys, such as "Escape" or "ctrl+z"; where the mouse is matters."""
         yield from self._input("key", *names)
@@ -129,9 +137,11 @@ class Window:
 
 
 def _work(window: Window) -> Iterator[float]:
+    from densities import densities
     from scenario import scenario
 
     yield 1.0
+    yield from densities(window)
     yield from scenario(window)
 
 
