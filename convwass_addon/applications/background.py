@@ -53,10 +53,11 @@ class BackgroundJob(Generic[Step]):
         """What ended the job early, if anything; :class:`.errors.Cancelled` after `cancel`."""
         return self._error
 
-    def cancel(self) -> None:
-        """Ask the job to end at its next check, and wait for it."""
+    def cancel(self, patience: float | None = None) -> bool:
+        """Ask the job to end at its next check, and wait for it, for so many seconds at most; tell if it has ended."""
         self._cancelled.set()
-        self._thread.join()
+        self._thread.join(patience)
+        return not self._thread.is_alive()
 
     def _check(self) -> None:
         if self._cancelled.is_set():

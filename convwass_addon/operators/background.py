@@ -21,6 +21,8 @@ from .reporting import refuse
 _TIMER_SECONDS = 0.05
 # The window answers at least this often while many objects wait to be made.
 _BUSY_SECONDS = 0.1
+# Seconds that a job which is stopped may take while the window waits.
+_PATIENCE = 0.5
 # From when on the time that is left is told: before that, the first steps say little.
 _SOONEST, _LEAST_FRACTION = 2.0, 0.15
 
@@ -57,6 +59,7 @@ class BackgroundOperator:
     _background: BackgroundJob[Step]
     _timer: bpy.types.Timer
     _began: float
+    _ending: bool
 
     def execute(self, context):
         try:
@@ -81,22 +84,33 @@ class BackgroundOperator:
     def invoke(self, context, event):
         if bpy.app.background:
             return self.execute(context)
+        started = self._start(context)
+        if started == {"RUNNING_MODAL"}:
+            context.window_manager.modal_handler_add(self)
+        return started
+
+    def _start(self, context: bpy.types.Context) -> set[str]:
+        """Begin the work on its thread, for an operator that has a modal handler, or gets one."""
         try:
             self._job = self._begin(context)
         except ConvwassError as error:
             return refuse(self, error)
         self._background = BackgroundJob(self._steps())
         self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
-        context.window_manager.modal_handler_add(self)
         context.window_manager.convwass_progress.stopping = False
-        self._began = time.monotonic()
+        self._began, self._ending = time.monotonic(), False
         self._show(context, 0.0, Sentence("Starting"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        stopping = context.window_manager.convwass_progress.stopping or (event.type == "ESC" and event.value == "PRESS")
+        asked = context.window_manager.convwass_progress.stopping or (event.type == "ESC" and event.value == "PRESS")
+        stopping = asked or self._ending
         if stopping:
-            self._background.cancel()
+            # What is not checked often, such as a factorization, may take its time; the window goes on meanwhile.
+            if not self._background.cancel(0.0 if self._ending else _PATIENCE):
+                self._ending = True
+                self._show(context, context.window_manager.convwass_progress.fraction, Sentence("Stopping"))
+                return {"PASS_THROUGH"}
         elif event.type != "TIMER":
             return {"PASS_THROUGH"}
         try:

@@ -132,6 +132,10 @@ class WritingDensityOperator(DensityOperator):
     def _waits_for(self, context):
         if self._job.is_edited:
             return Sentence("Done; leave Edit Mode to get the result")
+        return self._waits_for_stroke(context)
+
+    def _waits_for_stroke(self, context: bpy.types.Context) -> Sentence | None:
+        """Say so while the user has the mouse down."""
         running = getattr(context.window, "modal_operators", ())
         if any(operator.bl_idname.startswith(_HOLDING_THE_MESH) for operator in running):
             return Sentence("Done; the result comes after this stroke")

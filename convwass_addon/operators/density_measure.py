@@ -21,19 +21,17 @@ from ..applications.density_measures import (
     measured_distance,
 )
 from ..applications.density_settings import DensitySettings
-from ..applications.surface_densities import Surface, density_surface
+from ..applications.surface_densities import Surface
 from ..applications.vertex_distances import distances_from
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..density_properties import SurfaceProperties
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..sentence import Sentence
 from .chosen_inputs import split_names
-from .density_job import Check, DensityJob, DensityOperator, FoundStep
+from .density_job import Check, DensityJob, DensityOperator, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, ignored_notice, length_text, out_of_edit_mode, tell
-from .reporting import refuse
 
 
 class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
@@ -164,7 +162,7 @@ def _written(table: DistanceTable) -> str:
     return "".join("\t".join(row) + "\n" for row in rows)
 
 
-class CONVWASS_OT_distance_from_vertices(OnVertices, OnMesh, bpy.types.Operator):
+class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnMesh, bpy.types.Operator):
     """Write the distance along the surface from the selected vertices, or from where the surface is clicked on, as a vertex group; its largest weight is the farthest vertex. What lies on other pieces of the mesh has weight 1"""  # noqa: E501
 
     bl_idname = "convwass.distance_from_vertices"
@@ -182,23 +180,35 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, OnMesh, bpy.types.Operator)
         subtype="DISTANCE",
     )
 
-    def execute(self, context):
+    def _begin(self, context):
         obj = context.object
-        try:
-            chosen = self.chosen_vertices(obj)
-            with out_of_edit_mode(context, obj):
-                writable_mesh(obj)
-                reading = read_surface(obj, context.evaluated_depsgraph_get())
-                surface = density_surface(reading.mesh, self.blur or None, MEASURING_SUBSTEPS)
-                found = distances_from(chosen, surface)
-                shown = found.heat_map()
-                group = write_group(obj, self.group or "Distance", shown.weights)
-                obj.vertex_groups.active_index = group.index
-        except ConvwassError as error:
-            return refuse(self, error)
+        with out_of_edit_mode(context, obj):
+            writable_mesh(obj)
+            settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
+            return DensityJob(context, obj, settings, partial(_distances_steps, self.chosen_vertices(obj)))
+
+    def _title(self):
+        return rpt_("Measuring")
+
+    def _waits_for(self, context):
+        # Edit Mode is left for a moment.
+        return self._waits_for_stroke(context)
+
+    def _finish(self, context, job):
+        obj, found = job.target(), job.found
+        shown = found.heat_map()
+        with out_of_edit_mode(context, obj):
+            group = write_group(obj, self.group or "Distance", shown.weights)
+            obj.vertex_groups.active_index = group.index
         text = rpt_("{:s}: a weight of 1 is {:s}").format(group.name, length_text(context.scene, shown.scale))
-        tell(self, text, ignored_notice(reading.ignored), found.notices)
+        tell(self, text, ignored_notice(job.ignored), found.notices)
         return {"FINISHED"}
+
+
+def _distances_steps(vertices: list[int], surface: Surface, check: Check | None) -> Iterator[FoundStep]:
+    message = Sentence("Measuring from {count} vertices", {"count": len(vertices)})
+    yield FoundStep(0.0, message)
+    yield FoundStep(1.0, message, found=distances_from(vertices, surface, check))
 
 
 classes = (CONVWASS_OT_measure_distance, CONVWASS_OT_measure_groups, CONVWASS_OT_distance_from_vertices)

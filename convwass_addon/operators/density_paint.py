@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import bpy
 import numpy as np
@@ -12,13 +14,13 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, FloatProperty
 from numpy.typing import NDArray
 
+from ..applications.density_settings import DensitySettings
 from ..applications.density_tools import diffused, sharpened, sharpened_by, unit_mass
-from ..applications.surface_densities import Surface, density_figures, density_surface, distribution, heat_map
+from ..applications.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import read_group, write_group
-from ..errors import ConvwassError
 from ..sentence import Sentence
+from .density_job import Check, DensityJob, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
 from .density_targets import (
     OnGroups,
@@ -30,7 +32,6 @@ from .density_targets import (
     out_of_edit_mode,
     tell,
 )
-from .reporting import refuse
 
 # Of the surface's width: what a density is spread by where no length is given.
 _USUAL_SPREAD = 0.05
@@ -40,57 +41,66 @@ _VISIBLE = 0.01
 
 @dataclass(frozen=True)
 class _Painted:
-    """A group of an object, and the surface it is painted on."""
+    """What a tool has made of a group, and figures of it."""
 
-    object: bpy.types.Object
-    name: str
-    surface: Surface
-    remarks: list[Sentence]
-
-    @property
-    def weights(self) -> NDArray[np.float64]:
-        """Weights of all vertices, (n,); raises InputError where there is no such group."""
-        return read_group(self.object, self.name)
+    density: NDArray[np.float64]
+    covered: float
+    radius: float
+    entropy: float
 
 
-class _PaintDensity:
+class _PaintDensity(WritingDensityOperator):
     """A tool that replaces the weights of one group."""
 
-    def execute(self, context):
+    def _begin(self, context):
         obj = context.object
-        try:
-            with out_of_edit_mode(context, obj):
-                writable_mesh(obj)
-                reading = read_surface(obj, context.evaluated_depsgraph_get())
-                name = self._name_of_group(obj)
-                painted = _Painted(obj, name, density_surface(reading.mesh), ignored_notice(reading.ignored))
-                density = self._changed(painted)
-                group = write_group(obj, name, heat_map(density).weights)
-                obj.vertex_groups.active_index = group.index
-                self._tell(context, painted, density)
-        except ConvwassError as error:
-            return refuse(self, error)
-        return {"FINISHED"}
+        with out_of_edit_mode(context, obj):
+            writable_mesh(obj)
+            self._name = self._name_of_group(obj)
+            return DensityJob(
+                context, obj, DensitySettings(), partial(_steps, self._name, self._change(obj, self._name))
+            )
 
     def _name_of_group(self, obj: bpy.types.Object) -> str:
         return chosen_group(obj, self.group)
 
-    def _changed(self, painted: _Painted) -> NDArray[np.float64]:
-        """Return the new density of the group, (n,)."""
+    def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface], NDArray[np.float64]]:
+        """Return what makes the new density of the group, (n,), and touches nothing of Blender."""
         raise NotImplementedError
 
-    def _tell(self, context: bpy.types.Context, painted: _Painted, density: NDArray[np.float64]) -> None:
-        """Report the figures of a density, and let the panel show them."""
-        figures = density_figures(density, painted.surface, painted.name)
-        # Heat is everywhere at once, though nobody sees it.
-        visible = np.where(density >= _VISIBLE * density.max(), density, 0.0)
-        covered = density_figures(visible, painted.surface, painted.name).covered
-        found = painted.object.convwass_density_findings
-        found.group, found.covered = painted.name, covered
-        found.radius, found.entropy = figures.radius, figures.entropy
+    def _title(self):
+        return rpt_("Painting")
+
+    def _waits_for(self, context):
+        # Edit Mode is left for a moment.
+        return self._waits_for_stroke(context)
+
+    def _finish(self, context, job):
+        """Write the group, report its figures, and let the panel show them."""
+        obj, painted = job.target(), job.found
+        with out_of_edit_mode(context, obj):
+            group = write_group(obj, self._name, heat_map(painted.density).weights)
+            obj.vertex_groups.active_index = group.index
+        found = obj.convwass_density_findings
+        found.group, found.covered = self._name, painted.covered
+        found.radius, found.entropy = painted.radius, painted.entropy
         text = rpt_("{:s} covers {:.1%} of the surface, radius {:s}, entropy {:.2f}")
-        radius = length_text(context.scene, figures.radius)
-        tell(self, text.format(painted.name, covered, radius, figures.entropy), painted.remarks)
+        radius = length_text(context.scene, painted.radius)
+        tell(self, text.format(self._name, painted.covered, radius, painted.entropy), ignored_notice(job.ignored))
+        return {"FINISHED"}
+
+
+def _steps(
+    name: str, change: Callable[[Surface], NDArray[np.float64]], surface: Surface, check: Check | None
+) -> Iterator[FoundStep]:
+    message = Sentence("Changing {name}", {"name": name})
+    yield FoundStep(0.0, message)
+    density = change(surface)
+    figures = density_figures(density, surface, name)
+    # Heat is everywhere at once, though nobody sees it.
+    visible = np.where(density >= _VISIBLE * density.max(), density, 0.0)
+    covered = density_figures(visible, surface, name).covered
+    yield FoundStep(1.0, message, found=_Painted(density, covered, figures.radius, figures.entropy))
 
 
 class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator):
@@ -101,8 +111,9 @@ class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator)
 
     group: group_property()
 
-    def _changed(self, painted):
-        return distribution(painted.weights, painted.surface, painted.name)
+    def _change(self, obj, name):
+        weights = read_group(obj, name)
+        return lambda surface: distribution(weights, surface, name)
 
 
 class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
@@ -122,9 +133,9 @@ class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
         subtype="DISTANCE",
     )
 
-    def _changed(self, painted):
-        length = self.length or _USUAL_SPREAD * painted.surface.unit_length
-        return diffused(painted.weights, painted.surface, length, painted.name)
+    def _change(self, obj, name):
+        weights, length = read_group(obj, name), self.length
+        return lambda surface: diffused(weights, surface, length or _USUAL_SPREAD * surface.unit_length, name)
 
 
 class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
@@ -156,10 +167,11 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
         default=-2.0,
     )
 
-    def _changed(self, painted):
+    def _change(self, obj, name):
+        weights, share, limit = read_group(obj, name), self.share, self.entropy
         if self.to == "SHARE":
-            return sharpened_by(painted.weights, painted.surface, self.share, painted.name)
-        return sharpened(painted.weights, painted.surface, self.entropy, painted.name)
+            return lambda surface: sharpened_by(weights, surface, share, name)
+        return lambda surface: sharpened(weights, surface, limit, name)
 
 
 class CONVWASS_OT_drop_mass(OnVertices, _PaintDensity, OnMesh, bpy.types.Operator):
@@ -189,15 +201,21 @@ class CONVWASS_OT_drop_mass(OnVertices, _PaintDensity, OnMesh, bpy.types.Operato
     def _name_of_group(self, obj):
         return self.group or (chosen_group(obj, "") if obj.vertex_groups.active else "Mass")
 
-    def _changed(self, painted):
-        dropped = unit_mass(self.chosen_vertices(painted.object), painted.surface)
-        if self.radius > 0.0:
-            dropped = diffused(dropped, painted.surface, self.radius, painted.name)
-        is_there = painted.name in painted.object.vertex_groups
-        if self.share == 1.0 or not is_there or not painted.weights.any():
-            return dropped
-        kept = distribution(painted.weights, painted.surface, painted.name)
-        return self.share * dropped + (1.0 - self.share) * kept
+    def _change(self, obj, name):
+        weights = read_group(obj, name) if name in obj.vertex_groups else np.zeros(len(obj.data.vertices))
+        return partial(_dropped, weights, self.chosen_vertices(obj), self.radius, self.share, name)
+
+
+def _dropped(
+    weights: NDArray[np.float64], vertices: list[int], radius: float, share: float, name: str, surface: Surface
+) -> NDArray[np.float64]:
+    """Return a density of which a share is dropped on some vertices."""
+    dropped = unit_mass(vertices, surface)
+    if radius > 0.0:
+        dropped = diffused(dropped, surface, radius, name)
+    if share == 1.0 or not weights.any():
+        return dropped
+    return share * dropped + (1.0 - share) * distribution(weights, surface, name)
 
 
 classes = (

@@ -12,12 +12,16 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 
 from ..bridge.surfaces import surface_mesh
 from ..errors import ConvwassError, InputError
+from .background import BackgroundOperator
 from .density_targets import numbered_vertices, selected_vertices
 from .reporting import refuse
 
 
 class OnVertices:
-    """An operator on vertices; where there is a window and nothing is selected by hand, it asks for a click."""
+    """Long work on vertices; where there is a window and nothing is selected by hand, the operator asks for a click.
+
+    It goes before the other bases.
+    """
 
     vertices: StringProperty(
         name="Vertices",
@@ -26,15 +30,20 @@ class OnVertices:
         options={"SKIP_SAVE"},
     )
 
+    _picks = False
+
     def invoke(self, context, event):
         if self.vertices.strip() or bpy.app.background or _shows_selection(context.object):
-            return self.execute(context)
+            return BackgroundOperator.invoke(self, context, event)
+        self._picks = True
         context.window_manager.modal_handler_add(self)
         context.window.cursor_modal_set("EYEDROPPER")
         context.workspace.status_text_set(rpt_("Click on the surface    Esc: cancel"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
+        if not self._picks:
+            return BackgroundOperator.modal(self, context, event)
         if context.object is None or context.object.type != "MESH":
             self.cancel(context)
             return {"CANCELLED"}
@@ -57,9 +66,13 @@ class OnVertices:
             return {"RUNNING_MODAL"}
         self.cancel(context)
         self.vertices = str(vertex)
-        return self.execute(context)
+        return self._start(context)
 
     def cancel(self, context):
+        if not self._picks:
+            BackgroundOperator.cancel(self, context)
+            return
+        self._picks = False
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
 

@@ -215,4 +215,8 @@ TEXTS: dict[str, str] = {
     "{object} has other vertices than when the work on it began; start again.": "{object} a d'autres sommets qu'au début du travail ; recommencer.",
     "Leave a Trail": "Laisser une trace",
     "What the density has covered stays covered, as moss or frost that creeps along": "Ce que la densité a couvert reste couvert, comme une mousse ou un givre qui s'étend",
+    "Painting": "Peinture",
+    "Changing {name}": "Modification de {name}",
+    "Measuring from {count} vertices": "Mesure depuis {count} sommets",
+    "Stopping": "Arrêt en cours",
 }

@@ -215,4 +215,8 @@ TEXTS: dict[str, str] = {
     "{object} has other vertices than when the work on it began; start again.": "{object} hat andere Vertices als zu Beginn der Arbeit; von vorn beginnen.",
     "Leave a Trail": "Spur hinterlassen",
     "What the density has covered stays covered, as moss or frost that creeps along": "Was die Dichte bedeckt hat, bleibt bedeckt, wie Moos oder Reif, der weiterkriecht",
+    "Painting": "Malen",
+    "Changing {name}": "{name} wird geändert",
+    "Measuring from {count} vertices": "Messen ab {count} Vertices",
+    "Stopping": "Wird angehalten",
 }

@@ -85,6 +85,8 @@ class Pressed:
             return MethodType(found, self)
         if name in self._defaults:
             return self._defaults[name].default
+        if found is not None:
+            return found
         raise AttributeError(name)
 
 

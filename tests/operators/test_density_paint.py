@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from types import SimpleNamespace
 
 import bpy
@@ -14,9 +16,9 @@ from mathutils import Matrix, Vector
 from convwass_addon.applications.surface_densities import density_surface
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import density_pick
-from convwass_addon.operators.density_paint import CONVWASS_OT_drop_mass
-from tests.operators.densities import ESCAPE, Pressed, ball, center, positions, two_balls, window_context
+from convwass_addon.operators import background, density_paint, density_pick
+from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_mass
+from tests.operators.densities import ESCAPE, TIMER, Pressed, ball, center, positions, two_balls, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -283,7 +285,7 @@ def click(x, y):
 def test_a_click_drops_mass_where_the_surface_is(view, monkeypatch):
     obj = ball()
     context = window_context()
-    context.window.screen.areas.append(SimpleNamespace(type="VIEW_3D", regions=[view]))
+    context.window.screen.areas.append(SimpleNamespace(type="VIEW_3D", regions=[view], tag_redraw=lambda: None))
     pressed = Pressed(CONVWASS_OT_drop_mass, vertices="")
     monkeypatch.setattr(density_pick, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
@@ -293,7 +295,8 @@ def test_a_click_drops_mass_where_the_surface_is(view, monkeypatch):
     assert "click on its surface" in pressed.reports[-1][1]
     del pressed._arguments["vertices"]
     # Half a meter to the right of the middle of the view, on the upper half of the ball.
-    assert pressed.modal(context, click(250, 150)) == {"FINISHED"}
+    assert pressed.modal(context, click(250, 150)) == {"RUNNING_MODAL"}
+    assert until(pressed, context) == {"FINISHED"}
     point = center(obj, read_group(obj, "A"))
     np.testing.assert_allclose(point, [0.5, 0, np.sqrt(0.75)], atol=0.2)
     assert pressed.vertices.isdecimal()
@@ -318,3 +321,30 @@ def test_sidebars_over_a_view_are_not_clicked_through(view):
     window = SimpleNamespace(screen=SimpleNamespace(areas=[SimpleNamespace(type="VIEW_3D", regions=[view, over])]))
     assert density_pick.view_at(window, 150, 100) is view
     assert density_pick.view_at(window, 250, 100) is None
+
+
+def test_stopping_what_is_seldom_checked_leaves_the_window_alone(monkeypatch):
+    """A factorization cannot be stopped; Esc is taken in at once all the same, and nothing is written."""
+    obj = ball()
+    before = read_group(obj, "A")
+    begun, going = threading.Event(), threading.Event()
+
+    def slow(weights, *_):
+        begun.set()
+        assert going.wait(30)
+        return weights
+
+    monkeypatch.setattr(density_paint, "diffused", slow)
+    context = window_context()
+    pressed = Pressed(CONVWASS_OT_diffuse_density)
+    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+    assert begun.wait(30)
+    assert pressed.modal(context, ESCAPE) == {"PASS_THROUGH"}
+    assert context.window_manager.convwass_progress.message == "Stopping"
+    began = time.monotonic()
+    assert pressed.modal(context, TIMER) == {"PASS_THROUGH"}
+    assert time.monotonic() - began < 0.4
+    going.set()
+    assert until(pressed, context) == {"CANCELLED"}
+    np.testing.assert_array_equal(read_group(obj, "A"), before)

@@ -48,9 +48,9 @@ def test_they_are_there_for_meshes_alone(obj):
     assert not draw(bpy.types.CONVWASS_PT_densities)
 
 
-def test_only_painting_is_open_at_first():
+def test_painting_and_interpolating_are_open_at_first():
     opened = [panel.__name__ for panel in panels("CONVWASS_PT_density_") if "DEFAULT_CLOSED" not in panel.bl_options]
-    assert opened == ["CONVWASS_PT_density_paint"]
+    assert sorted(opened) == ["CONVWASS_PT_density_interpolate", "CONVWASS_PT_density_paint"]
 
 
 def test_without_a_group_it_says_what_to_do():
@@ -151,7 +151,6 @@ def test_drawing_computes_and_writes_nothing(played, monkeypatch):
     for place in (
         "operators.density_changes.read_groups",
         "operators.density_job.read_surface",
-        "operators.density_paint.read_surface",
         "operators.density_manage.stored_frames",
         "bridge.vertex_groups.read_groups",
     ):
