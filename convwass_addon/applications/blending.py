@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -23,7 +24,11 @@ from .origins import PartTransport, blend_origins
 from .parts import PartNotice, SplitShapes
 from .potentials import PartPotentials
 from .reading import connectivity_of, own_surface, read_surface
+from .spare_threads import at_once
 from .volumes import Lattice
+
+HandOver = Callable[[Callable[[], "MorphFrame"]], Callable[[], "MorphFrame"]]
+"""Takes what makes a frame, and returns what waits for it."""
 
 # By how much the automatic blur grows where it does not reach.
 _WIDEN = 1.25
@@ -162,6 +167,15 @@ class MorphProblem:
         """Volumes of the shapes in cells, (k,)."""
         return np.sum([part.volumes for part in self.parts], axis=0)
 
+    def effort(self, blend: Blend) -> float:
+        """Estimate how long a blend takes beside others: the kernel works on boxes as large as those of its shapes."""
+        if blend.source is not None:
+            return 0.0
+        boxes = np.zeros(len(self.volumes))
+        for part in self.parts:
+            boxes += [region.box_cells for region in part.inputs.levels[-1].regions]
+        return float(boxes @ blend.weights)
+
     def blend_volumes(self, blend: Blend) -> NDArray[np.float64]:
         """Volumes of the parts of a blend in cells, (p,)."""
         return np.array([float(np.dot(blend.weights, part.volumes)) for part in self.parts])
@@ -229,6 +243,7 @@ def solve_blends(
     blends: Sequence[Blend],
     check: Callable[[], None] | None = None,
     sketches: Sequence[Sketch] | None = None,
+    hand_over: HandOver = at_once,
 ) -> list[MorphFrame]:
     """Solve a run of blends, each started from the one before.
 
@@ -242,6 +257,9 @@ def solve_blends(
         Called between iterations; what it raises ends the run.
     sketches : sequence of Sketch, optional
         Of these blends: what was solved for them is not solved again. The frames are the same without.
+    hand_over : callable, optional
+        Sees to it that a surface is read, here or by another thread while the next blend is solved, and returns what
+        gives the frame; see :class:`.spare_threads.SpareThreads`.
 
     Returns
     -------
@@ -249,9 +267,9 @@ def solve_blends(
         In the order of the blends.
     """
     solver = _Solver(problem, check)
-    if sketches is None:
-        return [solver.frame(blend) for blend in blends]
-    return [solver.frame(blend, sketch.parts) for blend, sketch in zip(blends, sketches, strict=True)]
+    known = [()] * len(blends) if sketches is None else [sketch.parts for sketch in sketches]
+    frames = [hand_over(solver.solved(blend, parts)) for blend, parts in zip(blends, known, strict=True)]
+    return [frame() for frame in frames]
 
 
 class _Solver:
@@ -269,15 +287,15 @@ class _Solver:
         self._problem = problem
         self._parts = [_PartSolver(part, problem, check) for part in problem.parts]
 
-    def frame(self, blend: Blend, sketches: Sequence[PartSketch] = ()) -> MorphFrame:
+    def solved(self, blend: Blend, sketches: Sequence[PartSketch] = ()) -> Callable[[], MorphFrame]:
+        """Solve a blend, and return what makes its frame: that no longer needs the solver."""
         problem = self._problem
         if blend.source is not None:
-            itself = self._input_itself(blend)
-            return replace(itself, record={**itself.record, "thin": thin_parts(problem.occupancy(blend.source))})
+            return partial(_input_measured, problem, self._input_itself(blend))
         limits = problem.entropy_limits(blend)
         known = sketches or [None] * len(self._parts)
         solved = [part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True)]
-        return surfaced_frame(problem, blend, solved, [part.sigma for part in self._parts])
+        return partial(surfaced_frame, problem, blend, solved, [part.sigma for part in self._parts])
 
     def sketch(self, blend: Blend) -> Sketch:
         if blend.source is not None:
@@ -289,6 +307,10 @@ class _Solver:
     def _input_itself(self, blend: Blend) -> MorphFrame:
         volume = self._problem.volumes[blend.source] * self._problem.lattice.spacing**3
         return MorphFrame(blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume})
+
+
+def _input_measured(problem: MorphProblem, frame: MorphFrame) -> MorphFrame:
+    return replace(frame, record={**frame.record, "thin": thin_parts(problem.occupancy(frame.blend.source))})
 
 
 def _sketched_frame(problem: MorphProblem, blend: Blend, solved: Sequence[Barycenter]) -> MorphFrame:

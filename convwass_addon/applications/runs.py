@@ -15,6 +15,7 @@ from ..geometry.mending import Connectivity
 from .blending import MorphFrame, MorphProblem, Sketch, sketch_blends, solve_blends
 from .cluster import ClusterExecutor
 from .layouts import Blend
+from .spare_threads import SpareThreads
 from .workers import frame_workers, one_blas_thread
 
 RUN_LENGTH = 4
@@ -88,9 +89,27 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
 def runs_in_threads(
     problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
 ) -> Iterator[Pending]:
-    """Solve runs in threads, which stop between two iterations once nobody waits for them any more."""
+    """Solve runs in threads, which stop between two iterations once nobody waits for them any more.
+
+    The longest comes first, so that it is not left over when the others are done; these come in order, since what is
+    made of them begins with the first.
+    """
     with _threads(check, workers) as (executor, check_both):
-        yield {executor.submit(solve_blends, problem, run, check_both): index for index, run in runs.items()}
+        spare = SpareThreads(executor, len(runs), workers - 1)
+        longest = max(runs, key=lambda index: sum(map(problem.effort, runs[index])))
+        order = sorted(runs, key=lambda index: (index != longest, index))
+        yield {executor.submit(_solve, problem, runs[index], check_both, spare): index for index in order}
+
+
+def _solve(
+    problem: MorphProblem,
+    run: Run,
+    check: Callable[[], None],
+    spare: SpareThreads,
+    sketches: Sequence[Sketch] | None = None,
+) -> list[MorphFrame]:
+    spare.begin()
+    return solve_blends(problem, run, check, sketches, spare.hand_over)
 
 
 @contextmanager
@@ -116,11 +135,17 @@ def sketched_runs_in_threads(
         As for :func:`runs_in_threads`.
     """
     with _threads(check, workers) as (executor, check_both):
-        yield _begun(executor, problem, runs, sketched, check_both)
+        spare = SpareThreads(executor, len(runs), workers - 1)
+        yield _begun(executor, problem, runs, sketched, check_both, spare)
 
 
 def _begun(
-    executor: Executor, problem: MorphProblem, runs: dict[int, Run], sketched: Sequence[int], check: Callable[[], None]
+    executor: Executor,
+    problem: MorphProblem,
+    runs: dict[int, Run],
+    sketched: Sequence[int],
+    check: Callable[[], None],
+    spare: SpareThreads,
 ) -> SketchedRuns:
     """Hand everything to an executor in the order in which it is to be done; nothing but what waits keeps a sketch."""
     # Threads take up work in this order: where it waits for other work, another thread is at that.
@@ -132,7 +157,7 @@ def _begun(
                 sketches[index].append(executor.submit(_next_sketch, chains[index], sketches[index][-1:]))
     connectivity = [executor.submit(problem.shape_connectivity, index) for index in range(len(problem.volumes))]
     frames = {
-        executor.submit(_solve_sketched, problem, run, check, connectivity, sketches.get(index)): index
+        executor.submit(_solve_sketched, problem, run, check, spare, connectivity, sketches.get(index)): index
         for index, run in runs.items()
     }
     rounds = [own[place] for place in range(RUN_LENGTH) for own in sketches.values() if place < len(own)]
@@ -150,12 +175,13 @@ def _solve_sketched(
     problem: MorphProblem,
     run: Run,
     check: Callable[[], None],
+    spare: SpareThreads,
     connectivity: Sequence[Future[Connectivity]],
     sketches: Sequence[Future[Sketch]] | None,
 ) -> list[MorphFrame]:
     known = None if sketches is None else [sketch.result() for sketch in sketches]
     whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity))
-    return solve_blends(whole, run, check, known)
+    return _solve(whole, run, check, spare, known)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,11 @@ class Region:
             along = np.flatnonzero(self.inside.any(axis=others))
             spans.append(slice(int(along[0]), int(along[-1]) + 1))
         return tuple(spans)
+
+    @property
+    def box_cells(self) -> int:
+        """How many elements the box has, those between the region's own included."""
+        return prod(span.stop - span.start for span in self.box)
 
     @cached_property
     def index_in_box(self) -> NDArray[np.int64]:

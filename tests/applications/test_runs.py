@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order in which runs are solved: one thread must not be left with the longest when the others are done."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from convwass_addon.applications import runs
+from convwass_addon.applications.layouts import path_blends
+from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_settings import MorphSettings
+from tests.shapes import ball, box
+
+QUICK = MorphSettings(resolution=24)
+
+
+def frames_of(shapes, **options):
+    steps = morph(shapes, ["a", "b"], path_blends(2, 10), QUICK, **options)
+    return [step.frame for step in steps if step.frame is not None]
+
+
+def begun(monkeypatch, shapes):
+    """The first frame of every run, in the order in which they begin."""
+    seen = []
+
+    def solve(problem, run, *arguments, real=runs.solve_blends):
+        seen.append(run[0].frame)
+        return real(problem, run, *arguments)
+
+    monkeypatch.setattr(runs, "solve_blends", solve)
+    frames = frames_of(shapes, workers=1)
+    assert [frame.blend.frame for frame in frames] == list(range(11))
+    return seen
+
+
+def test_the_run_with_the_largest_boxes_comes_first_and_the_others_in_order(monkeypatch):
+    small, large = ball(0.4), box((3.0, 3.0, 3.0))
+    assert begun(monkeypatch, (small, large)) == [4, 0, 8]
+    monkeypatch.undo()
+    assert begun(monkeypatch, (large, small)) == [0, 4, 8]
+
+
+def test_frames_are_the_same_whoever_reads_their_surfaces():
+    shapes = (ball(), box())
+    for one, other in zip(frames_of(shapes, workers=1), frames_of(shapes, workers=3), strict=True):
+        assert one.record == other.record
+        if one.mesh is not None:
+            np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
