@@ -43,7 +43,7 @@ def require_free(obj: bpy.types.Object, name: str) -> None:
         raise InputError(
             "Renderers mean something else by {name}; choose another name, such as {other}.",
             name=name,
-            other=name.capitalize(),
+            other=f"My {name}",
         )
     if name in obj.vertex_groups or name in obj.data.attributes:
         raise InputError(

@@ -31,7 +31,7 @@ from ..sentence import Sentence
 from .chosen_inputs import split_names
 from .density_job import Check, DensityJob, DensityOperator, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
-from .density_targets import OnGroups, OnMesh, ignored_notice, length_text, out_of_edit_mode, tell
+from .density_targets import OnGroups, OnMesh, chosen_pair, ignored_notice, length_text, out_of_edit_mode, tell
 
 
 class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
@@ -55,8 +55,8 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
 
     def _begin(self, context):
         obj = context.object
-        own = obj.convwass_density
-        self._names = self.first or own.first, self.second or own.second
+        first, second = chosen_pair(obj)
+        self._names = self.first or first, self.second or second
         if not all(self._names):
             raise InputError("Choose two groups to measure between.")
         pair = read_groups(obj, self._names)

@@ -12,7 +12,7 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 from ..density_properties import CONVWASS_PG_densities
 from ..errors import InputError
 from .chosen_inputs import split_names
-from .density_targets import MODES, OnMesh, chosen_group
+from .density_targets import MODES, OnMesh, chosen_group, chosen_pair
 from .reporting import refuse
 
 ACTIVE = -1
@@ -65,9 +65,9 @@ class StopArguments:
             Nothing is named and nothing is on the list, or numbers that do not fit.
         """
         own = context.object.convwass_density
-        names = split_names(self.groups) or ([first, second] if first and second else [])
+        names = split_names(self.groups) or ([first, second] if first or second else [])
         if names or not own.stops:
-            names = names or [own.first, own.second]
+            names = names or chosen_pair(context.object)
             if not all(names):
                 raise InputError("Choose a first and a second group, or put groups on the list of stops.")
             start = context.scene.frame_start

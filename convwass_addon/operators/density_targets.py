@@ -96,6 +96,14 @@ def chosen_group(obj: bpy.types.Object, name: str) -> str:
     return active.name
 
 
+def chosen_pair(obj: bpy.types.Object) -> list[str]:
+    """Return the groups chosen in the panel, empty where they are not; of two groups there is nothing to choose."""
+    own = obj.convwass_density
+    if not (own.first or own.second) and len(obj.vertex_groups) == 2:
+        return [group.name for group in obj.vertex_groups]
+    return [own.first, own.second]
+
+
 def chosen_density(obj: bpy.types.Object, name: str) -> str:
     """Return the name of a density: the one given, or the first that the object plays."""
     return name or next(iter(played_densities(obj)), "")

@@ -82,6 +82,14 @@ def test_a_density_travels_from_group_to_group(obj):
     assert len(stored.records) == 5
 
 
+def test_of_two_groups_there_is_nothing_to_choose(obj):
+    with pytest.raises(RuntimeError, match="Choose a first and a second group"):
+        call("interpolate_density", steps=2)
+    obj.vertex_groups.remove(obj.vertex_groups["C"])
+    assert call("interpolate_density", steps=2) == {"FINISHED"}
+    assert stored_density(obj, "Density").inputs == ["A", "B"]
+
+
 def test_the_list_gives_groups_and_frames(obj):
     for name, frame in (("A", 10), ("C", 14.5), ("B", 30)):
         call("add_density_stop", group=name)
@@ -139,7 +147,7 @@ def test_undo_takes_it_away(obj):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({}, "Choose a first and a second group"),
+        ({"first": "A"}, "Choose a first and a second group"),
         ({"groups": "A"}, "at least two groups"),
         ({"groups": "A, Nobody"}, "no vertex group Nobody"),
         ({**PAIR, "frames": "1, x"}, "Frames and weights are numbers"),
