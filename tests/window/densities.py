@@ -59,7 +59,6 @@ def _paints(window: Window) -> Iterator[float]:
 
 def _travels(window: Window) -> Iterator[float]:
     obj = bpy.context.object
-    obj.convwass_density.first, obj.convwass_density.second = "Left", "Right"
     yield from window.press("convwass.interpolate_density")
     progress = bpy.context.window_manager.convwass_progress
     seen = set()
