@@ -19,6 +19,7 @@ from ..geometry.mesh import TriangleMesh
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
 from .health import thin_parts, wall_share
 from .layouts import Blend
+from .merging import merged_parts
 from .morph_settings import MorphSettings
 from .origins import PartTransport, blend_origins
 from .parts import PartNotice, SplitShapes
@@ -32,8 +33,6 @@ HandOver = Callable[[Callable[[], "MorphFrame"]], Callable[[], "MorphFrame"]]
 
 # By how much the automatic blur grows where it does not reach.
 _WIDEN = 1.25
-# Densities waver by this share about the value they should have; only what is above lies in two parts at once.
-_WAVER = 0.1
 # Sketches are solved on the finest of the coarser levels that has so few cells.
 _SKETCH_CELLS = 300_000
 # Most bytes per cell of the level it is solved on, measured, that a sketch keeps until its blend is finished: for all
@@ -482,60 +481,6 @@ class _PartSolver:
         solved = solve(inputs, options)
         self._last, self.sigma = solved, sigma
         return solved
-
-
-@dataclass(frozen=True)
-class MergedParts:
-    """Barycenters of parts as one density.
-
-    Attributes
-    ----------
-    density : (nx, ny, nz) float64
-        In any unit.
-    volume : float
-        What its surface should enclose, in cells.
-    overlap : float
-        Volume that parts have in common, in cells.
-    """
-
-    density: NDArray[np.float64]
-    volume: float
-    overlap: float = 0.0
-
-
-def merged_parts(densities: Sequence[NDArray[np.float64]], volumes: NDArray[np.float64]) -> MergedParts:
-    """Add up the barycenters of parts; where several fill the same cells, these count once.
-
-    Otherwise a surface that is to enclose the volume of all would have to swell wherever one part passes through
-    another.
-
-    Parameters
-    ----------
-    densities : sequence of (nx, ny, nz) float64
-        Of mass 1 each; one alone is left as it is.
-    volumes : (p,) float64
-        Volumes of the parts in cells: what they weigh.
-    """
-    if len(densities) == 1:
-        return MergedParts(densities[0], float(volumes[0]))
-    # Times their volume in cells, so that a cell that is full of a part holds one.
-    cells = [density * (volume / density.size) for density, volume in zip(densities, volumes, strict=True)]
-    full = (1.0 + _WAVER) * max(1.0, _typical(cells))
-    total, separate = np.zeros_like(cells[0]), 0.0
-    for own in cells:
-        total += own
-        separate += float(np.minimum(own, full).sum())
-    np.minimum(total, full, out=total)
-    overlap = max(1.0 - float(total.sum()) / separate, 0.0) * float(volumes.sum())
-    return MergedParts(total, float(volumes.sum()) - overlap, overlap)
-
-
-def _typical(densities: Sequence[NDArray[np.float64]]) -> float:
-    """Density of which half of all mass has more: that inside the large parts, above one where they are compressed."""
-    values = np.concatenate([density[density > 0] for density in densities])
-    values.sort()
-    mass = np.cumsum(values)
-    return float(values[np.searchsorted(mass, 0.5 * mass[-1])])
 
 
 def _summary(parts: Sequence[Barycenter]) -> dict[str, object]:

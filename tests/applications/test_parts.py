@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 
 from convwass_addon.applications import blending, memory
-from convwass_addon.applications.blending import merged_parts
 from convwass_addon.applications.layouts import single_blend
+from convwass_addon.applications.merging import merged_parts
 from convwass_addon.applications.morph import morph
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.parts import (
