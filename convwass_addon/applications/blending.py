@@ -19,7 +19,7 @@ from ..geometry.mesh import TriangleMesh
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
 from .health import thin_parts, wall_share
 from .layouts import Blend
-from .merging import merged_parts
+from .merging import MergedParts, merged_parts
 from .morph_settings import MorphSettings
 from .origins import PartTransport, blend_origins
 from .parts import PartNotice, SplitShapes
