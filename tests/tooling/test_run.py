@@ -118,7 +118,9 @@ except KeyboardInterrupt:
     open({str(tidy)!r}, "w").close()
     sys.exit(2)
 """
-    caller = f"import sys, run; sys.exit(run.run_child([sys.executable, '-c', {program!r}]))"
+    # A shell that starts the tests in the background has them ignore the signal, and so would these two.
+    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    caller = f"{heed}; import sys, run; sys.exit(run.run_child([sys.executable, '-c', {program!r}]))"
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     process = subprocess.Popen([sys.executable, "-c", caller], cwd=project, start_new_session=True, **pipes)
     with process:
