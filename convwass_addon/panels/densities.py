@@ -84,7 +84,8 @@ class CONVWASS_PT_densities(Sidebar, bpy.types.Panel):
         for name in played_densities(obj):
             _draw_played(layout, context, obj, name)
         progress = context.window_manager.convwass_progress
-        if progress.running:
+        # The panel above shows it in other modes.
+        if progress.running and context.mode == "PAINT_WEIGHT":
             layout.progress(factor=progress.fraction, text=progress.message)
             layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
 
@@ -127,6 +128,14 @@ class _Subpanel(Sidebar):
         self.draw_tools(context, self.layout, context.object.convwass_density)
 
 
+class _OfGroups(_Subpanel):
+    """A panel about groups that have been painted."""
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and bool(context.object.vertex_groups)
+
+
 class CONVWASS_PT_density_paint(_Subpanel, bpy.types.Panel):
     """Tools on the active vertex group"""
 
@@ -149,7 +158,7 @@ class CONVWASS_PT_density_paint(_Subpanel, bpy.types.Panel):
             column.prop(own, setting)
 
 
-class CONVWASS_PT_density_measure(_Subpanel, bpy.types.Panel):
+class CONVWASS_PT_density_measure(_OfGroups, bpy.types.Panel):
     """Distances along the surface"""
 
     bl_label = "Measure"
@@ -172,7 +181,7 @@ class CONVWASS_PT_density_measure(_Subpanel, bpy.types.Panel):
         layout.prop(own, "blur")
 
 
-class CONVWASS_PT_density_interpolate(_Subpanel, bpy.types.Panel):
+class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
     """Let densities travel along the surface"""
 
     bl_label = "Interpolate"
