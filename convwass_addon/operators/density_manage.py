@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -20,18 +21,67 @@ from ..bridge.density_nodes import color_name
 from ..bridge.density_outputs import show_heat_colors, write_step_colors, write_step_groups
 from ..bridge.density_player import density_modifier, remove_density
 from ..bridge.density_store import StoredDensity, store_density, stored_density, stored_or_new
+from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..density_properties import LIMITS, OutputProperties
 from ..errors import ConvwassError, InputError
+from ..sentence import Sentence
+from .background import BackgroundOperator
 from .density_changes import changed_inputs
+from .density_job import Check
 from .density_targets import OnDensity, chosen_density, density_property
 from .reporting import refuse
 
+# Seconds between two looks at whether the user wants to stop.
+_PATIENCE = 0.05
 # What is stored with a density and is an argument of Interpolate Density under the same name.
 _SAME_NAME = ("steps", "pieces", "blend_sharpness", "tolerance", "max_iterations", "easing", "trail")
 
 
-class CONVWASS_OT_bake_density(OutputProperties, OnDensity, bpy.types.Operator):
+@dataclass(frozen=True)
+class _BakeStep:
+    """One piece that is about to be written."""
+
+    fraction: float
+    message: Sentence
+
+
+class _BakeJob:
+    """Writes piece after piece on the main thread; the other one only says when, so that it can be stopped between."""
+
+    def __init__(self, obj: bpy.types.Object, writer: Iterator[str], total: int) -> None:
+        self._target = Handle.of("objects", obj)
+        self._writer, self._total = writer, total
+        self._next = threading.Semaphore(0)
+        self.made: list[str] = []
+
+    def steps(self, check: Check | None = None) -> Iterator[_BakeStep]:
+        """Yield a step for every piece, once the one before has been written."""
+        for number in range(1, self._total + 1):
+            message = Sentence("Writing {done} of {total}", {"done": number, "total": self._total})
+            yield _BakeStep(number / self._total, message)
+            while not self._next.acquire(timeout=_PATIENCE):
+                if check is not None:
+                    check()
+
+    def write(self, step: _BakeStep) -> None:
+        """Write the next piece; raises ConvwassError where the object is gone."""
+        self.target()
+        self.made.append(next(self._writer))
+        self._next.release()
+
+    def discard(self) -> None:
+        """Leave what has been written: every file is whole."""
+
+    def target(self) -> bpy.types.Object:
+        """Return the object; raises ConvwassError where it is gone."""
+        obj = self._target.find()
+        if obj is None:
+            raise ConvwassError("The object was deleted, or undone, while its density was baked; start again.")
+        return obj
+
+
+class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, bpy.types.Operator):
     """Write the steps of an animated density to vertex groups, color attributes or images, which other programs read"""
 
     bl_idname = "convwass.bake_density"
@@ -40,59 +90,62 @@ class CONVWASS_OT_bake_density(OutputProperties, OnDensity, bpy.types.Operator):
     density: density_property()
     uv_map: StringProperty(name="UV Map", description="Name of the UV map for images; empty for that of renders")
 
-    def execute(self, context):
+    def _begin(self, context):
         obj = context.object
-        name = chosen_density(obj, self.density)
-        try:
-            density_modifier(obj, name)
-            writable_mesh(obj)
-            frames = stored_frames(obj, name)
-            if not len(frames):
-                raise InputError("{object} has lost the frames of {name}; make it again.", object=obj.name, name=name)
-            written = self._written(context, obj, name, frames)
-        except ConvwassError as error:
-            return refuse(self, error)
-        self.report({"INFO"}, written)
-        return {"FINISHED"}
+        self._name = chosen_density(obj, self.density)
+        density_modifier(obj, self._name)
+        writable_mesh(obj)
+        frames = stored_frames(obj, self._name)
+        if not len(frames):
+            raise InputError("{object} has lost the frames of {name}; make it again.", object=obj.name, name=self._name)
+        if self.output != "IMAGES":
+            return _BakeJob(obj, self._at_once(obj, frames), 1)
+        settings = ImageSettings(self.size, self.margin, self.file_format, self.uv_map)
+        paths = write_step_images(obj, frames, self.folder, self._name, settings)
+        return _BakeJob(obj, map(str, paths), len(frames))
 
-    def _written(
-        self, context: bpy.types.Context, obj: bpy.types.Object, name: str, frames: NDArray[np.float32]
-    ) -> str:
-        """Write the output, and return the sentence that tells of it."""
+    def _at_once(self, obj: bpy.types.Object, frames: NDArray[np.float32]) -> Iterator[str]:
+        """Write everything in one piece, and yield the sentence that tells of it."""
+        name = self._name
         if self.output == "GROUPS":
             made = write_step_groups(obj, frames, name)
-            return rpt_("{:d} vertex groups, from {:s} to {:s}").format(len(made), made[0], made[-1])
-        if self.output == "COLORS":
+            yield rpt_("{:d} vertex groups, from {:s} to {:s}").format(len(made), made[0], made[-1])
+        elif self.output == "COLORS":
             made = write_step_colors(obj, frames, name)
-            return rpt_("{:d} color attributes, from {:s} to {:s}").format(len(made), made[0], made[-1])
-        if self.output == "ANIMATED_COLOR":
+            yield rpt_("{:d} color attributes, from {:s} to {:s}").format(len(made), made[0], made[-1])
+        else:
             show_heat_colors(obj, name)
             text = rpt_("{:s} shows the heat map: choose Attribute as the color of Viewport Shading")
-            return text.format(color_name(name))
-        settings = ImageSettings(self.size, self.margin, self.file_format, self.uv_map)
-        made = self._images(context.window_manager, obj, name, frames, settings)
-        return rpt_("{:d} images in {:s}").format(len(made), bpy.path.abspath(self.folder))
+            yield text.format(color_name(name))
 
-    def _images(
-        self,
-        manager: bpy.types.WindowManager,
-        obj: bpy.types.Object,
-        name: str,
-        frames: NDArray[np.float32],
-        settings: ImageSettings,
-    ) -> list[str]:
-        """Write images, and let the object remember them."""
-        made = []
-        manager.progress_begin(0, len(frames))
-        try:
-            for path in write_step_images(obj, frames, self.folder, name, settings):
-                made.append(str(path))
-                manager.progress_update(len(made))
-        finally:
-            manager.progress_end()
-        known = stored_or_new(obj, name)
-        store_density(obj, name, replace(known, outputs={**known.outputs, "images": made}))
-        return made
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Baking density")
+
+    def _finish(self, context, job):
+        if self.output == "IMAGES":
+            self._remember(job)
+            text = rpt_("{:d} images in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
+            self.report({"INFO"}, text)
+        else:
+            self.report({"INFO"}, job.made[0])
+        return {"FINISHED"}
+
+    def _keep(self, context, job):
+        if self.output != "IMAGES" or not job.made:
+            return False
+        self._remember(job)
+        text = rpt_("Stopped; {:d} images are in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
+        self.report({"WARNING"}, text)
+        return True
+
+    def _remember(self, job: _BakeJob) -> None:
+        """Let the object remember its images."""
+        obj = job.target()
+        known = stored_or_new(obj, self._name)
+        store_density(obj, self._name, replace(known, outputs={**known.outputs, "images": job.made}))
 
 
 class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):

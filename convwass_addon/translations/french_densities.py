@@ -219,4 +219,8 @@ TEXTS: dict[str, str] = {
     "Changing {name}": "Modification de {name}",
     "Measuring from {count} vertices": "Mesure depuis {count} sommets",
     "Stopping": "Arrêt en cours",
+    "Baking density": "Calcul de la densité",
+    "Writing {done} of {total}": "Écriture {done} sur {total}",
+    "Stopped; {:d} images are in {:s}": "Arrêté ; {:d} images sont dans {:s}",
+    "The object was deleted, or undone, while its density was baked; start again.": "L'objet a été supprimé, ou annulé, pendant l'écriture de sa densité ; recommencer.",
 }

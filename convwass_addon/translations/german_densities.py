@@ -219,4 +219,8 @@ TEXTS: dict[str, str] = {
     "Changing {name}": "{name} wird geändert",
     "Measuring from {count} vertices": "Messen ab {count} Vertices",
     "Stopping": "Wird angehalten",
+    "Baking density": "Dichte wird gebacken",
+    "Writing {done} of {total}": "{done} von {total} wird geschrieben",
+    "Stopped; {:d} images are in {:s}": "Angehalten; {:d} Bilder liegen in {:s}",
+    "The object was deleted, or undone, while its density was baked; start again.": "Das Objekt wurde gelöscht oder rückgängig gemacht, während seine Dichte gebacken wurde; neu beginnen.",
 }

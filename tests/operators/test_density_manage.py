@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -14,8 +15,10 @@ from convwass_addon.bridge.density_attributes import stored_frames
 from convwass_addon.bridge.density_player import played_densities
 from convwass_addon.bridge.density_store import DENSITIES_KEY, stored_density
 from convwass_addon.bridge.vertex_groups import read_group, write_group
+from convwass_addon.operators import background
 from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
-from tests.operators.densities import ball, inventory, positions
+from convwass_addon.operators.density_manage import CONVWASS_OT_bake_density
+from tests.operators.densities import ESCAPE, Pressed, ball, inventory, positions, until, window_context
 from tests.operators.test_density_travel import curve
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -150,3 +153,25 @@ def test_damaged_settings_are_told(obj, key, value):
     obj[DENSITIES_KEY] = json.dumps(data)
     with pytest.raises(RuntimeError, match="damaged"):
         call("rebake_density")
+
+
+def test_images_can_be_stopped_and_those_that_are_there_stay(obj, monkeypatch, tmp_path):
+    context = window_context()
+    pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=32)
+    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+    until(pressed, context, lambda: len(pressed._job.made) == 1)
+    assert pressed.modal(context, ESCAPE) == {"FINISHED"}
+    written = sorted(path.name for path in tmp_path.iterdir())
+    assert 1 <= len(written) < len(stored_frames(obj, "Density"))
+    assert "Stopped" in pressed.reports[-1][1]
+    assert len(stored_density(obj, "Density").outputs["images"]) == len(written)
+
+
+def test_images_are_written_beside_the_users_work(obj, monkeypatch, tmp_path):
+    context = window_context()
+    pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=16)
+    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+    assert until(pressed, context) == {"FINISHED"}
+    assert len(list(tmp_path.iterdir())) == len(stored_frames(obj, "Density"))
