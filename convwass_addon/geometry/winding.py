@@ -45,18 +45,25 @@ def lattice_winding(corners: NDArray[np.float64], shape: tuple[int, int, int]) -
         About 1 inside, 0 outside, 2 where two solids overlap.
     """
     total = sum(line[3] for line in _LINES)
-    winding, agreed = np.zeros(shape, np.float32), None
-    for axis in range(3):
-        alone = np.zeros(shape, np.float32)
+    by_axis = [np.zeros(shape, np.float32) for _ in range(3)]
+    for axis, alone in enumerate(by_axis):
         _add_line_winding(_turned(alone, axis), corners, axis, 0, 0, 0.5)
-        agreed = alone if axis == 0 or (agreed is not None and np.array_equal(agreed, alone)) else None
-        winding += np.float32(_LINES[axis][3] / total) * alone
-    # On a closed mesh every line sees the same whole number from both of its ends.
-    if agreed is not None and not np.any(agreed - np.rint(agreed)):
-        return agreed
+    # On a closed mesh every line sees a whole number, the same from both of its ends.
+    if not any(np.any(alone - np.rint(alone)) for alone in by_axis):
+        return _median(*by_axis)
+    winding = sum(np.float32(line[3] / total) * alone for line, alone in zip(_LINES[:3], by_axis, strict=True))
+    del by_axis
     for axis, shear_a, shear_b, weight in _LINES[3:]:
         _add_line_winding(_turned(winding, axis), corners, axis, shear_a, shear_b, weight / total / 2)
     return winding
+
+
+def _median(first: NDArray[np.float32], second: NDArray[np.float32], third: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the middle one of three arrays, which differ where the surface passes through a nudge from a center."""
+    differs = (first != second) | (second != third)
+    if differs.any():
+        first[differs] = np.median([first[differs], second[differs], third[differs]], axis=0)
+    return first
 
 
 def _turned(volume: NDArray[np.float32], axis: int) -> NDArray[np.float32]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.geometry import winding
 from convwass_addon.geometry.occupancy import occupancy
 from convwass_addon.geometry.orientation import orient_outward, winding_number
 from convwass_addon.geometry.thicken import shell_occupancy
@@ -85,3 +86,23 @@ def test_a_sheet_encloses_nothing_and_can_be_given_thickness():
     thick = shell_occupancy(sheet.corners, SHAPE, 3.0)
     # A rim of half the thickness comes around the edge.
     assert 16 * 16 * 3 < thick.sum() < 19 * 19 * 3.2
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-5, 2e-5, 3e-5, -2e-5])
+def test_a_closed_mesh_whose_surface_passes_through_centers_needs_three_lines(monkeypatch, offset):
+    """Lines along the three axes pass a little beside the centers, each on another side."""
+    lines = []
+
+    def noting(*arguments, real=winding._add_line_winding):
+        lines.append(arguments[2:5])
+        real(*arguments)
+
+    monkeypatch.setattr(winding, "_add_line_winding", noting)
+    mesh = box((6.0, 5.0, 4.0), center=(8.5 + offset, 8.0 + offset, 7.5 + offset))
+    found = winding.lattice_winding(mesh.corners, (16, 16, 16))
+    assert lines == [(axis, 0, 0) for axis in range(3)]
+    assert set(np.unique(found)) == {0.0, 1.0}
+    assert abs(found.sum() - 120.0) <= 60.0
+    # Half a cell away from every face there is no doubt.
+    assert (found[6:11, 6:10, 6:9] == 1.0).all()
+    assert found[12:].max() == found[:5].max() == 0.0
