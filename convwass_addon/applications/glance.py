@@ -12,8 +12,8 @@ from ..geometry.mesh import TriangleMesh
 from .blending import MorphFrame, MorphProblem, sketch_blends
 from .layouts import Blend
 from .morph_settings import MorphSettings
-from .parts import Matching, joined, part_volumes
-from .volumes import Lattice, voxelized
+from .parts import Matching, joined, voxelized_parts
+from .volumes import Lattice
 
 # Cells along the longest side, and how much finer a morph must be for a glance to be worth its time.
 _RESOLUTION, _FINER = 64, 1.25
@@ -51,9 +51,7 @@ def glance(
     try:
         volumes = []
         for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
-            filled = voxelized(shape, name, index, lattice, coarse.thickness)
-            corners = lattice.to_cells(shape, index)
-            volumes.append(part_volumes(filled, corners, matching.faces[index], matching.count))
+            volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching))
             if check is not None:
                 check()
         problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, coarse)

@@ -27,7 +27,7 @@ from .layouts import Blend
 from .looks import Carried
 from .memory import fitting_beside
 from .morph_settings import MorphSettings
-from .parts import FaceLabels, Matching, joined, matched, part_volumes, unparted
+from .parts import FaceLabels, Matching, joined, matched, unparted, voxelized_parts
 from .runs import (
     RUN_LENGTH,
     Run,
@@ -40,7 +40,7 @@ from .runs import (
     runs_of,
     sketched_runs_in_threads,
 )
-from .volumes import Lattice, fitting_workers, voxelized
+from .volumes import Lattice, fitting_workers
 from .workers import frame_workers
 
 VOXEL_SHARE = 0.08
@@ -238,9 +238,7 @@ def sketchable_problem(
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
 
     def volumes_of(index: int) -> list[NDArray[np.float32]]:
-        filled = voxelized(shapes[index], names[index], index, lattice, settings.thickness)
-        corners = lattice.to_cells(shapes[index], index)
-        return part_volumes(filled, corners, matching.faces[index], matching.count)
+        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching)
 
     volumes = []
     with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:

@@ -14,8 +14,10 @@ from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 from ..errors import InputError
+from ..geometry.mesh import TriangleMesh
 from ..geometry.thicken import surface_points
 from ..sentence import Sentence
+from .volumes import Lattice, voxelized
 
 # A part of fewer cells is no shape of its own any more.
 _LEAST_CELLS = 20.0
@@ -179,6 +181,14 @@ def _parts_of(shape: str, parts: set[str]) -> Sentence:
 
 def _listed(first: Sentence, second: Sentence) -> Sentence:
     return Sentence("{first}; {second}", {"first": first, "second": second})
+
+
+def voxelized_parts(
+    shape: TriangleMesh, name: str, index: int, lattice: Lattice, thickness: float, matching: Matching
+) -> list[NDArray[np.float32]]:
+    """Voxelize shape `index`, and split what it fills into its parts; for the parameters see :func:`.voxelized`."""
+    filled = voxelized(shape, name, index, lattice, thickness)
+    return part_volumes(filled, lattice.to_cells(shape, index), matching.faces[index], matching.count)
 
 
 def part_volumes(
