@@ -35,6 +35,39 @@ LIMITS = {"OFF": None, "BETWEEN": "between", "MAX": "max"}
 _LENGTH = {"min": 0.0, "subtype": "DISTANCE", "precision": 3}
 
 
+def length_property() -> object:
+    """Return the property of how far a density is diffused."""
+    return FloatProperty(
+        name="Length",
+        description="Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's "
+        "width",
+        soft_max=1.0,
+        **_LENGTH,
+    )
+
+
+def share_property() -> object:
+    """Return the property of how much a density is sharpened."""
+    return FloatProperty(
+        name="Share",
+        description="Share of its area that the density covers afterwards",
+        default=0.5,
+        min=0.01,
+        max=1.0,
+        subtype="FACTOR",
+    )
+
+
+def radius_property() -> object:
+    """Return the property of how far a dropped mass is spread."""
+    return FloatProperty(
+        name="Radius",
+        description="Length by which a dropped mass is spread along the surface; 0 leaves it on the vertices alone",
+        soft_max=1.0,
+        **_LENGTH,
+    )
+
+
 class SurfaceProperties:
     """What every solve on a surface is asked for."""
 
@@ -221,27 +254,9 @@ class CONVWASS_PG_densities(PathProperties, OutputProperties, bpy.types.Property
         description="Pairs of stops that are to be near to each other, by their numbers from 0, such as 0-1, 1-2, 1-3; "
         "empty for a chain",
     )
-    length: FloatProperty(
-        name="Length",
-        description="Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's "
-        "width",
-        soft_max=1.0,
-        **_LENGTH,
-    )
-    share: FloatProperty(
-        name="Share",
-        description="Share of its area that the density covers afterwards",
-        default=0.5,
-        min=0.01,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    radius: FloatProperty(
-        name="Radius",
-        description="Length by which a dropped mass is spread along the surface; 0 leaves it on the vertices alone",
-        soft_max=1.0,
-        **_LENGTH,
-    )
+    length: length_property()
+    share: share_property()
+    radius: radius_property()
 
     @property
     def enabled_stops(self) -> list[CONVWASS_PG_density_stop]:

@@ -34,6 +34,17 @@ from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_pair, ignored_notice, length_text, out_of_edit_mode, tell
 
 
+def _blur_property() -> object:
+    return FloatProperty(
+        name="Blur",
+        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        subtype="DISTANCE",
+    )
+
+
 class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
     """Measure the Wasserstein distance between two vertex groups along the surface, in units of the scene. Hidden and masked vertices count like all others"""  # noqa: E501
 
@@ -108,14 +119,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         description="Names of vertex groups, one per line or with commas between them; empty for all of them",
         options={"SKIP_SAVE"},
     )
-    blur: FloatProperty(
-        name="Blur",
-        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-    )
+    blur: _blur_property()
 
     def _begin(self, context):
         obj = context.object
@@ -171,14 +175,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
     group: StringProperty(
         name="Group", description="Name of the vertex group that is written", default="Distance", maxlen=63
     )
-    blur: FloatProperty(
-        name="Blur",
-        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-    )
+    blur: _blur_property()
 
     def _begin(self, context):
         obj = context.object

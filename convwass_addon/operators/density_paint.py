@@ -19,6 +19,7 @@ from ..applications.density_tools import diffused, sharpened, sharpened_by, unit
 from ..applications.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
+from ..density_properties import length_property, radius_property, share_property
 from ..sentence import Sentence
 from .density_job import Check, DensityJob, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
@@ -123,15 +124,7 @@ class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
     bl_label = "Diffuse"
 
     group: group_property()
-    length: FloatProperty(
-        name="Length",
-        description="Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's "
-        "width",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-    )
+    length: length_property()
 
     def _change(self, obj, name):
         weights, length = read_group(obj, name), self.length
@@ -153,14 +146,7 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
             ("ENTROPY", "Entropy", "To an entropy in nats"),
         ),
     )
-    share: FloatProperty(
-        name="Share",
-        description="Share of its area that the density covers afterwards",
-        default=0.5,
-        min=0.01,
-        max=1.0,
-        subtype="FACTOR",
-    )
+    share: share_property()
     entropy: FloatProperty(
         name="Entropy",
         description="Entropy afterwards, in nats; 0 covers the whole surface evenly, less is sharper",
@@ -181,14 +167,7 @@ class CONVWASS_OT_drop_mass(OnVertices, _PaintDensity, OnMesh, bpy.types.Operato
     bl_label = "Drop Mass"
 
     group: group_property()
-    radius: FloatProperty(
-        name="Radius",
-        description="Length by which a dropped mass is spread along the surface; 0 leaves it on the vertices alone",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-    )
+    radius: radius_property()
     share: FloatProperty(
         name="Share",
         description="Share of the group's mass that is dropped; the rest stays as it is painted, and at 1 nothing does",

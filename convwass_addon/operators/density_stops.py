@@ -7,16 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, StringProperty
 
 from ..density_properties import CONVWASS_PG_densities
 from ..errors import InputError
 from .chosen_inputs import split_names
 from .density_targets import MODES, OnMesh, chosen_group, chosen_pair
+from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off
 from .reporting import refuse
-
-ACTIVE = -1
-"""Index that stands for the active stop."""
 
 
 @dataclass(frozen=True)
@@ -97,12 +95,6 @@ def _numbers(text: str) -> list[float]:
         raise InputError("Frames and weights are numbers with commas between them, not {text!r}.", text=text) from error
 
 
-def _index_property() -> object:
-    return IntProperty(
-        name="Index", description="Place on the list, from 0; -1 is the active one", default=ACTIVE, min=ACTIVE
-    )
-
-
 class _OnStops(OnMesh):
     modes = frozenset(MODES)
 
@@ -171,7 +163,7 @@ class CONVWASS_OT_remove_density_stop(_OnStops, bpy.types.Operator):
     bl_idname = "convwass.remove_density_stop"
     bl_label = "Remove Stop"
 
-    index: _index_property()
+    index: index_property()
 
     def execute(self, context):
         own = context.object.convwass_density
@@ -179,9 +171,7 @@ class CONVWASS_OT_remove_density_stop(_OnStops, bpy.types.Operator):
             index = self._place(own)
         except InputError as error:
             return refuse(self, error)
-        own.stops.remove(index)
-        if own.active_stop >= index:
-            own.active_stop = max(own.active_stop - 1, 0)
+        own.active_stop = taken_off(own.stops, index, own.active_stop)
         return {"FINISHED"}
 
 
@@ -191,12 +181,8 @@ class CONVWASS_OT_move_density_stop(_OnStops, bpy.types.Operator):
     bl_idname = "convwass.move_density_stop"
     bl_label = "Move Stop"
 
-    index: _index_property()
-    direction: EnumProperty(
-        name="Direction",
-        description="Where to",
-        items=(("UP", "Up", "One place towards the beginning"), ("DOWN", "Down", "One place towards the end")),
-    )
+    index: index_property()
+    direction: direction_property()
 
     def execute(self, context):
         own = context.object.convwass_density
@@ -204,14 +190,12 @@ class CONVWASS_OT_move_density_stop(_OnStops, bpy.types.Operator):
             index = self._place(own)
         except InputError as error:
             return refuse(self, error)
-        target = index + (1 if self.direction == "DOWN" else -1)
-        if not 0 <= target < len(own.stops):
+        target = neighbor(own.stops, index, self.direction)
+        if target is None:
             return {"CANCELLED"}
         one, other = own.stops[index], own.stops[target]
         one.frame, other.frame = other.frame, one.frame
-        own.stops.move(index, target)
-        if own.active_stop in (index, target):
-            own.active_stop = target if own.active_stop == index else index
+        own.active_stop = swapped(own.stops, index, target, own.active_stop)
         return {"FINISHED"}
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import IntProperty
 
 from ..applications.shape_check import ShapeFindings, check_shape
 from ..bridge.objects import triangle_mesh
@@ -15,16 +15,8 @@ from ..preferences import preferences
 from ..properties import CONVWASS_PG_input
 from ..solver_presets import apply_preset, is_untouched
 from ..translations import translated
+from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off
 from .reporting import refuse
-
-ACTIVE = -1
-"""Index that stands for the active input."""
-
-
-def _index_property() -> object:
-    return IntProperty(
-        name="Index", description="Place on the list, from 0; -1 is the active one", default=ACTIVE, min=ACTIVE
-    )
 
 
 class _EditInputs:
@@ -83,7 +75,7 @@ class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):
     bl_idname = "convwass.remove_input"
     bl_label = "Remove Input"
 
-    index: _index_property()
+    index: index_property()
 
     def execute(self, context):
         settings = context.scene.convwass_morph
@@ -91,9 +83,7 @@ class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):
             index = self._place(context)
         except InputError as error:
             return refuse(self, error)
-        settings.inputs.remove(index)
-        if settings.active_input >= index:
-            settings.active_input = max(settings.active_input - 1, 0)
+        settings.active_input = taken_off(settings.inputs, index, settings.active_input)
         return {"FINISHED"}
 
 
@@ -103,12 +93,8 @@ class CONVWASS_OT_move_input(_OnList, bpy.types.Operator):
     bl_idname = "convwass.move_input"
     bl_label = "Move Input"
 
-    index: _index_property()
-    direction: EnumProperty(
-        name="Direction",
-        description="Where to",
-        items=(("UP", "Up", "One place towards the beginning"), ("DOWN", "Down", "One place towards the end")),
-    )
+    index: index_property()
+    direction: direction_property()
 
     def execute(self, context):
         settings = context.scene.convwass_morph
@@ -116,12 +102,10 @@ class CONVWASS_OT_move_input(_OnList, bpy.types.Operator):
             index = self._place(context)
         except InputError as error:
             return refuse(self, error)
-        target = index + (1 if self.direction == "DOWN" else -1)
-        if not 0 <= target < len(settings.inputs):
+        target = neighbor(settings.inputs, index, self.direction)
+        if target is None:
             return {"CANCELLED"}
-        settings.inputs.move(index, target)
-        if settings.active_input in (index, target):
-            settings.active_input = target if settings.active_input == index else index
+        settings.active_input = swapped(settings.inputs, index, target, settings.active_input)
         return {"FINISHED"}
 
 
