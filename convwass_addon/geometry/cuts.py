@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
 
+from .labelling import Pieces
+
 
 @dataclass(frozen=True)
 class _Plug:
@@ -47,7 +49,7 @@ class Cuts:
         left = inside.copy()
         for taken in removed.values():
             left[tuple(taken.T)] = False
-        regions = label(left)[0]
+        regions = Pieces.of(left)
         for cut, taken in removed.items():
             self._plugs[cut] = _plugs(taken, regions, inside)
 
@@ -68,7 +70,7 @@ class Cuts:
         return True
 
 
-def _plugs(taken: NDArray[np.int64], regions: NDArray[np.int32], inside: NDArray[np.bool_]) -> list[_Plug]:
+def _plugs(taken: NDArray[np.int64], regions: Pieces, inside: NDArray[np.bool_]) -> list[_Plug]:
     low = taken.min(axis=0)
     window = np.zeros(taken.max(axis=0) - low + 1, bool)
     window[tuple((taken - low).T)] = True
@@ -81,9 +83,9 @@ def _plugs(taken: NDArray[np.int64], regions: NDArray[np.int32], inside: NDArray
     plugs = []
     for name in range(1, int(names.max()) + 1):
         cells = places[names == name]
-        touched = regions.ravel()[cells[:, None] + steps]
+        touched = regions.at((cells[:, None] + steps).ravel())
         is_open = not inside.ravel()[cells[:, None] + faces].all()
-        plugs.append(_Plug(set(cells.tolist()), set(touched.ravel().tolist()) - {0}, is_open))
+        plugs.append(_Plug(set(cells.tolist()), set(touched.tolist()) - {0}, is_open))
     return plugs
 
 

@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .cuts import Cuts
-from .level_topology import euler_numbers_within
-from .saddles import bridges, lids
+from .labelling import Pieces
+from .level_topology import euler_numbers_within, hollows_below, pieces_above
+from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
 # A handle is false where the level is within this share of the density of its thinnest place, or of that in its hole.
 _FALSE_HANDLE = 0.5
@@ -54,18 +58,20 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> 
         How many have gone; the pieces are no more than before.
     """
     left = excess
-    for shapes in (_SHAPES[:_NARROW], _SHAPES):
+    for places, shapes in ((_places, _SHAPES[:_NARROW]), (_places, _SHAPES), (_places_between, _SHAPES)):
         if left > 0:
-            left -= _removed(density, level, left, shapes)
+            left -= _removed(density, level, left, shapes, places(density, level))
     return excess - left
 
 
-def _removed(density: NDArray[np.floating], level: float, excess: int, shapes: NDArray[np.float32]) -> int:
-    """Do the same by changes of some shapes."""
+def _removed(
+    density: NDArray[np.floating], level: float, excess: int, shapes: NDArray[np.float32], places: _Places
+) -> int:
+    """Do the same by changes of some shapes at some places."""
     around = np.pad(density, _REACH)
     search = _Search(around, level, shapes)
     left = excess
-    cells, wanted = _places(density, level)
+    cells, wanted = places.cells, places.wanted
     for start in range(0, len(cells), _AT_ONCE):
         batch = slice(start, start + _AT_ONCE)
         left -= search.change(cells[batch], wanted[batch], left)
@@ -75,11 +81,32 @@ def _removed(density: NDArray[np.floating], level: float, excess: int, shapes: N
     return excess - left
 
 
+@dataclass(frozen=True)
+class _Places:
+    """Cells, (n, 3), where a density may be changed, and the densities to give them, (n,)."""
+
+    cells: NDArray[np.int64]
+    wanted: NDArray[np.floating]
+
+    @classmethod
+    def of(
+        cls, thin: NDArray[np.int64], holes: NDArray[np.int64], density: NDArray[np.floating], level: float
+    ) -> _Places:
+        """Lower the density where it is thin and raise it in holes, where it is nearest to the level first."""
+        cells = np.concatenate([thin, holes])
+        wanted = np.repeat(np.array([LOWERED * level, RAISED * level], density.dtype), [len(thin), len(holes)])
+        order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:_TRIED]
+        return cls(cells[order], wanted[order])
+
+
 class _Search:
     """A density, with a margin as wide as a change reaches, that is changed in place."""
 
     def __init__(self, around: NDArray[np.floating], level: float, shapes: NDArray[np.float32]) -> None:
         self._around, self._level, self._shapes = around, level, shapes
+        # A margin of one cell is enough for what is outside to hang together.
+        self._inner = around[(slice(_REACH - 1, 1 - _REACH),) * 3]
+        self._counts: dict[Callable[..., Pieces], int] = {}
 
     def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> int:
         """Try changes at cells, (n, 3), in turn; return how many handles have gone."""
@@ -95,14 +122,29 @@ class _Search:
             if not (cuts if lowers[index] else fills).take(int(index)):
                 continue
             radius = int(np.argmax(gains[index] > 0))
-            one = slice(index, index + 1)
-            self._around[_span(cells[index])] *= self._factors(cells[one], wanted[one])[0, radius]
+            if not self._applied(cells[index : index + 1], wanted[index : index + 1], radius):
+                continue
             gone += int(gains[index, radius])
             if gone >= most:
                 return gone
             # What is known of changes that this one overlaps no longer holds.
             later[index + 1 :] |= np.abs(cells[index + 1 :] - cells[index]).max(axis=1) <= 2 * _REACH
         return gone + self.change(cells[later], wanted[later], most - gone) if later.any() else gone
+
+    def _applied(self, cell: NDArray[np.int64], wanted: NDArray[np.floating], radius: int) -> bool:
+        """Change the density at one cell, (1, 3), unless the surface parts what the cells hold together; tell if so."""
+        span = _span(cell[0])
+        before = self._around[span].copy()
+        counted = pieces_above if wanted[0] < self._level else hollows_below
+        if counted not in self._counts:
+            self._counts[counted] = counted(self._inner, self._level).count
+        self._around[span] *= self._factors(cell, wanted)[0, radius]
+        count = counted(self._inner, self._level).count
+        if count > self._counts[counted]:
+            self._around[span] = before
+            return False
+        self._counts[counted] = count
+        return True
 
     def _taken(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], gains: NDArray[np.int64]) -> Cuts:
         """Return what useful changes take from the inside, if they are cuts, or from the outside, if they fill."""
@@ -138,11 +180,15 @@ def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:
     return tuple(slice(int(at), int(at) + 2 * _REACH + 1) for at in cell)
 
 
-def _places(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int64], NDArray[np.floating]]:
-    """Return the saddles that may be false, the nearest to the level first, and the densities to give them."""
+def _places(density: NDArray[np.floating], level: float) -> _Places:
+    """Return the saddles that may be false."""
     thin = bridges(density, level * _SLACK, level / _FALSE_HANDLE)
     holes = lids(density, level * _FALSE_HANDLE, level / _SLACK)
-    cells = np.concatenate([thin, holes])
-    wanted = np.repeat(np.array([LOWERED * level, RAISED * level], density.dtype), [len(thin), len(holes)])
-    order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:_TRIED]
-    return cells[order], wanted[order]
+    return _Places.of(thin, holes, density, level)
+
+
+def _places_between(density: NDArray[np.floating], level: float) -> _Places:
+    """Return those that are saddles only where the surface parts cells that touch by an edge or a corner."""
+    thin = bridges_by_faces(density, level * _SLACK, level / _FALSE_HANDLE)
+    holes = lids_by_corners(density, level * _FALSE_HANDLE, level / _SLACK)
+    return _Places.of(thin, holes, density, level)

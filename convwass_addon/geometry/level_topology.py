@@ -9,10 +9,9 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from skimage.measure import marching_cubes
+
+from .labelling import Pieces
 
 _CORNERS = np.array(list(np.ndindex(2, 2, 2)))
 # Cells across an edge from each other: their difference, and the two cells that lie between them.
@@ -24,40 +23,14 @@ _ACROSS = [
 ]
 
 
-@dataclass(frozen=True)
-class Pieces:
-    """What hangs together.
-
-    Attributes
-    ----------
-    labels : (nx, ny, nz) int32
-        Number of the piece that a cell is in, 1, 2, ...; zero elsewhere.
-    count : int
-        How many there are.
-    """
-
-    labels: NDArray[np.int32]
-    count: int
-
-
 def pieces_above(density: NDArray[np.floating], level: float) -> Pieces:
     """Return the pieces of the set where a density, (nx, ny, nz), exceeds a level."""
-    return _joined_across(Pieces(*label(density > level)), density, level)
+    return _joined_across(Pieces.of(density > level), density, level)
 
 
 def hollows_below(density: NDArray[np.floating], level: float) -> Pieces:
     """Return the pieces of the rest that do not reach the grid's walls."""
-    outside = _joined_across(Pieces(*label(density <= level)), density, level)
-    labels = outside.labels
-    enclosed = np.ones(outside.count + 1, bool)
-    for axis in range(3):
-        for side in (0, -1):
-            enclosed[np.unique(labels.take(side, axis))] = False
-    enclosed[0] = False
-    count = int(enclosed.sum())
-    names = np.zeros(len(enclosed), np.int32)
-    names[enclosed] = np.arange(1, count + 1)
-    return Pieces(names[labels], count) if count else Pieces(np.zeros((), np.int32), 0)
+    return _joined_across(Pieces.of(density <= level), density, level).within()
 
 
 def euler_number(density: NDArray[np.floating], level: float) -> int:
@@ -147,9 +120,4 @@ def _joined_across(pieces: Pieces, density: NDArray[np.floating], level: float) 
         beside = np.prod([density[tuple((own + step).T)] - level for step in between], axis=0)
         pairs.append(np.stack([a[apart], b[apart]])[:, along > beside])
     first, second = np.concatenate(pairs, axis=1)
-    if not len(first):
-        return pieces
-    links = coo_array((np.ones(len(first), bool), (first, second)), shape=(pieces.count + 1,) * 2)
-    count, names = connected_components(links, directed=False)
-    # Nothing is a component of its own, the first.
-    return Pieces(names.astype(np.int32)[labels], count - 1)
+    return pieces.joined(first, second)

@@ -3,8 +3,9 @@
 """Where a level set changes its topology as the level passes: saddles of a density on a grid.
 
 A cell changes nothing if its denser neighbors hang together in one piece and its other neighbors do, too (a simple
-point: Bertrand and Malandain 1994, with 26-connected insides and 6-connected outsides). Neighborhoods are numbers of 26
-bits, so that all cells are looked at together.
+point: Bertrand and Malandain 1994). One kind hangs together by corners then (26-connected), the other by faces
+(6-connected): which is which is left open by cells, and a surface between them may go either way at every place.
+Neighborhoods are numbers of 26 bits, so that all cells are looked at together.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ _OFFSETS = np.array([o for o in np.ndindex(3, 3, 3) if o != (1, 1, 1)]) - 1
 _STEPS = np.abs(_OFFSETS[:, None] - _OFFSETS)
 # Bits of the neighbors that a grid's walls leave to cells within, and how many bits a table takes at a time.
 _BITS = np.uint32(1) << np.arange(26, dtype=np.uint32)
+_ALL = np.bitwise_or.reduce(_BITS)
 _DIGIT = 9
-# Cells outside hang together through faces, so those that touch the cell by a corner only do not count.
+# Where cells hang together through faces, those that touch the cell by a corner only do not count.
 _IN_REACH = np.bitwise_or.reduce(_BITS[np.abs(_OFFSETS).sum(axis=1) <= 2])
 _FACES = np.bitwise_or.reduce(_BITS[np.abs(_OFFSETS).sum(axis=1) == 1])
 
@@ -35,7 +37,7 @@ def _tables(adjacent: NDArray[np.bool_]) -> list[NDArray[np.uint32]]:
     return tables
 
 
-# Neighbors of a cell that touch each other: by a corner or more (cells inside), by a face (cells outside).
+# Neighbors of a cell that touch each other: by a corner or more, by a face.
 _TOUCHING = _tables(_STEPS.max(axis=2) <= 1)
 _ABUTTING = _tables(_STEPS.sum(axis=2) <= 1)
 
@@ -46,7 +48,7 @@ def bridges(density: NDArray[np.floating], low: float, high: float) -> NDArray[n
     Parameters
     ----------
     density : (nx, ny, nz)
-        Cells at the grid's wall are not looked at.
+        Cells at the grid's wall are not looked at. What is inside hangs together by corners.
     low, high : float
         Densities to look at, the upper one included.
 
@@ -55,8 +57,7 @@ def bridges(density: NDArray[np.floating], low: float, high: float) -> NDArray[n
     (m, 3) int64
     """
     cells = _between(density, low, high)
-    denser = _denser(density, cells)
-    return cells[_grown(denser & -denser, denser, _TOUCHING) != denser]
+    return cells[_parted_by_corners(_denser(density, cells))]
 
 
 def lids(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
@@ -65,9 +66,31 @@ def lids(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.i
     The parameters and the result are as for :func:`bridges`.
     """
     cells = _between(density, low, high)
-    others = ~_denser(density, cells) & _IN_REACH
-    faces = others & _FACES
-    return cells[(faces & ~_grown(faces & -faces, others, _ABUTTING)) != 0]
+    return cells[_parted_by_faces(~_denser(density, cells))]
+
+
+def bridges_by_faces(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
+    """Find bridges where what is inside hangs together by faces only; else as :func:`bridges`."""
+    cells = _between(density, low, high)
+    return cells[_parted_by_faces(_denser(density, cells))]
+
+
+def lids_by_corners(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
+    """Find lids where what is outside hangs together by corners, too; else as :func:`lids`."""
+    cells = _between(density, low, high)
+    return cells[_parted_by_corners(~_denser(density, cells) & _ALL)]
+
+
+def _parted_by_corners(neighbors: NDArray[np.uint32]) -> NDArray[np.bool_]:
+    """Tell where neighbors, as bits, are more than one piece of cells that touch."""
+    return _grown(neighbors & -neighbors, neighbors, _TOUCHING) != neighbors
+
+
+def _parted_by_faces(neighbors: NDArray[np.uint32]) -> NDArray[np.bool_]:
+    """Tell where those of them at the cell's faces are in more than one piece of cells that abut."""
+    near = neighbors & _IN_REACH
+    faces = near & _FACES
+    return (faces & ~_grown(faces & -faces, near, _ABUTTING)) != 0
 
 
 def _between(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:

@@ -9,7 +9,9 @@ from scipy.ndimage import gaussian_filter
 
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.connectivity import Connectivity
+from convwass_addon.geometry.handles import remove_handles
 from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
+from convwass_addon.geometry.level_topology import euler_number, hollows_below, pieces_above
 from convwass_addon.geometry.mending import mended_surface
 from convwass_addon.geometry.saddles import bridges, lids
 
@@ -178,3 +180,33 @@ def test_noise_gets_no_worse_and_keeps_its_volume(seed, width):
 def test_a_volume_that_does_not_fit_is_refused():
     with pytest.raises(InputError, match="cannot enclose"):
         mended_surface(ball((20, 16, 14), 8), 1e9, ONE)
+
+
+@pytest.mark.parametrize("inside", [1.02, 1.3])
+def test_a_slit_between_cells_that_touch_by_an_edge_is_closed(inside):
+    # Of the two dents in a plate, the surface makes a hole: its density between them is below the level.
+    density = np.zeros((14, 14, 9), np.float32)
+    density[2:-2, 2:-2, 3:5] = inside
+    density[6, 6, 3] = density[7, 6, 4] = 0.55
+    assert euler_number(density, 1.0) == 0
+    assert remove_handles(density, 1.0, 1) == 1
+    assert euler_number(density, 1.0) == 2
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_handles_are_never_traded_for_pieces_or_bubbles(seed):
+    noise = np.random.default_rng(seed).standard_normal((16, 16, 16))
+    density = np.pad(1.0 + 0.6 * gaussian_filter(noise, 0.7), 2).astype(np.float32)
+    level = 0.8
+
+    def counted() -> tuple[int, int, int]:
+        pieces, bubbles = pieces_above(density, level).count, hollows_below(density, level).count
+        return pieces, bubbles, pieces + bubbles - euler_number(density, level) // 2
+
+    pieces, bubbles, handles = counted()
+    assert handles > 0
+    gone = remove_handles(density, level, handles)
+    after = counted()
+    assert after[0] <= pieces
+    assert after[1] <= bubbles
+    assert after[2] <= handles - gone
