@@ -25,7 +25,7 @@ from .sinkhorn import Monitor
 
 # Coarser levels are solved to this share of the tolerance: what they leave is what the finest level is slowest to mend,
 # but more than this changes nothing in its rounds.
-_COARSE_TOLERANCE = 0.5
+_COARSE_TOLERANCE = 0.6
 # A region is widened by so many cells while more than this share of the tolerance lies at its rim.
 _RIM_SHARE = 0.1
 _RIM_CELLS = 3
