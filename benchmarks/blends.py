@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from convwass_addon.applications import blending, reading
 from convwass_addon.applications.layouts import Blend, path_blends
 from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_problem import MorphProblem
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.parts import SplitShapes
 from convwass_addon.applications.volumes import Lattice, voxelize
@@ -95,7 +96,7 @@ def surface_at(
     """
     lattice = Lattice(densities.shape[1:], 1.0, np.zeros(3), np.zeros((2, 3)))
     whole = SplitShapes(("all",), (list(densities),), densities.sum(axis=(1, 2, 3), dtype=np.float64)[None], ())
-    problem = blending.MorphProblem.of(whole, lattice, settings)
+    problem = MorphProblem.of(whole, lattice, settings)
     problem = replace(problem, parts=(replace(problem.parts[0], volumes=np.asarray(volumes, np.float64)),))
     (frame,) = blending.solve_blends(problem, [Blend((1.0 - t, t))])
     return frame.mesh

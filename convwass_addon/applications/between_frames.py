@@ -21,10 +21,11 @@ from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from ..sentence import Sentence
 from ..transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
-from .blending import MorphFrame, MorphPart, MorphProblem, solve_blends, surfaced_frame
+from .blending import solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
 from .morph import VOXEL_SHARE, MorphStep, prepared_problem
+from .morph_problem import MorphFrame, MorphPart, MorphProblem
 from .morph_settings import MorphSettings
 from .parts import FaceLabels, matched, unparted
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of

@@ -17,9 +17,9 @@ import numpy as np
 from ..errors import ConvwassError, InputError
 from ..geometry.mesh import TriangleMesh
 from ..sentence import Sentence
-from .blending import MorphFrame
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
+from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .parts import FaceLabels
 

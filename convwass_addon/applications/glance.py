@@ -9,8 +9,9 @@ from dataclasses import replace
 
 from ..errors import InputError, ResourceError
 from ..geometry.mesh import TriangleMesh
-from .blending import MorphFrame, MorphProblem, sketch_blends
+from .blending import sketch_blends
 from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .parts import Matching, joined, voxelized_parts
 from .volumes import Lattice

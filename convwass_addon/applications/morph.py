@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from ..sentence import Sentence
-from .blending import MorphFrame, MorphProblem
 from .frame_cache import BakeCache, FrameCache
 from .glance import glance
 from .layouts import Blend
 from .looks import Carried
 from .memory import fitting_beside
+from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .parts import FaceLabels, Matching, joined, matched, unparted, voxelized_parts
 from .runs import (

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 
 from ..errors import Cancelled, InputError
 from ..geometry.mending import Connectivity
-from .blending import MorphFrame, MorphProblem, Sketch, sketch_blends, solve_blends
+from .blending import Sketch, sketch_blends, solve_blends
 from .cluster import ClusterExecutor
 from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
 from .spare_threads import SpareThreads
 from .workers import frame_workers, one_blas_thread
 

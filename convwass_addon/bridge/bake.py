@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..applications.blending import MorphFrame
 from ..applications.health import health
 from ..applications.layouts import Blend
+from ..applications.morph_problem import MorphFrame
 from ..errors import ConvwassError, InputError
 from ..geometry.alignment import RigidMove
 from .changes import signature, store_signatures

@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..applications.blending import MorphFrame
 from ..applications.layouts import Blend
 from ..applications.looks import carried
 from ..applications.morph import MorphStep
+from ..applications.morph_problem import MorphFrame
 from ..applications.origins import velocities
 from .handles import Handle, found
 from .looks import COLOR, SOURCE_WEIGHT, read_look, write_carried, write_own_look, write_velocity

@@ -18,11 +18,11 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from convwass_addon.applications import frame_cache, frame_file, morph as morphing
-from convwass_addon.applications.blending import MorphProblem
 from convwass_addon.applications.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.frame_file import MAGIC, DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.layouts import path_blends
 from convwass_addon.applications.morph import morph
+from convwass_addon.applications.morph_problem import MorphProblem
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.parts import FaceLabels
 from convwass_addon.applications.potentials import PartPotentials

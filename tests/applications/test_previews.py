@@ -14,10 +14,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from convwass_addon.applications import blending, memory, runs
+from convwass_addon.applications import blending, memory, morph_problem, runs
 from convwass_addon.applications.frame_cache import FrameCache
 from convwass_addon.applications.layouts import path_blends, single_blend
 from convwass_addon.applications.morph import morph, prepared_problem
+from convwass_addon.applications.morph_problem import MorphProblem
 from convwass_addon.applications.morph_settings import MorphSettings
 from convwass_addon.applications.parts import FaceLabels, matched, unparted
 from convwass_addon.applications.reading import connectivity_of
@@ -150,7 +151,7 @@ def test_sketches_are_small_on_any_grid(sides, sketched):
     while (coarser := grids[0].coarser()) is not None:
         grids.insert(0, coarser)
     part = SimpleNamespace(inputs=SimpleNamespace(levels=[SimpleNamespace(domain=grid) for grid in grids]))
-    depth = blending.MorphProblem((part,), None, QUICK, ()).sketch_depth
+    depth = MorphProblem((part,), None, QUICK, ()).sketch_depth
     assert grids[-1 - depth].shape[0] == sketched
 
 
@@ -176,8 +177,8 @@ def test_nothing_waits_for_the_connectivity_of_the_shapes(monkeypatch):
         read.append(seen.wait(20))
         return real(*args)
 
-    real = blending.connectivity_of
-    monkeypatch.setattr(blending, "connectivity_of", patient)
+    real = morph_problem.connectivity_of
+    monkeypatch.setattr(morph_problem, "connectivity_of", patient)
     for workers in (1, 2):
         seen.clear()
         blends, previews = path_blends(2, 5), 0

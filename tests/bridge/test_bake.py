@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.blending import MorphFrame
 from convwass_addon.applications.layouts import grid_blends, path_blends, single_blend
+from convwass_addon.applications.morph_problem import MorphFrame
 from convwass_addon.bridge.bake import MorphBake, remove_bake
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.keyframes import is_shown

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from convwass_addon.applications.blending import MorphFrame
 from convwass_addon.applications.layouts import grid_blends, path_blends, single_blend, triangle_blends
+from convwass_addon.applications.morph_problem import MorphFrame
 from convwass_addon.bridge.bake import MorphBake
 from convwass_addon.bridge.blend_pad import make_blend_pad
 from convwass_addon.bridge.frame_colors import COLOR

@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.blending import MorphFrame
 from convwass_addon.applications.layouts import path_blends, triangle_blends
+from convwass_addon.applications.morph_problem import MorphFrame
 from convwass_addon.bridge.bake import MorphBake, remove_bake, remove_frames
 from convwass_addon.bridge.cache_output import as_cache
 from convwass_addon.bridge.disk_output import disk_outputs, for_blender, output_folder, packed_bytes

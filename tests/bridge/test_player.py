@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from convwass_addon.applications.blending import MorphFrame
 from convwass_addon.applications.layouts import path_blends, single_blend, triangle_blends
+from convwass_addon.applications.morph_problem import MorphFrame
 from convwass_addon.bridge.bake import MorphBake, remove_bake
 from convwass_addon.bridge.frame_colors import COLOR
 from convwass_addon.bridge.node_inputs import node_input
