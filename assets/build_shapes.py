@@ -118,6 +118,57 @@ def add_horse_head(clay: Clay) -> None:
         clay.add(ribbon(path, [0.09, 0.1, 0.085, 0.05], widths, Y_AXIS), 0.02)
 
 
+def cow() -> Clay:
+    """Sculpt a standing cow: barrel of a trunk, short neck, horns, udder, tasseled tail."""
+    clay = Clay((-1.25, -0.5, -0.05), (1.45, 0.5, 1.95), 0.014)
+    trunk = [(-0.66, 0, 1.17), (-0.35, 0, 1.12), (0.05, 0, 1.06), (0.36, 0, 1.1), (0.58, 0, 1.19)]
+    clay.add(ribbon(trunk, [0.2, 0.28, 0.31, 0.27, 0.19], [0.22, 0.29, 0.32, 0.31, 0.25], Y_AXIS))
+    clay.add(both_sides(ellipsoid((-0.6, 0.12, 1.2), (0.2, 0.13, 0.25), (1, 0, 0.4))), 0.12)
+    clay.add(both_sides(ellipsoid((0.48, 0.13, 1.08), (0.17, 0.12, 0.3), (1, 0, -0.3))), 0.12)
+    neck = [(0.5, 0, 1.22), (0.7, 0, 1.34), (0.9, 0, 1.46)]
+    clay.add(ribbon(neck, [0.18, 0.135, 0.115], [0.27, 0.22, 0.16], Y_AXIS), 0.14)
+    clay.add(
+        ribbon([(0.62, 0, 1.08), (0.74, 0, 1.14), (0.86, 0, 1.26)], [0.05, 0.045, 0.04], [0.13, 0.12, 0.1], Y_AXIS), 0.1
+    )
+    add_cow_head(clay)
+    clay.add(ellipsoid((-0.4, 0, 0.8), (0.19, 0.14, 0.12)), 0.1)
+    for x in (-0.47, -0.33):
+        clay.add(both_sides(tube([(x, 0.06, 0.75), (x, 0.065, 0.64)], [0.04, 0.03], 1)), 0.03)
+
+    foreleg = [(0.5, 0.16, 1.0), (0.5, 0.17, 0.72), (0.52, 0.17, 0.46), (0.51, 0.17, 0.27), (0.52, 0.17, 0.13)]
+    hind_leg = [(-0.58, 0.15, 1.08), (-0.5, 0.17, 0.76), (-0.66, 0.17, 0.52), (-0.63, 0.17, 0.3), (-0.61, 0.17, 0.13)]
+    for path, radii in (
+        (foreleg, [0.15, 0.115, 0.085, 0.066, 0.075]),
+        (hind_leg, [0.2, 0.14, 0.088, 0.067, 0.075]),
+    ):
+        clay.add(both_sides(tube(path, radii)), 0.1)
+        x, y, _ = path[-1]
+        clay.add(both_sides(frustum((x + 0.015, y, 0.14), (x + 0.04, y, 0.0), (0.078, 0.1), 0.022)), 0.03)
+
+    clay.add(
+        tube([(-0.82, 0, 1.33), (-0.93, 0, 1.24), (-0.97, 0, 1.0), (-0.97, 0, 0.7)], [0.05, 0.042, 0.036, 0.034]), 0.06
+    )
+    clay.add(ellipsoid((-0.985, 0, 0.6), (0.14, 0.06, 0.062), (0.1, 0, -1)), 0.04)
+    return clay
+
+
+def add_cow_head(clay: Clay) -> None:
+    """Add head, muzzle, ears and horns of the cow."""
+    head = [(0.88, 0, 1.53), (1.0, 0, 1.45), (1.13, 0, 1.3), (1.22, 0, 1.18)]
+    clay.add(ribbon(head, [0.125, 0.135, 0.095, 0.095], [0.125, 0.135, 0.1, 0.085], Y_AXIS), 0.08)
+    clay.add(ellipsoid((1.235, 0, 1.165), (0.095, 0.112, 0.09), (1, 0, -1.2)), 0.05)
+    clay.carve(both_sides(ellipsoid((1.31, 0.055, 1.185), (0.028, 0.024, 0.018), (1, 0, -1.2))), 0.015)
+    clay.add(both_sides(ellipsoid((1.05, 0.118, 1.45), (0.036, 0.024, 0.028), (1, 0, -1.2))), 0.01)
+    horn = tube(
+        [(0.86, 0.08, 1.6), (0.86, 0.19, 1.65), (0.89, 0.25, 1.75), (0.93, 0.24, 1.84)], [0.05, 0.046, 0.038, 0.022]
+    )
+    clay.add(both_sides(horn), 0.03)
+    ear = ribbon(
+        [(0.87, 0.11, 1.53), (0.84, 0.22, 1.52), (0.83, 0.32, 1.46)], [0.045, 0.06, 0.035], [0.032] * 3, (0.3, 0, 1)
+    )
+    clay.add(both_sides(ear), 0.03)
+
+
 def bird() -> Clay:
     """Sculpt a dove in flight, wings raised."""
     clay = Clay((-1.35, -1.3, -0.1), (1.1, 1.3, 2.3), 0.0165)
@@ -274,6 +325,7 @@ class Recipe:
 
 SHAPES = {
     "horse": Recipe(horse, genus=0, parts=1, triangles=5400),
+    "cow": Recipe(cow, genus=0, parts=1, triangles=5400),
     "bird": Recipe(bird, genus=0, parts=1, triangles=4800),
     "knot": Recipe(knot, genus=1, parts=1, triangles=3800, evening_rounds=4),
     "double_torus": Recipe(double_torus, genus=2, parts=1, triangles=3400, evening_rounds=4),
