@@ -14,6 +14,9 @@ from .inputs import Inputs
 from .interpolation import Interpolation, interpolate
 from .maps import transport_map
 from .propagation import Propagation, propagate
+from .soft_map import SoftMap, soft_map, soft_map_domain
+from .soft_map_levels import SoftMapSweeps, SymmetricSoftMap, soft_map_between, symmetric_soft_map
+from .soft_map_problem import SourceEdges
 from .surface import Surface
 
 __all__ = [
@@ -29,7 +32,11 @@ __all__ = [
     "KernelTooNarrowError",
     "NearestBarycenter",
     "Propagation",
+    "SoftMap",
+    "SoftMapSweeps",
+    "SourceEdges",
     "Surface",
+    "SymmetricSoftMap",
     "barycenter",
     "barycenter_beside",
     "barycenter_between",
@@ -42,5 +49,9 @@ __all__ = [
     "nearest_barycenter",
     "point_distances",
     "propagate",
+    "soft_map",
+    "soft_map_between",
+    "soft_map_domain",
+    "symmetric_soft_map",
     "transport_map",
 ]

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas, cython_blas
 
-# The signature of BLAS's dgemm as SciPy declares it for others to call, with its own name for double.
-_SIGNATURE = rb"void \(char \*, char \*, int \*, int \*, int \*, D, D, int \*, D, int \*, D, D, int \*\)"
-_DOUBLE = rb"__pyx_t_\w+_d \*"
+# The signature of BLAS's dgemm and sgemm as SciPy declares them for others to call, with its own name for the numbers.
+_SIGNATURE = rb"void \(char \*, char \*, int \*, int \*, int \*, N, N, int \*, N, int \*, N, N, int \*\)"
+_NUMBER = rb"__pyx_t_\w+_[ds] \*"
 
 
 def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
@@ -59,18 +59,60 @@ def _by_wrapper(source: NDArray[np.float64], target: NDArray[np.float64], kernel
     blas.dgemm(1.0, lines.T, kernel, trans_a=1, c=target.reshape(new_size, -1).T, overwrite_c=1)
 
 
-def _address_of_dgemm() -> Callable[..., None] | None:
-    """Return dgemm as a function of C; None where SciPy declares another signature than is known here.
+def multiply(rows: NDArray[np.float32], matrix: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+    """Write `rows @ matrix` to `out` in single precision.
+
+    Parameters
+    ----------
+    rows : (k, n) float32
+        C-contiguous.
+    matrix : (n, m) float32
+        C-contiguous.
+    out : (k, m) float32
+        C-contiguous; overwritten.
+
+    Raises
+    ------
+    ValueError
+        Arrays of another kind, order or size: C would read past their ends, or a transposed matrix.
+    """
+    count, size = rows.shape
+    new_size = matrix.shape[1]
+    if matrix.shape != (size, new_size) or out.shape != (count, new_size):
+        raise ValueError(f"{rows.shape} times {matrix.shape} does not give {out.shape}")
+    if any(array.dtype != np.float32 or not array.flags.c_contiguous for array in (rows, matrix, out)):
+        raise ValueError("rows, matrix and out must be float32 in C order")
+    if _sgemm is None:
+        blas.sgemm(1.0, matrix.T, rows.T, c=out.T, overwrite_c=1)
+        return
+    # out^T = matrix^T rows^T, all in BLAS's order of columns.
+    _sgemm(
+        b"N",
+        b"N",
+        *(ctypes.byref(ctypes.c_int(number)) for number in (new_size, count, size)),
+        ctypes.byref(ctypes.c_float(1.0)),
+        matrix.ctypes.data,
+        ctypes.byref(ctypes.c_int(new_size)),
+        rows.ctypes.data,
+        ctypes.byref(ctypes.c_int(size)),
+        ctypes.byref(ctypes.c_float(0.0)),
+        out.ctypes.data,
+        ctypes.byref(ctypes.c_int(new_size)),
+    )
+
+
+def _address_of(routine: str) -> Callable[..., None] | None:
+    """Return dgemm or sgemm as a function of C; None where SciPy declares another signature than is known here.
 
     Calls through ctypes release the interpreter's lock, without which threads would wait for each other's products.
     """
-    capsule = getattr(cython_blas, "__pyx_capi__", {}).get("dgemm")
+    capsule = getattr(cython_blas, "__pyx_capi__", {}).get(routine)
     if capsule is None:
         return None
     name_of = ctypes.pythonapi.PyCapsule_GetName
     name_of.restype, name_of.argtypes = ctypes.c_char_p, [ctypes.py_object]
     name = name_of(capsule)
-    if re.fullmatch(_SIGNATURE, re.sub(_DOUBLE, b"D", name)) is None:
+    if re.fullmatch(_SIGNATURE, re.sub(_NUMBER, b"N", name)) is None:
         return None
     pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
     pointer_of.restype, pointer_of.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
@@ -78,4 +120,5 @@ def _address_of_dgemm() -> Callable[..., None] | None:
     return ctypes.CFUNCTYPE(None, *kinds)(pointer_of(capsule, name))
 
 
-_dgemm = _address_of_dgemm()
+_dgemm = _address_of("dgemm")
+_sgemm = _address_of("sgemm")

@@ -25,6 +25,37 @@ def test_contracts_the_last_axis_and_puts_it_first(contract, lines, size, new_si
     np.testing.assert_array_equal(kernel, kept[1])
 
 
-def test_the_function_of_c_is_found():
-    """With every SciPy of the project; without it threads wait for each other's products."""
+@pytest.mark.parametrize("is_known", [True, False])
+@settings(max_examples=50, deadline=None)
+@given(count=st.integers(1, 40), size=st.integers(1, 30), new_size=st.integers(1, 30), seed=st.integers(0, 99))
+def test_multiplies_in_single_precision(is_known, count, size, new_size, seed):
+    rng = np.random.default_rng(seed)
+    rows = rng.normal(size=(count, size)).astype(np.float32)
+    matrix = rng.normal(size=(size, new_size)).astype(np.float32)
+    out = np.full((count + 1, new_size), np.nan, np.float32)
+    with pytest.MonkeyPatch.context() as patch:
+        if not is_known:
+            patch.setattr(matrix_product, "_sgemm", None)
+        matrix_product.multiply(rows, matrix, out[:-1])
+    np.testing.assert_allclose(out[:-1], rows @ matrix, atol=1e-5)
+    assert np.isnan(out[-1]).all()
+
+
+def test_what_c_would_misread_is_refused():
+    rows, matrix, out = (np.ones(shape, np.float32) for shape in ((3, 4), (4, 5), (3, 5)))
+    for wrong in [
+        (rows, np.asfortranarray(matrix), out),
+        (rows, matrix, np.ones((5, 3), np.float32).T),
+        (rows.astype(float), matrix, out),
+        (np.ones((3, 8), np.float32)[:, ::2], matrix, out),
+        (rows, matrix, out[:2]),
+        (rows[:, :3], matrix, out),
+    ]:
+        with pytest.raises(ValueError, match=r"give|float32"):
+            matrix_product.multiply(*wrong)
+
+
+def test_the_functions_of_c_are_found():
+    """With every SciPy of the project; without them threads wait for each other's products."""
     assert matrix_product._dgemm is not None
+    assert matrix_product._sgemm is not None

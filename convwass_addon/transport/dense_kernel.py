@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The heat kernel of a small surface as a matrix, for solvers that apply it to thousands of columns."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .matrix_product import multiply
+from .surface import Surface
+
+# Entries of the kernel below this share of the largest are nothing: they would only end in the subnormal numbers of
+# float32, which are many times slower. Those of its factors may be much smaller before anybody can tell.
+_NEGLIGIBLE, _NEGLIGIBLE_ON_THE_WAY = np.float32(1e-12), np.float32(1e-18)
+
+
+def dense_kernel(domain: Surface) -> NDArray[np.float32]:
+    """Return the heat kernel of a surface, with the area weights in its rows.
+
+    Parameters
+    ----------
+    domain : Surface
+        Of a few thousand vertices at most.
+
+    Returns
+    -------
+    (k, k) float32
+        a(x) H(x, y) between the k vertices that triangles use: ``rows @ kernel`` is ``domain.apply(rows)``. Entries
+        without any weight are exactly zero.
+    """
+    used = domain.weights > 0
+    places = np.flatnonzero(used)
+    columns = np.zeros((len(places), len(used)))
+    columns[np.arange(len(places)), places] = 1.0
+    # Steps of the flow are powers of the first, which few large products of matrices do faster than many solves.
+    step = domain.with_kernel(domain.gamma / domain.steps, 1).apply(columns)[:, places].astype(np.float32, order="C")
+    kernel = _power(step, domain.steps)
+    heat = kernel / domain.weights[places, None].astype(np.float32)
+    kernel[heat < _NEGLIGIBLE * heat.max()] = 0.0
+    return kernel
+
+
+def _power(matrix: NDArray[np.float32], exponent: int) -> NDArray[np.float32]:
+    matrix[matrix < _NEGLIGIBLE_ON_THE_WAY] = 0.0
+    if exponent == 1:
+        return matrix
+    half = _power(matrix, exponent // 2)
+    square = np.empty_like(matrix)
+    multiply(half, half, square)
+    if exponent % 2 == 0:
+        return square
+    square[square < _NEGLIGIBLE_ON_THE_WAY] = 0.0
+    result = np.empty_like(matrix)
+    multiply(square, matrix, result)
+    return result
