@@ -68,7 +68,9 @@ class Coarsening:
         return np.stack([np.bincount(labels, column, count + 1)[:count] for column in values])
 
 
-def coarsened(mesh: TriangleMesh, areas: NDArray[np.float64], count: int) -> Coarsening | None:
+def coarsened(
+    mesh: TriangleMesh, areas: NDArray[np.float64], count: int, kept: NDArray[np.int64] | None = None
+) -> Coarsening | None:
     """Return a mesh of about `count` vertices that follows the surface of `mesh`; None where there is none.
 
     Parameters
@@ -80,6 +82,8 @@ def coarsened(mesh: TriangleMesh, areas: NDArray[np.float64], count: int) -> Coa
     count : int
         Wanted number of vertices. There may be more: every piece keeps enough of them to stay a surface of its
         topology, and thin parts need small triangles.
+    kept : (k,) int64, optional
+        Vertices that are to be among the coarser mesh's; those that no triangle uses are not.
 
     Returns
     -------
@@ -95,6 +99,8 @@ def coarsened(mesh: TriangleMesh, areas: NDArray[np.float64], count: int) -> Coa
         if len(seeds) > limit:
             return None
         seeds = fine.centered(fine.grown(seeds))
+    if kept is not None:
+        seeds = fine.with_kept(fine.grown(seeds), kept)
     for _ in range(_DIVIDING_ROUNDS):
         if len(seeds) > limit:
             return None
@@ -221,6 +227,14 @@ class _Fine:
         away = np.square(self.points - centers[clusters.labels]).sum(axis=1)
         order = np.lexsort((away, clusters.labels))
         return order[np.flatnonzero(np.diff(clusters.labels[order], prepend=-1))]
+
+    def with_kept(self, clusters: _Clusters, kept: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return seeds with vertices of the mesh among them; one of each cluster takes the place of its seed."""
+        ours = np.flatnonzero(np.isin(self.used, kept))
+        labels, first = np.unique(clusters.labels[ours], return_index=True)
+        seeds = clusters.seeds.copy()
+        seeds[labels] = ours[first]
+        return np.union1d(seeds, ours)
 
     def dividing(self, clusters: _Clusters) -> NDArray[np.int64]:
         """Return more seeds, for clusters that are no discs and for neighbors that do not meet along one line.

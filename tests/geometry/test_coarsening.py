@@ -195,3 +195,17 @@ def test_it_is_the_same_every_time():
 )
 def test_there_is_no_coarser_mesh_where_nothing_would_be_gained(mesh):
     assert coarsened(mesh, areas_of(mesh), 10) is None
+
+
+def test_vertices_can_be_kept():
+    mesh = torus(segments=(60, 40))
+    areas = np.full(len(mesh.vertices), 1.0)
+    kept = np.array([7, 8, 1200, 2399])
+    found = coarsened(mesh, areas, 200, kept)
+    assert np.isin(kept, found.seeds).all()
+    assert len(found.seeds) < 260
+    np.testing.assert_array_equal(found.mesh.vertices, mesh.vertices[found.seeds])
+    assert topology(found.mesh).euler == 0
+    # A kept vertex is its own image.
+    places = [int(np.flatnonzero(found.seeds == vertex)[0]) for vertex in kept]
+    np.testing.assert_allclose(found.prolongation[kept][:, places].toarray(), np.eye(4), atol=1e-12)

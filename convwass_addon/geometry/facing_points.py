@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closest points of a surface that face the way they should: not on the far side of an ear or a wing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
+from .mesh import TriangleMesh
+
+# Points whose triangle faces away by more than this cosine are looked up again.
+_AWAY = 0.2
+# A normal turned by a right angle counts as much as this share of the surface's size, its area's square root.
+_TURN = 0.05
+# Triangles that are measured for each point.
+_CANDIDATES = 8
+# Normals shorter than this say nothing.
+_VAGUE = 0.2
+
+
+class FacingPointFinder:
+    """Finds points of one surface that are close and face a given way.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        At least one triangle, finite coordinates.
+    """
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self._corners = mesh.corners
+        self._closest = ClosestPointFinder(mesh.corners)
+        a, b, c = np.moveaxis(mesh.corners, 1, 0)
+        normals = np.cross(b - a, c - a)
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        self._normals = normals / np.where(lengths > 0, lengths, 1.0)
+        self._turn = _TURN * np.sqrt(mesh.area)
+        self._tree: cKDTree | None = None
+
+    def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> ClosestPoints:
+        """Find the point of the surface for each of `points`, (n, 3).
+
+        Parameters
+        ----------
+        points : (n, 3)
+            Anywhere.
+        normals : (n, 3)
+            Where the surface should face there; not longer than 1, and the shorter the less is known.
+        """
+        found = self._closest.find_about(points)
+        lengths = np.linalg.norm(normals, axis=1)
+        agreement = np.einsum("nd,nd->n", self._normals[found.triangles], normals)
+        again = np.flatnonzero((lengths > _VAGUE) & (agreement < _AWAY * lengths))
+        return self._refound(found, again, points, normals / np.maximum(lengths, _VAGUE)[:, None])
+
+    def _refound(
+        self, found: ClosestPoints, again: NDArray[np.int64], points: NDArray[np.float64], normals: NDArray[np.float64]
+    ) -> ClosestPoints:
+        """Replace some of what was found by triangles that lie and face nearly as they should."""
+        if not len(again):
+            return found
+        if self._tree is None:
+            self._tree = cKDTree(np.concatenate([self._corners.mean(axis=1), self._turn * self._normals], axis=1))
+        count = min(_CANDIDATES, len(self._corners))
+        wanted = np.concatenate([points[again], self._turn * normals[again]], axis=1)
+        candidates = self._tree.query(wanted, count)[1].reshape(len(again), count)
+        candidates = np.concatenate([found.triangles[again, None], candidates], axis=1)
+        flat = candidates.ravel()
+        repeats = np.repeat(again, candidates.shape[1])
+        own = closest_in_triangles(self._corners[flat], points[repeats])
+        turned = 2.0 * self._turn**2 * (1.0 - np.einsum("nd,nd->n", self._normals[flat], normals[repeats]))
+        costs = (np.square(own.distances) + turned).reshape(candidates.shape)
+        best = np.arange(len(again)) * candidates.shape[1] + costs.argmin(axis=1)
+        triangles, shares, distances = found.triangles.copy(), found.shares.copy(), found.distances.copy()
+        triangles[again], shares[again], distances[again] = flat[best], own.shares[best], own.distances[best]
+        return replace(found, triangles=triangles, shares=shares, distances=distances)

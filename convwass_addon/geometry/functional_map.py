@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps between surfaces as small matrices between their eigenfunctions, made larger step by step.
+
+M. Ovsjanikov et al., "Functional Maps: A Flexible Representation of Maps Between Shapes", ACM Transactions on Graphics
+31(4), 2012; S. Melzi et al., "ZoomOut: Spectral Upsampling for Efficient Shape Correspondence", ACM Transactions on
+Graphics 38(6), 2019.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import blas
+
+from .spectrum import Spectrum
+
+# Functions of the first fit, how many more every step takes, and where it ends.
+_FIRST, _STEP, _LAST = 20, 10, 120
+# Keeps the fit definite where there are fewer descriptors than functions.
+_RIDGE = 1e-6
+
+
+@dataclass(frozen=True)
+class SpectralMatch:
+    """For every vertex of one surface a vertex of the other, both ways.
+
+    Attributes
+    ----------
+    forward : (n0,) int64
+        Vertices of the target.
+    backward : (n1,) int64
+        Vertices of the source.
+    """
+
+    forward: NDArray[np.int64]
+    backward: NDArray[np.int64]
+
+
+def spectral_match(
+    source: Spectrum,
+    target: Spectrum,
+    source_descriptors: NDArray[np.float64],
+    target_descriptors: NDArray[np.float64],
+) -> SpectralMatch:
+    """Match two surfaces by descriptors that they have in common.
+
+    Parameters
+    ----------
+    source, target : Spectrum
+        Up to 120 functions of each are used.
+    source_descriptors, target_descriptors : (n, d)
+        Functions that correspond to each other.
+
+    Raises
+    ------
+    ValueError
+        Descriptors of different numbers.
+    """
+    if source_descriptors.shape[1:] != target_descriptors.shape[1:]:
+        raise ValueError("source and target need the same number of descriptors")
+    most = min(len(source.eigenvalues), len(target.eigenvalues), _LAST)
+    first = min(_FIRST, most)
+    matrix = _fitted(source.first(first), target.first(first), source_descriptors, target_descriptors)
+    return upsampled(matrix, source.first(most), target.first(most))
+
+
+def upsampled(matrix: NDArray[np.float64], source: Spectrum, target: Spectrum) -> SpectralMatch:
+    """Refine a small map by more and more eigenfunctions; both directions together, which keeps it one to one.
+
+    Parameters
+    ----------
+    matrix : (k, k)
+        Takes coefficients of functions on the target to those of the same functions on the source.
+    source, target : Spectrum
+        At least k functions; all of them are used in the end.
+    """
+    count, most = len(matrix), len(source.eigenvalues)
+    while True:
+        match = _nearest(matrix, source.functions[:, :count], target.functions[:, :count])
+        if count >= most:
+            return match
+        count = min(count + _STEP, most)
+        here, there = source.functions[:, :count], target.functions[:, :count]
+        pulled = _product((source.areas[:, None] * here).T, there[match.forward])
+        pushed = _product((target.areas[:, None] * there).T, here[match.backward])
+        matrix = 0.5 * (pulled + pushed.T)
+
+
+def _fitted(
+    source: Spectrum, target: Spectrum, here: NDArray[np.float64], there: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Least squares for descriptors, with a penalty where eigenvalues differ: a map of equal surfaces is diagonal."""
+    wanted = _product((source.areas[:, None] * source.functions).T, here)
+    given = _product((target.areas[:, None] * target.functions).T, there)
+    squares, mixed = _product(given, given.T), _product(wanted, given.T)
+    top = max(source.eigenvalues[-1], target.eigenvalues[-1], np.finfo(float).tiny)
+    apart = np.square((source.eigenvalues[:, None] - target.eigenvalues) / top)
+    ridge = _RIDGE * np.trace(squares) / len(squares) + np.finfo(float).tiny
+    systems = squares + (apart + ridge)[:, None, :] * np.eye(len(squares))
+    return np.linalg.solve(systems, mixed[:, :, None])[:, :, 0]
+
+
+def _nearest(matrix: NDArray[np.float64], here: NDArray[np.float64], there: NDArray[np.float64]) -> SpectralMatch:
+    forward = _closest_rows(_product(here, matrix), there)
+    return SpectralMatch(forward, _closest_rows(_product(there, matrix.T), here))
+
+
+def _closest_rows(rows: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Index of the closest of the other rows for every row, (n,)."""
+    squares = np.square(others).sum(axis=1)
+    return (squares - 2.0 * _product(rows, others.T)).argmin(axis=1)
+
+
+def _product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return left @ right by SciPy's BLAS: the NumPy inside Blender may have none."""
+    # The transposed product of transposed arrays, for which nothing in C order is copied.
+    return blas.dgemm(1.0, np.ascontiguousarray(right).T, np.ascontiguousarray(left).T).T

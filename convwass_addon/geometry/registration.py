@@ -1,0 +1,277 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laying one surface over another: it is turned and scaled from place to place, as evenly as can be.
+
+The vertices Y of the source minimize sum_ij w_ij |(Y_i - Y_j) - s_ij R_ij (X_i - X_j)|^2 + pulls, where the rotations
+and scales are fitted to neighborhoods around every vertex (O. Sorkine and M. Alexa, "As-Rigid-As-Possible Surface
+Modeling", SGP 2007; smooth rotations after Z. Levi and C. Gotsman, "Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
+Animation", TVCG 21, 2015). What pulls are pairs that belong together, a first guess, and, ever more, the closest points
+of the target that face the same way, both from here to there and back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.spatial import cKDTree
+
+from .closest_points import ClosestPoints, closest_in_triangles
+from .factorization import Factorization, factorize
+from .unit_shape import UnitShape, vertex_normals
+
+# A pair pulls like this much of the surface's area at weight one; with the closest points' weights below that is firm.
+_PAIR_WEIGHT = 20.0
+# A normal that is turned by a right angle counts like this distance, on surfaces of unit area.
+_TURN = 0.2
+# Keeps pieces of the source where they are that nothing else holds.
+_HOLD = 1e-3
+# How starts are compared.
+_JUDGED_WIDTH, _JUDGED_CLOSENESS = 0.05, 100.0
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A part of the way.
+
+    Attributes
+    ----------
+    closeness : float
+        Weight of the closest points, per area.
+    trust : float
+        Weight of the first guess, per area.
+    width : float
+        Size of the neighborhoods that turn and scale together, on the surface of unit area.
+    rounds : int
+        How many.
+    """
+
+    closeness: float
+    trust: float
+    width: float
+    rounds: int
+
+
+BY_PAIRS = (Stage(0.0, 0.0, 0.1, 10), Stage(3.0, 0.0, 0.1, 8), Stage(10.0, 0.0, 0.08, 8))
+"""From pairs alone: three or more."""
+AS_PLACED = (Stage(1.0, 0.0, 0.2, 6), Stage(3.0, 0.0, 0.1, 8), Stage(10.0, 0.0, 0.08, 8))
+"""From where the source is, turned about as the target is."""
+BY_GUESS = (Stage(0.0, 100.0, 0.1, 3), Stage(30.0, 20.0, 0.06, 8))
+"""From a first guess for every vertex."""
+TO_THE_END = (Stage(30.0, 0.0, 0.06, 8), Stage(100.0, 0.0, 0.04, 8), Stage(300.0, 0.0, 0.03, 6))
+"""From either."""
+
+
+class Registration:
+    """One surface on its way to another.
+
+    Parameters
+    ----------
+    source, target : UnitShape
+        What is moved, and where to.
+    pairs : (k, 2) int64
+        Vertices that belong together.
+    start : (n, 3)
+        Where the source's vertices begin.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        Where its vertices are now.
+    """
+
+    def __init__(
+        self, source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], start: NDArray[np.float64]
+    ) -> None:
+        self.points = start.copy()
+        self._guess = start
+        self._source, self._target, self._pairs = source, target, pairs
+        self._shape = _Elastic(source)
+        self._finder = FacingPoints(target)
+
+    def advance(self, stage: Stage) -> None:
+        """Go a part of the way."""
+        for _ in range(stage.rounds):
+            self._step(stage)
+
+    def _step(self, stage: Stage) -> None:
+        areas = self._source.areas
+        weights = (stage.trust + _HOLD) * areas
+        pulls = stage.trust * areas[:, None] * self._guess + _HOLD * areas[:, None] * self.points
+        if stage.closeness > 0:
+            near, sums = self._closest(stage.closeness)
+            weights = weights + near
+            pulls += sums
+        here, there = self._pairs.T
+        np.add.at(weights, here, _PAIR_WEIGHT)
+        np.add.at(pulls, here, _PAIR_WEIGHT * self._target.vertices[there])
+        self.points = self._shape.relaxed(self.points, weights, pulls, stage.width)
+
+    def _closest(self, closeness: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return weights, (n,), and weighted positions, (n, 3), of the closest points here and there."""
+        normals = vertex_normals(self.points, self._source.mesh.faces)
+        found = self._finder.find(self.points, normals)
+        weights = closeness * self._source.areas * np.maximum(found.agreement, 0.0)
+        pulls = weights[:, None] * found.positions
+        nearest = self._nearest(normals)
+        agreement = np.einsum("nd,nd->n", normals[nearest], self._finder.normals)
+        back = closeness * self._target.areas * np.maximum(agreement, 0.0)
+        weights += np.bincount(nearest, back, len(weights))
+        for axis, column in enumerate(self._target.vertices.T):
+            pulls[:, axis] += np.bincount(nearest, back * column, len(weights))
+        return weights, pulls
+
+    def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the source's vertex nearest to each of the target's."""
+        tree = cKDTree(np.concatenate([self.points, _TURN * normals], axis=1))
+        return tree.query(self._finder.vertices_and_normals)[1]
+
+    def images(self) -> ClosestPoints:
+        """Return the points of the target where the source's vertices have come to lie."""
+        normals = vertex_normals(self.points, self._source.mesh.faces)
+        found = self._finder.find(self.points, normals)
+        return ClosestPoints(found.triangles, found.shares, found.distances)
+
+    def energy(self) -> float:
+        """Return what is left to be desired: strain, distances to the closest points both ways, and pairs missed."""
+        normals = vertex_normals(self.points, self._source.mesh.faces)
+        found = self._finder.find(self.points, normals)
+        nearest = self._nearest(normals)
+        there = np.square(self.points[nearest] - self._target.vertices).sum(axis=1)
+        here, partners = self._pairs.T
+        missed = np.square(self.points[here] - self._target.vertices[partners]).sum()
+        apart = self._source.areas @ np.square(found.distances) + self._target.areas @ there
+        return self._shape.strain(self.points, _JUDGED_WIDTH) + _JUDGED_CLOSENESS * apart + _PAIR_WEIGHT * missed
+
+
+class _Elastic:
+    """The edges of a surface and what they resist."""
+
+    def __init__(self, shape: UnitShape) -> None:
+        matrix = shape.laplacian.matrix
+        entries = matrix.tocoo()
+        rows, columns = entries.coords
+        apart = rows != columns
+        self._rows, self._columns, self._weights = rows[apart], columns[apart], -entries.data[apart]
+        count = len(shape.vertices)
+        self._areas = shape.areas
+        # With an entry on every place of the diagonal, to which what pulls is added.
+        self._matrix = (matrix + diags_array(np.ones(count))).tocsc()
+        self._matrix.sort_indices()
+        ends = np.repeat(np.arange(count), np.diff(self._matrix.indptr))
+        self._diagonal = np.flatnonzero(self._matrix.indices == ends)
+        self._matrix.data[self._diagonal] -= 1.0
+        self._edges = shape.vertices[self._rows] - shape.vertices[self._columns]
+        self._sums = csr_array(
+            (np.ones(len(self._rows)), (self._rows, np.arange(len(self._rows)))), shape=(count, len(self._rows))
+        )
+        self._squares = self._sums @ (self._weights * np.square(self._edges).sum(axis=1))
+        self._blurs: dict[float, Factorization] = {}
+
+    def relaxed(
+        self, points: NDArray[np.float64], weights: NDArray[np.float64], pulls: NDArray[np.float64], width: float
+    ) -> NDArray[np.float64]:
+        """Fit rotations to points, and solve for points that agree with them and with what pulls."""
+        right = self._sums @ (self._weights[:, None] * self._turned(points, width)) + pulls
+        # Vertices without edges stay where they are.
+        loose = self._areas <= 0
+        held = np.where(loose, 1.0, weights)
+        right[loose] = points[loose]
+        factor = factorize(self._with_diagonal(1.0, held))
+        return np.ascontiguousarray(factor.solve(np.ascontiguousarray(right.T)).T)
+
+    def strain(self, points: NDArray[np.float64], width: float) -> float:
+        """Return how much edges differ from what their neighborhoods make of them."""
+        moved = points[self._rows] - points[self._columns]
+        rest = np.square(moved - self._turned(points, width)).sum(axis=1)
+        return float(0.5 * (self._weights * rest).sum())
+
+    def _turned(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+        """Edges turned and scaled as the neighborhoods of their ends are, (e, 3)."""
+        fits = self._fits(points, width)
+        return 0.5 * np.einsum("eij,ej->ei", fits[self._rows] + fits[self._columns], self._edges)
+
+    def _fits(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+        """Rotation times scale that takes each neighborhood best from rest to where it is, (n, 3, 3)."""
+        moved = points[self._rows] - points[self._columns]
+        products = self._weights[:, None, None] * moved[:, :, None] * self._edges[:, None, :]
+        sums = self._sums @ products.reshape(len(moved), 9)
+        smooth = self._blurred(np.concatenate([sums.T, self._squares[None]]), width)
+        left, sizes, right = np.linalg.svd(smooth[:9].T.reshape(-1, 3, 3))
+        turned = np.sign(np.linalg.det(left @ right))
+        left[:, :, 2] *= turned[:, None]
+        sizes[:, 2] *= turned
+        scales = np.maximum(sizes.sum(axis=1), 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
+        return scales[:, None, None] * (left @ right)
+
+    def _blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+        """Return sums over neighborhoods, (k, n): one implicit step of heat."""
+        if width not in self._blurs:
+            held = np.where(self._areas > 0, self._areas, 1.0)
+            self._blurs[width] = factorize(self._with_diagonal(width**2, held))
+        return self._blurs[width].solve(np.ascontiguousarray(columns))
+
+    def _with_diagonal(self, scale: float, values: NDArray[np.float64]) -> csc_array:
+        """Return a multiple of the stiffness with values added to its diagonal."""
+        system = scale * self._matrix
+        system.data[self._diagonal] += values
+        return system
+
+
+@dataclass(frozen=True)
+class FacingPoint:
+    """Points of a surface.
+
+    Attributes
+    ----------
+    triangles : (n,) int64
+    shares : (n, 3) float64
+        Barycentric coordinates.
+    distances : (n,) float64
+        From the points that were asked for.
+    positions : (n, 3) float64
+    agreement : (n,) float64
+        Cosine between the normals there and those that were asked for.
+    """
+
+    triangles: NDArray[np.int64]
+    shares: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    agreement: NDArray[np.float64]
+
+
+class FacingPoints:
+    """Finds points of a surface that are close and face the same way, fast rather than to the last digit.
+
+    Parameters
+    ----------
+    shape : UnitShape
+        Of unit area.
+    """
+
+    def __init__(self, shape: UnitShape) -> None:
+        self._corners = shape.mesh.corners
+        a, b, c = np.moveaxis(self._corners, 1, 0)
+        normals = np.cross(b - a, c - a)
+        self._normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+        self.normals = vertex_normals(shape.vertices, shape.mesh.faces)
+        # The center of a triangle and the middles of the ways from there to its corners.
+        shares = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0
+        smooth = np.einsum("sc,mcd->msd", shares, self.normals[shape.mesh.faces]) + self._normals[:, None]
+        smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), np.finfo(float).tiny)
+        samples = np.einsum("sc,mcd->msd", shares, self._corners)
+        self._tree = cKDTree(np.concatenate([samples, _TURN * smooth], axis=2).reshape(-1, 6))
+        self._samples = len(shares)
+        self.vertices_and_normals = np.concatenate([shape.vertices, _TURN * self.normals], axis=1)
+
+    def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> FacingPoint:
+        """Find one for each of `points`, (n, 3), with unit normals."""
+        nearest = self._tree.query(np.concatenate([points, _TURN * normals], axis=1))[1]
+        triangles = nearest // self._samples
+        found = closest_in_triangles(self._corners[triangles], points)
+        positions = np.einsum("nc,ncd->nd", found.shares, self._corners[triangles])
+        agreement = np.einsum("nd,nd->n", self._normals[triangles], normals)
+        return FacingPoint(triangles, found.shares, found.distances, positions, agreement)

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Signatures of the points of a surface that do not change when it is moved or bent without stretching."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .spectrum import Spectrum
+
+# Standard deviation of the wave kernel's bands, in steps between energies, and what is left free at the upper end
+# (Aubry et al. 2011).
+_BAND_STEPS = 7.0
+_UPPER_END = 1.02
+# Eigenvalues of a surface of unit area below this are zeros: constants on its pieces.
+_ZERO = 1e-6
+
+
+def wave_kernel_signature(spectrum: Spectrum, energies: int = 100) -> NDArray[np.float64]:
+    """Return how likely a quantum particle of every energy is to be met at every vertex, (n, energies).
+
+    Column e is sum_k w_ek f_k^2 with w_ek = exp(-(ln E_e - ln lambda_k)^2 / (2 s^2)), of sum one over k; energies run
+    from the first eigenvalue that is not zero nearly to the last, in even logarithmic steps, s being seven of them.
+    M. Aubry, U. Schlickewei and D. Cremers, "The Wave Kernel Signature: A Quantum Mechanical Approach to Shape
+    Analysis", ICCV Workshops, 2011.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of the surface.
+    energies : int
+        How many, at least two.
+
+    Raises
+    ------
+    ValueError
+        Fewer than two energies, or than two eigenvalues that are not zero.
+    """
+    if energies < 2:
+        raise ValueError(f"at least two energies are needed, got {energies}")
+    values, squares = _vibrations(spectrum)
+    if len(values) < 2:
+        raise ValueError("at least two eigenvalues that are not zero are needed")
+    logs = np.log(values)
+    # Logarithms below zero and above move inwards alike.
+    grid = np.linspace(logs[0], logs[-1] - (1.0 - 1.0 / _UPPER_END) * abs(logs[-1]), energies)
+    width = _BAND_STEPS * (grid[-1] - grid[0]) / energies
+    if width == 0:
+        bands = np.ones((energies, len(values)))
+    else:
+        exponents = -np.square(grid[:, None] - logs) / (2.0 * width**2)
+        bands = np.exp(exponents - exponents.max(axis=1, keepdims=True))
+    return squares @ (bands / bands.sum(axis=1, keepdims=True)).T
+
+
+def heat_kernel_signature(spectrum: Spectrum, times: int | ArrayLike = 100) -> NDArray[np.float64]:
+    """Return how much of the heat put on a vertex is still there at several times, (n, times).
+
+    Column t is sum_k exp(-lambda_k t) f_k^2, of unit area; the total over the surface is the heat trace. J. Sun,
+    M. Ovsjanikov and L. Guibas, "A Concise and Provably Informative Multi-Scale Signature Based on Heat Diffusion",
+    Computer Graphics Forum 28(5), 2009.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of the surface.
+    times : int or (t,) floats
+        Times on the surface of unit area; or how many of them, in even logarithmic steps from 4 ln 10 / lambda_last to
+        4 ln 10 / lambda_first.
+
+    Raises
+    ------
+    ValueError
+        Times that are not positive, or no eigenvalue that is not zero to take them from.
+    """
+    if np.ndim(times) == 0:
+        values, _ = _vibrations(spectrum)
+        if not len(values):
+            raise ValueError("at least one eigenvalue that is not zero is needed")
+        moments = np.geomspace(4.0 * np.log(10.0) / values[-1], 4.0 * np.log(10.0) / values[0], int(times))
+    else:
+        moments = np.asarray(times, dtype=np.float64)
+        if not (moments > 0).all():
+            raise ValueError("times must be positive")
+    return np.square(spectrum.functions) @ np.exp(-spectrum.eigenvalues[:, None] * moments)
+
+
+def _vibrations(spectrum: Spectrum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Eigenvalues that are not zero and squares of their functions."""
+    moving = spectrum.eigenvalues > _ZERO
+    return spectrum.eigenvalues[moving], np.square(spectrum.functions[:, moving])

@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The vibration modes of a surface: the smallest eigenvalues of its Laplacian, with their functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.sparse import csc_array, diags_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from .factorization import factorize
+from .laplacian import Laplacian
+
+# The system L + shift A is positive definite. On unit area the first eigenvalue that is not zero is of order one.
+_SHIFT = 0.1
+# Lanczos's method needs twice as many vectors as wanted functions; on pieces with fewer than this times as many
+# vertices a dense solution is as fast, and sure to find every repeated eigenvalue.
+_DENSE_BELOW = 4
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Eigenvalues and eigenfunctions of L f = lambda A f on a surface rescaled to unit area.
+
+    Attributes
+    ----------
+    eigenvalues : (k,) float64
+        Not negative, ascending; as many zeros as there are pieces (up to rounding).
+    functions : (n, k) float64
+        One function per column, orthonormal with respect to `areas`; zero at vertices that no triangle uses. Their
+        signs mean nothing.
+    areas : (n,) float64
+        Of the vertices, with sum one.
+    """
+
+    eigenvalues: NDArray[np.float64]
+    functions: NDArray[np.float64]
+    areas: NDArray[np.float64]
+
+    def first(self, count: int) -> Spectrum:
+        """Return the `count` smallest eigenvalues with their functions."""
+        return Spectrum(self.eigenvalues[:count], self.functions[:, :count], self.areas)
+
+
+def spectrum(laplacian: Laplacian, count: int) -> Spectrum:
+    """Return the `count` smallest eigenvalues of a surface with their functions; all of them where there are fewer.
+
+    Pieces are solved one by one, so that eigenvalues which they share are all found.
+
+    Parameters
+    ----------
+    laplacian : Laplacian
+        Of the surface, in any unit of length.
+    count : int
+        Wanted number, at least one.
+
+    Raises
+    ------
+    ValueError
+        `count` is not positive.
+    """
+    if count < 1:
+        raise ValueError(f"count must be a positive whole number, got {count}")
+    used = np.flatnonzero(laplacian.areas > 0)
+    areas = laplacian.areas / laplacian.areas.sum()
+    stiffness = laplacian.matrix[used][:, used].tocsc()
+    pieces, labels = connected_components(stiffness, directed=False)
+    values, functions = [], []
+    for piece in range(pieces):
+        own = np.flatnonzero(labels == piece)
+        found, vectors = _modes(stiffness[own][:, own].tocsc(), areas[used[own]], min(count, len(own)))
+        columns = np.zeros((len(areas), len(found)))
+        columns[used[own]] = vectors
+        values.append(found)
+        functions.append(columns)
+    every = np.concatenate(values)
+    order = np.argsort(every, kind="stable")[:count]
+    return Spectrum(every[order], np.ascontiguousarray(np.concatenate(functions, axis=1)[:, order]), areas)
+
+
+def _modes(
+    stiffness: csc_array, areas: NDArray[np.float64], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Eigenvalues (count,) and functions (n, count) of one piece.
+
+    Solved as the ordinary problem A^-1/2 L A^-1/2 g = lambda g with f = A^-1/2 g, which has no mass matrix in it.
+    """
+    roots = np.sqrt(areas)
+    if _DENSE_BELOW * count > len(areas):
+        system = stiffness.toarray() / (roots[:, None] * roots)
+        values, vectors = eigh(system, subset_by_index=(0, count - 1), overwrite_a=True, check_finite=False)
+    else:
+        values, vectors = _lanczos(stiffness, roots, count)
+        order = np.argsort(values)
+        values, vectors = values[order], vectors[:, order]
+    return np.maximum(values, 0.0), vectors / roots[:, None]
+
+
+def _lanczos(
+    stiffness: csc_array, roots: NDArray[np.float64], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Do it by Lanczos's method on the inverse of the shifted system."""
+    factor = factorize((stiffness + _SHIFT * diags_array(roots**2)).tocsc())
+
+    def inverse(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+        return roots * factor.solve((roots * vector.ravel())[None])[0]
+
+    shape = stiffness.shape
+    scale = diags_array(1.0 / roots)
+    # Always the same start, so that the same surface has the same functions, signs included.
+    start = np.random.default_rng(0).standard_normal(len(roots))
+    return eigsh(
+        (scale @ stiffness @ scale).tocsc(),
+        count,
+        sigma=-_SHIFT,
+        OPinv=LinearOperator(shape, matvec=inverse, dtype=np.float64),
+        v0=start,
+    )

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines along a surface between its vertices, and the lengths of the shortest ways that they make up."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from .edges import distinct_corners, edge_use
+from .mesh import TriangleMesh
+
+# Where two vertices lie in one place the line between them still has some length, or it would be none.
+_SHORTEST = 1e-12
+
+
+def surface_graph(mesh: TriangleMesh) -> csr_array:
+    """Return all edges, and lines across two triangles that share an edge, unfolded into a plane, with their lengths.
+
+    The latter are left out where they would leave the two triangles. Shortest ways along both are longer than those on
+    the surface by a few percent, 8 % on a grid of right-angled triangles; along edges alone 15 % and 41 %.
+
+    Returns
+    -------
+    (n, n) csr_array
+        Symmetric; one entry in each direction.
+    """
+    faces = mesh.faces[distinct_corners(mesh.faces)]
+    ends = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    crossing, across = _lines_across(mesh.vertices, faces)
+    rows, columns = np.concatenate([ends, crossing]).T
+    values = np.maximum(np.concatenate([lengths, across]), _SHORTEST * np.sqrt(mesh.area))
+    count = len(mesh.vertices)
+    order = np.lexsort((values, columns, rows))
+    rows, columns, values = rows[order], columns[order], values[order]
+    # Two ways between the same vertices: the shorter one counts.
+    first = np.flatnonzero(np.diff(rows * count + columns, prepend=-1))
+    one_way = coo_array((values[first], (rows[first], columns[first])), shape=(count, count)).tocsr()
+    return csr_array(one_way.maximum(one_way.T))
+
+
+def surface_distances(graph: csr_array, sources: ArrayLike, limit: float = np.inf) -> NDArray[np.float64]:
+    """Return the lengths of the shortest ways from some vertices to all, (k, n); infinite beyond `limit`.
+
+    Parameters
+    ----------
+    graph : (n, n) csr_array
+        Of :func:`surface_graph`.
+    sources : (k,) int
+        Vertices.
+    limit : float
+        Longer ways are not looked for.
+    """
+    found = dijkstra(graph, indices=np.asarray(sources, dtype=np.int64).reshape(-1), limit=limit)
+    return found.reshape(-1, graph.shape[0])
+
+
+def _lines_across(
+    points: NDArray[np.float64], faces: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the ends of lines across edges, (k, 2), the smaller index first, and their lengths (k,)."""
+    use = edge_use(faces)
+    inner = use.start[use.count == 2]
+    first, second = faces[use.face[inner]], faces[use.face[inner + 1]]
+    shared = (first[:, :, None] == second[:, None]).any(axis=2)
+    other = (second[:, :, None] == first[:, None]).any(axis=2)
+    proper = (shared.sum(axis=1) == 2) & (other.sum(axis=1) == 2)
+    first, second, shared, other = first[proper], second[proper], shared[proper], other[proper]
+    base = first[shared].reshape(-1, 2)
+    tips = np.stack([first[~shared], second[~other]], axis=1)
+    start = points[base[:, 0]]
+    axis = points[base[:, 1]] - start
+    length = np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)
+    (along, up), (beyond, down) = (_in_plane(points[tip] - start, axis, length) for tip in tips.T)
+    height = np.maximum(up + down, np.finfo(float).tiny)
+    place = along + (beyond - along) * up / height
+    inside = (place >= 0) & (place <= length)
+    return np.sort(tips[inside], axis=1), np.hypot(beyond - along, height)[inside]
+
+
+def _in_plane(
+    offsets: NDArray[np.float64], axis: NDArray[np.float64], length: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Coordinates along an axis and away from it."""
+    along = np.einsum("ij,ij->i", offsets, axis) / length
+    return along, np.sqrt(np.maximum(np.square(offsets).sum(axis=1) - along**2, 0.0))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh rescaled to unit area, with what is needed to compare it with another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from .laplacian import Laplacian, laplacian
+from .mesh import TriangleMesh
+from .surface_graph import surface_graph
+
+
+@dataclass(frozen=True)
+class UnitShape:
+    """A mesh of unit area around the origin.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    laplacian : Laplacian
+        Of it, with areas of sum one.
+    """
+
+    mesh: TriangleMesh
+    laplacian: Laplacian
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh) -> UnitShape:
+        """Rescale a mesh and move it.
+
+        Raises
+        ------
+        InputError
+            It has no area.
+        """
+        found = laplacian(mesh)
+        total = found.areas.sum()
+        areas = found.areas / total
+        # The stiffness does not depend on the scale.
+        unit = Laplacian(found.matrix, areas, found.method, found.clamped)
+        center = areas @ mesh.vertices
+        return cls(TriangleMesh((mesh.vertices - center) / np.sqrt(total), mesh.faces), unit)
+
+    @property
+    def areas(self) -> NDArray[np.float64]:
+        """Area of every vertex, (n,)."""
+        return self.laplacian.areas
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """Positions, (n, 3)."""
+        return self.mesh.vertices
+
+    @cached_property
+    def graph(self) -> csr_array:
+        """Lines along the surface, (n, n)."""
+        return surface_graph(self.mesh)
+
+    def mirrored(self) -> UnitShape:
+        """Return the mirror image, its faces turned over so that they look outward again."""
+        return UnitShape(TriangleMesh(self.vertices * (-1.0, 1.0, 1.0), self.mesh.flipped().faces), self.laplacian)
+
+
+def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return unit normals of vertices, (n, 3), by the areas of the triangles around them; zero where there are none."""
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    sums = np.stack([np.bincount(faces.ravel(), np.repeat(values, 3), len(vertices)) for values in normals.T], axis=1)
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), np.finfo(float).tiny)

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Islands of a UV map and the seams between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+
+@dataclass(frozen=True)
+class SharedEdges:
+    """The edges between two triangles, once each.
+
+    Attributes
+    ----------
+    faces : (e, 2) int64
+        The triangles on both sides.
+    corners : (e, 2, 2) int64
+        On each side the places, 0 to 2, of the edge's two vertices in the triangle, in the same order on both.
+    vertices : (e, 2) int64
+        These vertices.
+    """
+
+    faces: NDArray[np.int64]
+    corners: NDArray[np.int64]
+    vertices: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, faces: NDArray[np.int64]) -> SharedEdges:
+        """Find them; edges of more than two triangles join each of them to the next."""
+        tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
+        order = np.argsort(keys, kind="stable")
+        same = np.flatnonzero(np.diff(keys[order]) == 0)
+        halves = np.stack([order[same], order[same + 1]], axis=1)
+        owner, place = np.divmod(halves, 3)
+        ends = np.stack([place, (place + 1) % 3], axis=2)
+        low = np.minimum(tails, heads)[halves[:, 0]]
+        swapped = tails[halves] != low[:, None]
+        ends[swapped] = ends[swapped][:, ::-1]
+        return cls(owner, ends, np.stack([low, np.maximum(tails, heads)[halves[:, 0]]], axis=1))
+
+    def values(self, corner_values: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Return values at the corners of triangles, (f, 3, d), at both ends of each edge, on both sides: (e, 2, 2, d).
+
+        The second axis are the sides, the third the ends.
+        """
+        return corner_values[self.faces[:, :, None], self.corners]
+
+
+def chart_labels(
+    faces: NDArray[np.int64], uvs: NDArray[np.floating], shared: SharedEdges | None = None
+) -> NDArray[np.int64]:
+    """Label triangles, (m, 3), by the island that they belong to in a UV map, (m, 3, 2): (m,) from 0 on.
+
+    Triangles that share an edge belong to the same island where they have the same UVs at both of its ends, but for
+    rounding to float32.
+    """
+    shared = shared or SharedEdges.of(faces)
+    ends = shared.values(uvs)
+    size = float(np.abs(uvs).max(initial=0.0))
+    joined = (np.abs(ends[:, 0] - ends[:, 1]) <= 1e-6 * size).all(axis=(1, 2))
+    pairs = shared.faces[joined]
+    graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(len(faces),) * 2)
+    return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def uv_sizes(corners: NDArray[np.floating], uvs: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return how long a unit of length on each triangle, (m, 3, 3), is in its UVs, (m, 3, 2), at the most: (m,).
+
+    0 for triangles without area.
+    """
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    one, other = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
+    # The largest singular value of the map of the plane that takes the edges to those in the UVs.
+    length = np.linalg.norm(first, axis=1)
+    safe = np.where(length > 0, length, 1.0)
+    along = np.einsum("nd,nd->n", first, second) / safe
+    height = np.linalg.norm(np.cross(first, second), axis=1) / safe
+    sound = (length > 0) & (height > 1e-9 * safe)
+    across = np.where(sound, height, 1.0)[:, None]
+    column = one / safe[:, None]
+    upright = (other - along[:, None] * column) / across
+    a, b, c = (np.einsum("nd,nd->n", x, y) for x, y in ((column, column), (upright, upright), (column, upright)))
+    largest = 0.5 * (a + b + np.sqrt(np.square(a - b) + 4.0 * np.square(c)))
+    return np.where(sound, np.sqrt(np.maximum(largest, 0.0)), 0.0)

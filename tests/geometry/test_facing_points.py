@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+
+from convwass_addon.geometry.facing_points import FacingPointFinder
+from tests.applications.maps import subdivided
+from tests.shapes import box
+
+WING = subdivided(subdivided(subdivided(box((1.0, 1.0, 0.02)))))
+POINTS = np.array([[0.3, 0.2, 0.004], [-0.1, 0.4, -0.003], [0.0, 0.0, 0.2]])
+UP, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])
+
+
+def heights(normals):
+    finder = FacingPointFinder(WING)
+    found = finder.find(POINTS, np.broadcast_to(normals, POINTS.shape))
+    places = found.interpolated(WING.corners)
+    np.testing.assert_allclose(found.shares.sum(axis=1), 1.0)
+    np.testing.assert_allclose(np.linalg.norm(places - POINTS, axis=1), found.distances, atol=1e-12)
+    return places
+
+
+def test_the_side_of_a_wing_that_faces_as_it_should_is_found():
+    for normal, height in ((UP, 0.01), (DOWN, -0.01)):
+        places = heights(normal)
+        # The last point is so far above that it cannot belong below.
+        np.testing.assert_allclose(places[:2, 2], height)
+        np.testing.assert_allclose(places[:2, :2], POINTS[:2, :2], atol=1e-9)
+
+
+def test_without_a_word_on_where_it_faces_the_closest_is_found():
+    np.testing.assert_allclose(heights(np.zeros(3))[:, 2], [0.01, -0.01, 0.01])

@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces laid over others that they are known to match."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, FacingPoints, Registration
+from convwass_addon.geometry.unit_shape import UnitShape, vertex_normals
+from tests.grids import figure, sheet
+from tests.shapes import ball, box
+
+
+def bent(points, angle):
+    """Bend the z axis into an arc toward y."""
+    low, high = points[:, 2].min(), points[:, 2].max()
+    radius = (high - low) / angle
+    turn, out = (points[:, 2] - (low + high) / 2) / radius, radius - points[:, 1]
+    return np.stack([points[:, 0], radius - out * np.cos(turn), out * np.sin(turn)], axis=1)
+
+
+def advanced(found, stages=BY_PAIRS + TO_THE_END):
+    for stage in stages:
+        found.advance(stage)
+    return found
+
+
+def image_positions(found, target):
+    images = found.images()
+    return np.einsum("nc,ncd->nd", images.shares, target.mesh.corners[images.triangles])
+
+
+@pytest.fixture(scope="module")
+def arms():
+    mesh, _ = figure()
+    # Far ends: head, arms, feet.
+    ends = [int(np.argmax(mesh.vertices @ way)) for way in [(0, 0, 1), (1, 0, 0.3), (-1, 0, 0.3), (0.5, 0, -1)]]
+    return mesh, np.array([*ends, int(np.argmax(mesh.vertices @ (-0.5, 0, -1)))])
+
+
+def test_a_turned_copy_is_met_exactly(arms):
+    mesh, ends = arms
+    turn = Rotation.from_euler("xyz", (0.8, 2.0, -0.5))
+    source = UnitShape.of(mesh)
+    target = UnitShape.of(TriangleMesh(3.0 * turn.apply(mesh.vertices) + 1.0, mesh.faces))
+    start = turn.apply(source.vertices)
+    found = advanced(Registration(source, target, np.stack([ends, ends], 1), start))
+    np.testing.assert_allclose(found.points, target.vertices, atol=1e-6)
+    np.testing.assert_allclose(image_positions(found, target), target.vertices, atol=1e-6)
+    assert found.energy() == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_bent_figure_is_followed(arms):
+    mesh, ends = arms
+    source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 2.2), mesh.faces))
+    found = Registration(source, target, np.stack([ends, ends], 1), source.vertices)
+    before = np.linalg.norm(source.vertices - target.vertices, axis=1).mean()
+    advanced(found)
+    missed = np.linalg.norm(image_positions(found, target) - target.vertices, axis=1)
+    assert before > 0.05
+    assert missed.mean() < 0.012
+    assert missed.max() < 0.08
+
+
+def test_pairs_are_kept(arms):
+    mesh, ends = arms
+    source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 0.8), mesh.faces))
+    found = advanced(Registration(source, target, np.stack([ends, ends], 1), source.vertices))
+    np.testing.assert_allclose(found.points[ends], target.vertices[ends], atol=0.01)
+
+
+def test_the_order_of_vertices_does_not_matter(arms):
+    mesh, ends = arms
+    order = np.random.default_rng(1).permutation(len(mesh.vertices))
+    rank = np.argsort(order)
+    mixed = TriangleMesh(mesh.vertices[order], rank[mesh.faces])
+    target = UnitShape.of(TriangleMesh(bent(mesh.vertices, 0.8), mesh.faces))
+    first, second = UnitShape.of(mesh), UnitShape.of(mixed)
+    one = advanced(Registration(first, target, np.stack([ends, ends], 1), first.vertices))
+    other = advanced(Registration(second, target, np.stack([rank[ends], ends], 1), second.vertices))
+    np.testing.assert_allclose(other.points, one.points[order], atol=1e-3)
+
+
+def test_loose_vertices_stay_and_do_no_harm(arms):
+    mesh, ends = arms
+    loose = TriangleMesh(np.concatenate([mesh.vertices, [[4.0, 4, 4]]]), mesh.faces)
+    source, target = UnitShape.of(loose), UnitShape.of(mesh)
+    found = Registration(source, target, np.stack([ends, ends], 1), source.vertices)
+    advanced(found)
+    np.testing.assert_allclose(found.points[:-1], target.vertices, atol=1e-6)
+    np.testing.assert_array_equal(found.points[-1], source.vertices[-1])
+
+
+def test_without_pairs_a_start_close_by_is_enough(arms):
+    mesh, _ = arms
+    source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 0.3), mesh.faces))
+    found = advanced(Registration(source, target, np.empty((0, 2), np.int64), source.vertices), TO_THE_END)
+    missed = np.linalg.norm(image_positions(found, target) - target.vertices, axis=1)
+    assert missed.mean() < 0.012
+
+
+@pytest.mark.parametrize("shape", [sheet(8, 6), box(), ball(points=4)])
+def test_flat_and_tiny_surfaces_give_numbers(shape):
+    target = UnitShape.of(ball(points=50))
+    found = advanced(Registration(UnitShape.of(shape), target, np.array([[0, 0]]), UnitShape.of(shape).vertices))
+    assert np.isfinite(found.points).all()
+    assert np.isfinite(found.energy())
+
+
+def test_points_are_found_on_the_side_that_faces_the_same_way():
+    thin = UnitShape.of(box((1.0, 1.0, 0.01)))
+    finder = FacingPoints(thin)
+    top = thin.vertices[:, 2].max()
+    above = np.tile([[0.1, 0.05, top + 0.01]], (2, 1))
+    found = finder.find(above, np.array([[0.0, 0, 1], [0, 0, -1]]))
+    np.testing.assert_allclose(found.positions[:, 2], [top, -top], atol=1e-9)
+    np.testing.assert_allclose(found.agreement, 1.0, atol=1e-9)
+    np.testing.assert_allclose(found.shares.sum(axis=1), 1.0)
+
+
+def test_unit_shapes_have_unit_area_and_can_be_mirrored():
+    mesh = TriangleMesh(5.0 * box((1.0, 2.0, 3.0)).vertices + 7.0, box().faces)
+    shape = UnitShape.of(mesh)
+    assert shape.mesh.area == pytest.approx(1.0)
+    assert shape.areas.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(shape.areas @ shape.vertices, 0.0, atol=1e-12)
+    image = shape.mirrored()
+    np.testing.assert_array_equal(image.vertices[:, 0], -shape.vertices[:, 0])
+    assert image.mesh.volume == pytest.approx(shape.mesh.volume)
+    assert shape.mesh.volume > 0
+
+
+def test_normals_of_a_ball_point_away_from_its_center():
+    mesh = ball(points=300)
+    found = vertex_normals(mesh.vertices, mesh.faces)
+    assert np.einsum("nd,nd->n", found, mesh.vertices).min() > 0.99
