@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bones cut into links, along which a skeleton bends while it is laid out, and joints spread along the result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .skeleton_graph import JointGraph
+
+
+@dataclass(frozen=True)
+class Links:
+    """A graph whose bones are cut into links; its first vertices are the joints.
+
+    Attributes
+    ----------
+    size : int
+        Number of vertices.
+    edges : (l, 2) int64
+        Links.
+    weights : (l,) float64
+        How near the ends of a link are to be.
+    paths : tuple of (k,) int64
+        For every bone of the graph the vertices from its first joint to its second.
+    """
+
+    size: int
+    edges: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    paths: tuple[NDArray[np.int64], ...]
+
+    @classmethod
+    def of(cls, graph: JointGraph, lengths: NDArray[np.float64], count: int) -> Links:
+        """Cut bones of some positive lengths, (e,), into `count` links on average, so that all links are about as long.
+
+        The sum of weighted squares is least where the ends of links lie as far apart as the links are long.
+        """
+        relative = lengths / lengths.mean()
+        counts = np.maximum(np.round(count * relative), 1).astype(np.int64)
+        size, paths = len(graph.positions), []
+        for (tail, head), number in zip(graph.edges, counts, strict=True):
+            paths.append(np.concatenate([[tail], size + np.arange(number - 1), [head]]))
+            size += int(number) - 1
+        edges = np.concatenate([np.stack([path[:-1], path[1:]], axis=1) for path in paths])
+        weights = np.repeat(counts / (count * relative), counts)
+        return cls(size, edges, weights, tuple(paths))
+
+
+def chains(graph: JointGraph) -> list[NDArray[np.int64]]:
+    """Return the joints along every longest way through free joints of two bones, its ends included."""
+    neighbors = graph.neighbors
+    is_inner = ~graph.pinned & (np.array([len(own) for own in neighbors]) == 2)
+    found = []
+    for start in np.flatnonzero(~is_inner):
+        for second in neighbors[start]:
+            way = [start, second]
+            while is_inner[way[-1]]:
+                way.append(next(joint for joint in neighbors[way[-1]] if joint != way[-2]))
+            # Every chain is met from both of its ends, and kept from the first; so is one back to where it began.
+            if (way[0], way[1]) <= (way[-1], way[-2]):
+                found.append(np.array(way))
+    return found
+
+
+def spread_along(
+    graph: JointGraph, links: Links, laid: NDArray[np.float64], lengths: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return joints, (v, 3), spread along the chains as the lengths of the bones are, not as they came to lie.
+
+    Parameters
+    ----------
+    graph : JointGraph
+        The skeleton.
+    links : Links
+        Its links.
+    laid : (links.size, 3)
+        Where the ends of the links came to lie.
+    lengths : (e,)
+        Of the bones, positive.
+    """
+    positions = laid[: len(graph.positions)].copy()
+    bone_of = {tuple(edge): index for index, edge in enumerate(graph.edges.tolist())}
+    for chain in chains(graph):
+        if len(chain) < 3:
+            continue
+        bones = [bone_of[min(a, b), max(a, b)] for a, b in pairwise(chain.tolist())]
+        paths = [
+            links.paths[b] if links.paths[b][0] == joint else links.paths[b][::-1]
+            for b, joint in zip(bones, chain[:-1], strict=True)
+        ]
+        curve = laid[np.concatenate([paths[0], *(path[1:] for path in paths[1:])])]
+        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+        wanted = np.cumsum(lengths[bones])
+        places = wanted[:-1] / wanted[-1] * gone[-1]
+        positions[chain[1:-1]] = np.stack([np.interp(places, gone, axis) for axis in curve.T], axis=1)
+    return positions

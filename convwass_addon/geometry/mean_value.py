@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mean value coordinates: points as weighted means of the vertices of a closed mesh.
+
+Ju, Schaefer and Warren, "Mean value coordinates for closed triangular meshes", 2005.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .closest_points import ClosestPointFinder
+from .mesh import TriangleMesh
+
+# Pairs of a point and a triangle that are handled at once: what they need is some hundred bytes each.
+_PAIRS = 1 << 17
+# In sizes of the mesh: closer to the surface, a point lies on it.
+_ON_SURFACE = 1e-9
+# A triangle that is seen edge-on, by the determinant of the directions to its corners, has no weight.
+_EDGE_ON = 1e-9
+# Newton's method for positive coordinates: steps, and the error of the mean in sizes of the mesh at which it ends.
+_NEWTON_STEPS = 60
+_EXACT = 1e-11
+
+
+def mean_value_coordinates(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return weights of the vertices whose weighted mean is each point.
+
+    They are smooth inside, linear on every triangle of the surface, and not negative on convex meshes; elsewhere some
+    are, mostly slightly.
+
+    Parameters
+    ----------
+    points : (k, 3)
+        Anywhere; on the surface the weights are barycentric coordinates.
+    mesh : TriangleMesh
+        Closed, with neighbors that agree on what is outside. Vertices that no triangle uses get no weight.
+
+    Returns
+    -------
+    (k, n) float64
+        Each row sums to 1.
+    """
+    wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    weights = np.zeros((len(wanted), len(mesh.vertices)))
+    closest = ClosestPointFinder(mesh.corners).find(wanted)
+    on_surface = closest.distances <= _ON_SURFACE * _size(mesh)
+    on = np.flatnonzero(on_surface)
+    np.add.at(weights, (on[:, None], mesh.faces[closest.triangles[on]]), closest.shares[on])
+    off = np.flatnonzero(~on_surface)
+    for some in _chunks(off, len(mesh.faces)):
+        weights[some] = _summed(_triangle_weights(wanted[some], mesh), mesh)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def _triangle_weights(points: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Weights that every triangle gives its corners, (k, m, 3).
+
+    The mean of the directions into a spherical triangle, an integral that its edges make up, is written as a
+    combination of the directions to its corners (Floater, "Generalized barycentric coordinates", 2015, section 8).
+    """
+    offsets = mesh.vertices[None] - points[:, None]
+    lengths = np.linalg.norm(offsets, axis=2)
+    units = (offsets / np.where(lengths > 0, lengths, 1.0)[..., None])[:, mesh.faces]
+    after, before = np.roll(units, -1, axis=2), np.roll(units, 1, axis=2)
+    # Of the edge across from every corner: the normal of the plane through it and the point, and the angle it spans.
+    normals = np.cross(after, before)
+    sines = np.linalg.norm(normals, axis=3)
+    angles = np.arctan2(sines, np.einsum("kmci,kmci->kmc", after, before))
+    safe = np.where(sines > 0, sines, 1.0)
+    means = np.einsum("kmc,kmci->kmi", angles / safe, normals)
+    determinants = np.einsum("kmi,kmi->km", units[:, :, 0], normals[:, :, 0])
+    seen = np.abs(determinants) > _EDGE_ON
+    scale = np.where(seen, determinants, 1.0)[..., None] * lengths[:, mesh.faces]
+    weights = np.einsum("kmci,kmi->kmc", normals, means) / np.where(scale != 0, scale, 1.0)
+    return np.where(seen[..., None], weights, 0.0)
+
+
+def _summed(weights: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Add up what the triangles give their corners, (k, m, 3), vertex by vertex, (k, n)."""
+    corners = mesh.faces.ravel()
+    return np.stack([np.bincount(corners, row.ravel(), len(mesh.vertices)) for row in weights])
+
+
+@dataclass(frozen=True)
+class PositiveCoordinates:
+    """Weights of vertices, none of them negative.
+
+    Attributes
+    ----------
+    weights : (k, n) float64
+        Each row sums to 1.
+    exact : (k,) bool
+        Whether the weighted mean of the vertices is the point itself.
+    """
+
+    weights: NDArray[np.float64]
+    exact: NDArray[np.bool_]
+
+
+def positive_coordinates(
+    weights: NDArray[np.float64], points: ArrayLike, vertices: NDArray[np.float64]
+) -> PositiveCoordinates:
+    """Make weights positive that are not, so that their mean stays where it is.
+
+    Negative weights are set to zero, and the others tilted by a factor exp(lambda . vertex), which of all that have
+    the right mean changes them least (in relative entropy). Points that are no mean of vertices of positive weight,
+    such as all outside of the hull, have no such weights: theirs are not tilted.
+
+    Parameters
+    ----------
+    weights : (k, n)
+        Some of each row are positive.
+    points : (k, 3)
+        What the means are to be.
+    vertices : (n, 3)
+        Of the mesh.
+    """
+    wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    clamped = np.maximum(weights, 0.0)
+    clamped /= clamped.sum(axis=1, keepdims=True)
+    exact = np.zeros(len(wanted), bool)
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
+    for row, point in enumerate(wanted):
+        used = np.flatnonzero(clamped[row])
+        tilted = _tilted(clamped[row, used], (vertices[used] - point) / size)
+        exact[row] = tilted is not None
+        if tilted is not None:
+            clamped[row, used] = tilted
+    return PositiveCoordinates(clamped, exact)
+
+
+def _tilted(weights: NDArray[np.float64], offsets: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Tilt weights until the mean of the offsets is zero; None where there is no such tilt.
+
+    Newton's method with backtracking on the logarithm of the sum of exp, a convex function of the three unknowns.
+    """
+    tilt, logs = np.zeros(3), np.log(weights)
+    value, shares = _log_sum(logs)
+    for _ in range(_NEWTON_STEPS):
+        mean = shares @ offsets
+        if np.linalg.norm(mean) < _EXACT:
+            return shares
+        spread = (offsets * shares[:, None]).T @ offsets - np.outer(mean, mean)
+        step = np.linalg.lstsq(spread, -mean, rcond=1e-13)[0]
+        decrease, length = mean @ step, 1.0
+        while length > 1e-6:
+            trial = tilt + length * step
+            trial_value, trial_shares = _log_sum(logs + offsets @ trial)
+            # Rounding hides the last decreases.
+            if trial_value <= value + 1e-4 * length * decrease + 1e-14:
+                break
+            length *= 0.5
+        else:
+            return None
+        tilt, value, shares = trial, trial_value, trial_shares
+    return None
+
+
+def _log_sum(logs: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    top = logs.max()
+    terms = np.exp(logs - top)
+    total = terms.sum()
+    return float(top + np.log(total)), terms / total
+
+
+def _size(mesh: TriangleMesh) -> float:
+    return float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
+
+
+def _chunks(indices: NDArray[np.int64], faces: int) -> Iterator[NDArray[np.int64]]:
+    step = max(1, _PAIRS // max(faces, 1))
+    return (indices[start : start + step] for start in range(0, len(indices), step))

@@ -1,0 +1,175 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which points lie inside a mesh, how deep, and where the nearest inside is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .closest_points import ClosestPointFinder
+from .mesh import TriangleMesh
+
+# Pairs of a point and a triangle that are handled at once: what they need is some hundred bytes each.
+_PAIRS = 1 << 18
+# The surface is met again no closer than this share of the body's size behind the point where a line goes in.
+_SKIN = 1e-6
+# Lines that turn by this are tried where the straight one misses the inside.
+_TILT = 0.35
+# Places of the surface that are tried for a point whose closest one has no inside behind it.
+_FARTHER = 64
+
+
+def winding_numbers(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Generalized winding numbers of a mesh about points.
+
+    The sum of signed solid angles over 4 pi (Van Oosterom and Strackee 1983; Jacobson et al. 2013).
+
+    Parameters
+    ----------
+    points : (k, 3)
+        Anywhere.
+    mesh : TriangleMesh
+        Faces look outward; open and self-intersecting ones are fine.
+
+    Returns
+    -------
+    (k,) float64
+        About 1 inside, 0 outside, 2 where two solids overlap.
+    """
+    wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    result = np.zeros(len(wanted))
+    step = max(1, _PAIRS // max(len(mesh.faces), 1))
+    for start in range(0, len(wanted), step):
+        some = wanted[start : start + step]
+        a, b, c = (mesh.corners[None, :, i] - some[:, None] for i in range(3))
+        la, lb, lc = (np.sqrt(_dot(x, x)) for x in (a, b, c))
+        numerator = _dot(a, np.cross(b, c))
+        denominator = la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
+        result[start : start + step] = np.arctan2(numerator, denominator).sum(axis=1) / (2.0 * np.pi)
+    return result
+
+
+@dataclass(frozen=True)
+class NearestInside:
+    """Places inside a body that are nearest to some points.
+
+    Attributes
+    ----------
+    positions : (k, 3) float64
+        The places; the points themselves where no place was found.
+    found : (k,) bool
+        Where one was.
+    """
+
+    positions: NDArray[np.float64]
+    found: NDArray[np.bool_]
+
+
+class Inside:
+    """Tells inside from outside of one body.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Faces look outward; at least one face.
+    """
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self._mesh = mesh
+        self._closest = ClosestPointFinder(mesh.corners)
+        a, b, c = np.moveaxis(mesh.corners, 1, 0)
+        normals = np.cross(b - a, c - a)
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        self._normals = normals / np.where(lengths > 0, lengths, 1.0)
+        self._size = float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
+
+    def winding(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Winding numbers about points, (k, 3)."""
+        return winding_numbers(points, self._mesh)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Tell which points, (k, 3), lie inside: a winding number above a half."""
+        return self.winding(points) > 0.5
+
+    def distances(self, points: ArrayLike) -> NDArray[np.float64]:
+        """How far points, (k, 3), are from the surface."""
+        return self._closest.find(points).distances
+
+    def nearest(self, points: ArrayLike, depth: float) -> NearestInside:
+        """Return the places inside nearest to points that lie outside.
+
+        From the point of the surface that is closest, a line goes in; where the body is less than twice `depth` thick
+        along it, the place is in the middle of the body, elsewhere at the depth.
+
+        Parameters
+        ----------
+        points : (k, 3)
+            Anywhere.
+        depth : float
+            How far below the surface, positive.
+        """
+        wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        places, found = wanted.copy(), np.zeros(len(wanted), bool)
+        near = self._closest.find(wanted)
+        feet = near.interpolated(self._mesh.corners)
+        for index, (point, foot, triangle) in enumerate(zip(wanted, feet, near.triangles, strict=True)):
+            place = self._behind(foot, _directions(foot - point, -self._normals[triangle], self._size), depth)
+            place = self._behind_others(point, depth) if place is None else place
+            if place is not None:
+                places[index], found[index] = place, True
+        return NearestInside(places, found)
+
+    def _behind_others(self, point: NDArray[np.float64], depth: float) -> NDArray[np.float64] | None:
+        """Try the triangles whose middles are nearest: the closest one of all may be a sheet that encloses nothing."""
+        middles = self._mesh.corners.mean(axis=1)
+        order = np.argsort(np.linalg.norm(middles - point, axis=1), kind="stable")
+        # Every other of those near by, and then ever fewer: what is next to a sheet is mostly more of it.
+        chosen = np.unique(np.geomspace(1, len(order), min(_FARTHER, len(order))).astype(int)) - 1
+        for triangle in order[chosen]:
+            place = self._behind(middles[triangle], [-self._normals[triangle]], depth)
+            if place is not None:
+                return place
+        return None
+
+    def _behind(
+        self, foot: NDArray[np.float64], directions: list[NDArray[np.float64]], depth: float
+    ) -> NDArray[np.float64] | None:
+        """Return the place in the first of the directions that lies inside."""
+        for direction in directions:
+            thickness = self.first_hit(foot + _SKIN * self._size * direction, direction)
+            place = foot + min(depth, 0.5 * thickness) * direction
+            if self.contains(place[None])[0]:
+                return place
+        return None
+
+    def first_hit(self, start: NDArray[np.float64], direction: NDArray[np.float64]) -> float:
+        """How far a ray goes until it meets the surface; infinite where it does not (Möller and Trumbore 1997)."""
+        a, b, c = np.moveaxis(self._mesh.corners, 1, 0)
+        first, second = b - a, c - a
+        across = np.cross(direction, second)
+        determinant = _dot(first, across)
+        safe = np.where(determinant != 0, determinant, 1.0)
+        offset = start - a
+        u = _dot(offset, across) / safe
+        turned = np.cross(offset, first)
+        v = turned @ direction / safe
+        away = _dot(second, turned) / safe
+        hit = (determinant != 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (away > 0)
+        return float(away[hit].min(initial=np.inf))
+
+
+def _directions(toward: NDArray[np.float64], inward: NDArray[np.float64], size: float) -> list[NDArray[np.float64]]:
+    """Return unit vectors to try: on through the surface, straight in, and a little to all sides of that."""
+    length = np.linalg.norm(toward)
+    straight = [toward / length] if length > _SKIN * size else []
+    side = np.cross(inward, np.eye(3)[np.argmin(np.abs(inward))])
+    sides = [s * _TILT * d for d in (side, np.cross(inward, side)) for s in (1.0, -1.0)]
+    tilted = [inward + s for s in sides]
+    return [*straight, inward, *(d / max(np.linalg.norm(d), np.finfo(float).tiny) for d in tilted)]
+
+
+def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.einsum("...i,...i->...", first, second)
