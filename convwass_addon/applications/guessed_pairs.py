@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pairs for pieces that nobody has marked, such as eyes and teeth, from how the map turns what lies around them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .map_pieces import PieceMatch
+from .map_sides import MapSide
+from .surface_maps import PointMap
+
+# Pairs that a piece gets, and vertices around it that say how it is turned.
+_PAIRS, _AROUND = 8, 300
+
+
+def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: PointMap) -> NDArray[np.int64]:
+    """Return pairs of vertices, (k, 2), for two pieces that belong together.
+
+    One is turned as the map turns the nearest vertices that have a point, and laid over the other; vertices far from
+    each other are paired with those that they come to lie on. None where nothing has a point yet.
+
+    Parameters
+    ----------
+    source, target : MapSide
+        The whole sides.
+    match : PieceMatch
+        The two pieces.
+    forward : PointMap
+        What is known of the map: points of the target for the source's vertices.
+    """
+    known = np.flatnonzero(forward.found)
+    if len(known) < 3:
+        return np.empty((0, 2), np.int64)
+    own, other = source.mesh.vertices[match.source], target.mesh.vertices[match.target]
+    center = own.mean(axis=0)
+    near = known[np.argsort(np.linalg.norm(source.mesh.vertices[known] - center, axis=1))[:_AROUND]]
+    turn = _turn(source.mesh.vertices[near], forward.positions(target.mesh)[near])
+    laid = (own - center) @ turn.T
+    spread = other - other.mean(axis=0)
+    size = np.sqrt(np.square(laid).sum(axis=1).mean())
+    laid *= np.sqrt(np.square(spread).sum(axis=1).mean()) / max(size, np.finfo(float).tiny)
+    chosen = _far_apart(laid, min(_PAIRS, len(laid), len(spread)))
+    nearest = cKDTree(spread).query(laid[chosen])[1]
+    _, first = np.unique(nearest, return_index=True)
+    return np.stack([match.source[chosen[first]], match.target[nearest[first]]], axis=1)
+
+
+def _turn(points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation that takes points to images best (S. Umeyama 1991), (3, 3)."""
+    left, _, right = np.linalg.svd((images - images.mean(axis=0)).T @ (points - points.mean(axis=0)))
+    left[:, 2] *= np.sign(np.linalg.det(left @ right))
+    return left @ right
+
+
+def _far_apart(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """Return the places of points far from each other, (count,)."""
+    chosen = [int(np.square(points).sum(axis=1).argmax())]
+    apart = np.full(len(points), np.inf)
+    while len(chosen) < count:
+        apart = np.minimum(apart, np.square(points - points[chosen[-1]]).sum(axis=1))
+        chosen.append(int(apart.argmax()))
+    return np.array(chosen)

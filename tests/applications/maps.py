@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes and exact maps between them, for the tests of what is carried along maps."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.applications.surface_maps import PointMap
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.mesh import TriangleMesh
+
+
+def exact_map(places, giver):
+    """The points of a giver that are closest to places, all of them confident."""
+    found = ClosestPointFinder(giver.corners).find(places)
+    count = len(found.triangles)
+    figures = np.zeros(count, np.float32), np.full(count, -5.0, np.float32), np.ones(count, np.float32)
+    return PointMap(found.triangles.astype(np.int32), found.shares.astype(np.float32), *figures)
+
+
+def without_points(points, lost):
+    """The map without the points of some vertices."""
+    faces = np.where(lost, -1, points.faces).astype(np.int32)
+    shares = np.where(lost[:, None], 0.0, points.barycentric).astype(np.float32)
+    confidence = np.where(lost, 0.0, points.confidence).astype(np.float32)
+    return PointMap(faces, shares, points.spread, points.entropy, confidence)
+
+
+def subdivided(mesh):
+    """Every triangle cut into four; the vertices that there were come first."""
+    faces = mesh.faces
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    unique, inverse = np.unique(edges, axis=0, return_inverse=True)
+    ab, bc, ca = inverse.reshape(3, -1) + len(mesh.vertices)
+    a, b, c = faces.T
+    parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+    vertices = np.concatenate([mesh.vertices, mesh.vertices[unique].mean(axis=1)])
+    return TriangleMesh(vertices, np.concatenate([np.stack(part, axis=1) for part in parts]))
+
+
+def turn(angles=(40, -70, 25)):
+    return Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
+
+
+def shuffled(mesh, seed=0):
+    """The mesh with its vertices and faces in another order, and where each vertex went."""
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(mesh.vertices))
+    place = np.argsort(order)
+    return TriangleMesh(mesh.vertices[order], place[mesh.faces][rng.permutation(len(mesh.faces))]), place
+
+
+def arm(angle=0.0, around=16, along=40, length=4.0, radius=0.3):
+    """A closed tube along x whose second half is turned about z by an angle, around an elbow of constant length."""
+    x = np.linspace(0.0, length, along)
+    elbow = 1.2
+    bend = np.clip((x - 0.5 * (length - elbow)) / elbow, 0.0, 1.0) * angle
+    step = np.diff(x, prepend=x[0])
+    middle = np.stack([np.cumsum(np.cos(bend) * step), np.cumsum(np.sin(bend) * step), 0 * x], axis=1)
+    side = np.stack([-np.sin(bend), np.cos(bend), 0 * x], axis=1)
+    turns = np.arange(around) * 2 * np.pi / around
+    ring = np.cos(turns)[None, :, None] * side[:, None] + np.sin(turns)[None, :, None] * np.array([0.0, 0.0, 1.0])
+    vertices = np.concatenate([(middle[:, None] + radius * ring).reshape(-1, 3), middle[[0, -1]]])
+    faces = []
+    for j in range(along - 1):
+        for i in range(around):
+            a, b = j * around + i, j * around + (i + 1) % around
+            faces += [(a, b, b + around), (a, b + around, a + around)]
+    start, end, last = along * around, along * around + 1, (along - 1) * around
+    faces += [(start, (i + 1) % around, i) for i in range(around)]
+    faces += [(end, last + i, last + (i + 1) % around) for i in range(around)]
+    return TriangleMesh.from_arrays(vertices, faces), bend
+
+
+def tube(around, along, shift=0.0):
+    """An open tube about z of height 2, its UVs by angle and height with one seam, and the quad of every triangle."""
+    angles = (np.arange(around) + shift) * 2 * np.pi / around
+    vertices = [(np.cos(t), np.sin(t), z) for z in np.linspace(0, 2, along) for t in angles]
+    faces, uvs = [], []
+    for j in range(along - 1):
+        for i in range(around):
+            k = (i + 1) % around
+            quad = [j * around + i, j * around + k, (j + 1) * around + k, (j + 1) * around + i]
+            low, high = j / (along - 1), (j + 1) / (along - 1)
+            left, right = (i + shift) / around, (i + 1 + shift) / around
+            corners = [(left, low), (right, low), (right, high), (left, high)]
+            for part in ((0, 1, 2), (0, 2, 3)):
+                faces.append([quad[corner] for corner in part])
+                uvs.append([corners[corner] for corner in part])
+    return TriangleMesh.from_arrays(vertices, faces), np.array(uvs), np.arange(len(faces)) // 2

@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What goes with what, on surfaces where that is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from benchmarks.meshes import blob
+from convwass_addon.applications.compatibility import comparison, compatibility
+from convwass_addon.applications.map_sides import MapSide
+from convwass_addon.applications.shape_looks import differences, shape_looks
+from convwass_addon.applications.soft_map_settings import SoftMapSettings
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.unit_shape import UnitShape
+from tests.grids import figure, sheet
+from tests.shapes import ball, box, joined, square, torus
+
+NONE = np.empty((0, 2), np.int64)
+
+
+def side(mesh, **groups):
+    return MapSide(mesh, "it", groups)
+
+
+def bent(mesh, angle):
+    points = mesh.vertices
+    low, high = points[:, 2].min(), points[:, 2].max()
+    radius = (high - low) / angle
+    turn, out = (points[:, 2] - (low + high) / 2) / radius, radius - points[:, 1]
+    bow = np.stack([points[:, 0], radius - out * np.cos(turn), out * np.sin(turn)], axis=1)
+    return TriangleMesh(bow, mesh.faces)
+
+
+def reordered(mesh, seed=0):
+    order = np.random.default_rng(seed).permutation(len(mesh.vertices))
+    return TriangleMesh(mesh.vertices[order], np.argsort(order)[mesh.faces]), order
+
+
+@pytest.fixture(scope="module")
+def arms():
+    mesh, mirror = figure()
+    hand, foot = (int(np.argmax(mesh.vertices @ way)) for way in [(1, 0, 0.3), (0.5, 0, -1)])
+    return mesh, mirror, hand, foot
+
+
+def positions(found, target):
+    images = found.overlay.images
+    return np.einsum("nc,ncd->nd", images.shares, target.corners[images.triangles])
+
+
+def test_a_turned_and_reordered_copy_is_found_without_any_pair():
+    mesh = TriangleMesh.from_arrays(*blob(400))
+    turned = TriangleMesh(Rotation.from_euler("xyz", (1.0, 2.0, 3.0)).apply(mesh.vertices) * 9.0, mesh.faces)
+    other, order = reordered(turned)
+    found = comparison(side(mesh), side(other), NONE)
+    assert found.costs.shape == (400, 400)
+    assert found.costs.dtype == np.float32
+    np.testing.assert_array_equal(order[found.costs.argmin(axis=1)], np.arange(400))
+    np.testing.assert_allclose(positions(found, other), turned.vertices, atol=1e-3)
+    assert not found.overlay.is_mirrored
+
+
+def test_left_and_right_look_the_same_until_something_is_marked(arms):
+    mesh, mirror, hand, foot = arms
+    shape = UnitShape.of(mesh)
+    nothing = np.zeros((0, len(mirror)))
+    unmarked = differences(*[shape_looks(shape, np.empty(0, np.int64), nothing)] * 2)
+    np.testing.assert_allclose(unmarked[:, mirror], unmarked, atol=1e-3)
+    marked = shape_looks(shape, np.array([hand, foot]), nothing)
+    told = differences(marked, marked)
+    off = np.abs(mesh.vertices[:, 0]) > 0.3
+    rows = np.flatnonzero(off)
+    assert (told[rows, mirror[rows]] > told[rows, rows] + 0.05).all()
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.8])
+@pytest.mark.parametrize("pairs", [2, 3])
+@pytest.mark.parametrize("is_mirrored", [False, True])
+def test_two_or_three_pairs_decide_either_way(arms, is_mirrored, pairs, bend):
+    mesh, mirror, hand, foot = arms
+    other = bent(mesh, bend) if bend else mesh
+    marked = np.array([hand, int(mirror[foot]), int(mirror[hand])])[:pairs]
+    partner = mirror if is_mirrored else np.arange(len(mirror))
+    found = comparison(side(mesh), side(other), np.stack([marked, partner[marked]], axis=1))
+    assert found.overlay.is_mirrored == is_mirrored
+    off = np.abs(mesh.vertices[:, 0]) > 0.1
+    wanted, wrong = other.vertices[partner], other.vertices[mirror[partner]]
+    chosen = other.vertices[found.costs.argmin(axis=1)]
+    right = np.linalg.norm(chosen - wanted, axis=1) < np.linalg.norm(chosen - wrong, axis=1)
+    assert right[off].mean() > 0.99
+    assert np.linalg.norm(chosen - wanted, axis=1).mean() < 0.03 * np.sqrt(mesh.area)
+
+
+def test_moving_scaling_and_reordering_change_nothing(arms):
+    mesh, _, hand, foot = arms
+    other, order = reordered(mesh, 5)
+    other = TriangleMesh(0.01 * Rotation.from_euler("z", 0.7).apply(other.vertices) - 3.0, other.faces)
+    target = bent(mesh, 0.8)
+    rank = np.argsort(order)
+    tips = np.array([hand, foot, int(np.argmax(mesh.vertices[:, 2]))])
+    first = compatibility(side(mesh), side(target), np.stack([tips, tips], 1))
+    second = compatibility(side(other), side(target), np.stack([rank[tips], tips], 1))
+    assert np.abs(second - first[order]).mean() < 0.01
+
+
+def test_painted_groups_tell_alike_points_apart():
+    mesh = ball(points=200)
+    weights = (mesh.vertices[:, 2] > 0.3).astype(float)
+    painted = side(mesh, cap=weights, own=np.ones(200))
+    plain = compatibility(side(mesh), side(mesh), NONE)
+    found = compatibility(painted, side(mesh, cap=weights), NONE)
+    apart = weights[:, None] != weights
+    assert (found - plain)[apart].mean() > (found - plain)[~apart].mean() + 0.2
+    without = compatibility(painted, side(mesh, cap=weights), NONE, SoftMapSettings(group_weight=0.0))
+    np.testing.assert_allclose(without, plain, atol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [
+        (torus(segments=(16, 10)), ball(points=120)),
+        (sheet(9, 7), ball(points=120)),
+        (ball(points=60), ball(points=700)),
+        (joined(ball(points=60), ball(points=60, center=(3, 0, 0))), ball(points=120)),
+        (square(), square()),
+        (square(), box()),
+    ],
+)
+@pytest.mark.parametrize("pairs", [NONE, np.array([[0, 1]]), np.array([[0, 1], [0, 2], [1, 3], [2, 3]])])
+def test_odd_cases_give_numbers(source, target, pairs):
+    found = comparison(side(source), side(target), pairs)
+    assert found.costs.shape == (len(source.vertices), len(target.vertices))
+    assert np.isfinite(found.costs).all()
+    assert found.costs.min() >= 0
+    assert np.isfinite(found.overlay.energy)
+
+
+def test_loose_vertices_do_no_harm():
+    mesh = TriangleMesh.from_arrays(*blob(200))
+    loose = TriangleMesh(np.concatenate([[[9.0, 9, 9]], mesh.vertices]), mesh.faces + 1)
+    found = compatibility(side(loose), side(loose), NONE)
+    assert np.isfinite(found).all()
+    np.testing.assert_array_equal(found.argmin(axis=1)[1:], np.arange(1, 201))

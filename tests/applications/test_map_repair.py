@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.map_repair import repaired_map, repaired_points
+from convwass_addon.applications.surface_maps import SurfaceMap
+from convwass_addon.errors import InputError
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.applications.maps import arm, exact_map, turn
+from tests.shapes import joined, torus
+
+ARM, _ = arm()
+IDENTITY = exact_map(ARM.vertices, ARM)
+
+
+def spoiled(points, bad, faces, seed=0):
+    """The map with nonsense in place of some points, of which it says so."""
+    noise = np.random.default_rng(seed).integers(0, faces, len(points))
+    return replace(
+        points,
+        faces=np.where(bad, noise, points.faces).astype(np.int32),
+        confidence=np.where(bad, 0.1, points.confidence).astype(np.float32),
+    )
+
+
+@pytest.mark.parametrize("bad", [ARM.vertices[:, 0] > 3.0, np.abs(ARM.vertices[:, 0] - 2.0) < 0.5])
+def test_a_region_is_laid_back_where_it_was_also_at_the_end_of_a_limb(bad):
+    """On a copy that is turned and larger: the region keeps its shape, not that of a film across its rim."""
+    other = TriangleMesh(2.0 * ARM.vertices @ turn().T, ARM.faces)
+    right = exact_map(other.vertices, other)
+    found = repaired_points(spoiled(right, bad, len(ARM.faces)), ARM, other)
+    np.testing.assert_allclose(found.positions(other), other.vertices, atol=1e-5)
+    assert found.confidence.min() > 0.9
+    np.testing.assert_array_equal(found.faces[~bad], right.faces[~bad])
+
+
+def test_on_a_bent_arm_a_region_follows_the_bend():
+    bent, _ = arm(1.2)
+    bad = np.abs(ARM.vertices[:, 0] - 2.0) < 0.6
+    found = repaired_points(spoiled(exact_map(bent.vertices, bent), bad, len(ARM.faces)), ARM, bent)
+    miss = np.linalg.norm(found.positions(bent) - bent.vertices, axis=1)
+    assert miss[bad].mean() < 0.06 and miss[bad].max() < 0.2
+
+
+def test_both_ways_of_a_map_are_repaired_and_their_number_is_told():
+    bad = ARM.vertices[:, 0] > 3.5
+    broken = spoiled(IDENTITY, bad, len(ARM.faces))
+    found = repaired_map(SurfaceMap(broken, IDENTITY, None), ARM, ARM)
+    np.testing.assert_allclose(found.forward.positions(ARM), ARM.vertices, atol=1e-5)
+    np.testing.assert_array_equal(found.backward.faces, IDENTITY.faces)
+    (notice,) = found.notices
+    assert notice.values["count"] == (broken.faces != found.forward.faces).sum() > 50
+
+
+def test_pieces_without_anything_to_go_by_and_good_maps_stay_as_they_are():
+    assert repaired_points(IDENTITY, ARM, ARM) is IDENTITY
+    both = joined(ARM, torus(center=(0, 5, 0), segments=(24, 12)))
+    points = exact_map(both.vertices, both)
+    bad = np.arange(len(both.vertices)) >= len(ARM.vertices)
+    broken = spoiled(points, bad | (both.vertices[:, 0] > 3.5), len(both.faces))
+    found = repaired_points(broken, both, both)
+    np.testing.assert_array_equal(found.faces[bad], broken.faces[bad])
+    np.testing.assert_allclose(found.positions(both)[~bad], both.vertices[~bad], atol=1e-5)
+
+
+def test_what_cannot_be_repaired_is_refused():
+    with pytest.raises(InputError, match="between 0 and 1"):
+        repaired_points(IDENTITY, ARM, ARM, 1.5)
+    with pytest.raises(InputError, match="other meshes"):
+        repaired_points(IDENTITY, torus(), ARM)
+    nothing = replace(IDENTITY, confidence=np.zeros_like(IDENTITY.confidence))
+    with pytest.raises(InputError, match="No point of the map"):
+        repaired_points(nothing, ARM, ARM, 0.5)
