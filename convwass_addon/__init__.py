@@ -54,7 +54,18 @@ def _rooms() -> tuple[ModuleType, ...]:
     """Return the modules that add something to Blender, in the order in which they need each other."""
     # Imported here, since they import bpy and the rest of the package must do without.
     try:
-        from . import cli, density_properties, operators, panels, preferences, properties, solver_presets, translations
+        from . import (
+            armature_properties,
+            cli,
+            density_properties,
+            operators,
+            panels,
+            preferences,
+            properties,
+            soft_map_properties,
+            solver_presets,
+            translations,
+        )
     except ModuleNotFoundError as error:
         package = (error.name or "").partition(".")[0]
         if package not in _IN_PLATFORM_ZIPS:
@@ -64,4 +75,15 @@ def _rooms() -> tuple[ModuleType, ...]:
             f"your platform (linux_x64, windows_x64 or macos_arm64): it brings everything along."
         )
         raise ModuleNotFoundError(message, name=package) from error
-    return translations, properties, density_properties, solver_presets, preferences, operators, panels, cli
+    return (
+        translations,
+        properties,
+        density_properties,
+        soft_map_properties,
+        armature_properties,
+        solver_presets,
+        preferences,
+        operators,
+        panels,
+        cli,
+    )

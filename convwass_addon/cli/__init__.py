@@ -15,11 +15,15 @@ import bpy
 from ..console import own_stdout
 from ..errors import Cancelled, ConvwassError, InputError, ResourceError
 from .answer import Answer
+from .armature_options import ARMATURE_HELP, add_armature_options
+from .armature_verb import run_armature
 from .demo_verb import DEMO_HELP, add_demo_options, run_demo
 from .density_options import DENSITY_HELP, add_density_options
 from .density_verb import run_density
 from .morph_options import MORPH_HELP, add_morph_options
 from .morph_verb import run_morph
+from .softmap_options import SOFTMAP_HELP, add_softmap_options
+from .softmap_verb import run_softmap
 
 EXIT_CODES = """exit codes:
   0  done                            3  the shapes or settings cannot be used (the message says what to do)
@@ -42,6 +46,10 @@ class _Verb:
 _VERBS = (
     _Verb("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
     _Verb("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
+    _Verb(
+        "softmap", "map a mesh to another and transfer what is on it", SOFTMAP_HELP, add_softmap_options, run_softmap
+    ),
+    _Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
     _Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
 )
 

@@ -61,3 +61,28 @@ def place_pair(text: str) -> tuple[str, str]:
     if not (first and equals and second) or "=" in second:
         raise ArgumentTypeError(f"{text!r} is not a pair of places such as Head=x")
     return first, second
+
+
+def vertex_pair(text: str) -> tuple[int, int]:
+    """Return the two vertices of a pair such as 12:40."""
+    found = re.fullmatch(r"(\d{1,9}):(\d{1,9})", text, re.ASCII)
+    if found is None:
+        raise ArgumentTypeError(f"{text!r} is not a pair of vertices such as 12:40")
+    return int(found[1]), int(found[2])
+
+
+def joint_place(text: str) -> tuple[str, tuple[float, float, float]]:
+    """Return the joint and the place of text such as Arm.L.tail=0.5,0,1.2."""
+    name, _, place = text.rpartition("=")
+    try:
+        x, y, z = (float(number) for number in place.split(","))
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r} is not a joint and a place such as Arm.L.tail=0.5,0,1.2") from None
+    if not name:
+        raise ArgumentTypeError(f"{text!r} names no joint before the place")
+    return name, (x, y, z)
+
+
+def pinned_joint(text: str) -> tuple[str, tuple[float, float, float] | None]:
+    """Return the joint of text such as Arm.L.tail, and its place where one follows: Arm.L.tail=0.5,0,1.2."""
+    return joint_place(text) if "=" in text else (text, None)

@@ -99,7 +99,7 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
     """
     source = parse_source(text)
     if source.path.suffix.lower() == BLEND and source.path.is_file():
-        obj = _opened(source)
+        obj = opened_object(source)
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
@@ -108,7 +108,7 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
     return DensityScene(obj, surface, tuple(read.ignored))
 
 
-def _opened(source: Source) -> bpy.types.Object:
+def opened_object(source: Source) -> bpy.types.Object:
     """Open a .blend and return the object meant in it: the one named, or the only mesh there is."""
     file = Path(source.path).expanduser().absolute()
     try:

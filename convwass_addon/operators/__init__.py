@@ -7,6 +7,9 @@ from __future__ import annotations
 import bpy
 
 from . import (
+    armature_fit,
+    armature_pins,
+    armature_place,
     background,
     bake_morph,
     density_manage,
@@ -18,6 +21,10 @@ from . import (
     manage_morph,
     output_morph,
     play_morph,
+    soft_map_compute,
+    soft_map_pairs,
+    soft_map_transfer,
+    soft_map_view,
 )
 
 _MODULES = (
@@ -32,6 +39,13 @@ _MODULES = (
     density_stops,
     density_travel,
     density_manage,
+    soft_map_pairs,
+    soft_map_compute,
+    soft_map_transfer,
+    soft_map_view,
+    armature_pins,
+    armature_place,
+    armature_fit,
 )
 
 register, unregister = bpy.utils.register_classes_factory([cls for module in _MODULES for cls in module.classes])

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import baked, densities, morph
+from . import armatures, baked, densities, morph, soft_maps
 
-register, unregister = bpy.utils.register_classes_factory((*morph.classes, *baked.classes, *densities.classes))
+register, unregister = bpy.utils.register_classes_factory(
+    (*morph.classes, *baked.classes, *densities.classes, *soft_maps.classes, *armatures.classes)
+)

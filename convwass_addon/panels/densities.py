@@ -42,7 +42,7 @@ from ..operators.density_travel import (
     CONVWASS_OT_interpolate_density,
     CONVWASS_OT_propagate_densities,
 )
-from .sidebar import Sidebar, draw_wrapped
+from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 
 class CONVWASS_UL_density_stops(bpy.types.UIList):
@@ -203,16 +203,16 @@ class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.6
         operator = row.operator(CONVWASS_OT_interpolate_density.bl_idname, icon="ANIM")
-        _fill(operator, own, PathProperties)
+        fill_operator(operator, own, PathProperties)
         if not own.stops:
             operator.first, operator.second = own.first, own.second
         if own.stops:
-            _fill(
+            fill_operator(
                 layout.operator(CONVWASS_OT_blend_densities.bl_idname, icon="MOD_VERTEX_WEIGHT"), own, TravelProperties
             )
             layout.prop(own, "edges")
             operator = layout.operator(CONVWASS_OT_propagate_densities.bl_idname, icon="CON_TRACKTO")
-            _fill(operator, own, TravelProperties)
+            fill_operator(operator, own, TravelProperties)
             operator.edges = own.edges
 
 
@@ -250,7 +250,7 @@ class CONVWASS_PT_density_output(_Subpanel, bpy.types.Panel):
             if len(names) > 1:
                 column.label(text=name, translate=False)
             operator = column.operator(CONVWASS_OT_bake_density.bl_idname, icon="EXPORT")
-            _fill(operator, own, OutputProperties)
+            fill_operator(operator, own, OutputProperties)
             operator.density = name
             row = column.row(align=True)
             for kind, text in (("HEAT", "Heat Map"), ("MOSS", "Moss"), ("FROST", "Frost")):
@@ -258,13 +258,6 @@ class CONVWASS_PT_density_output(_Subpanel, bpy.types.Panel):
                 operator.kind, operator.density = kind, name
             column.operator(CONVWASS_OT_rebake_density.bl_idname, icon="FILE_REFRESH").density = name
             column.operator(CONVWASS_OT_remove_density.bl_idname, icon="TRASH").density = name
-
-
-def _fill(operator: bpy.types.OperatorProperties, own: CONVWASS_PG_densities, kind: type) -> None:
-    """Give an operator the settings of the object that are of a kind."""
-    names = [name for base in kind.__mro__ for name in vars(base).get("__annotations__", {})]
-    for name in names:
-        setattr(operator, name, getattr(own, name))
 
 
 def _draw_pair(layout: bpy.types.UILayout, context: bpy.types.Context, own: CONVWASS_PG_densities) -> None:

@@ -29,3 +29,10 @@ def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: s
     for line in textwrap.wrap(text, max(int((width - _MARGINS) / _LETTER), _FEWEST_LETTERS)):
         column.label(text=line, icon=icon, translate=False)
         icon = "BLANK1"
+
+
+def fill_operator(operator: bpy.types.OperatorProperties, own: bpy.types.PropertyGroup, kind: type) -> None:
+    """Give an operator the settings of a kind, a class of annotated properties, that a group holds."""
+    names = [name for base in kind.__mro__ for name in vars(base).get("__annotations__", {})]
+    for name in names:
+        setattr(operator, name, getattr(own, name))

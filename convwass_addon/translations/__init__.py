@@ -8,11 +8,30 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..sentence import Sentence
-from . import french, french_densities, french_messages, german, german_densities, german_messages
+from . import (
+    french,
+    french_armatures,
+    french_densities,
+    french_messages,
+    french_soft_maps,
+    german,
+    german_armatures,
+    german_densities,
+    german_messages,
+    german_soft_maps,
+)
 
 TABLES: dict[str, dict[str, str]] = {
-    "de_DE": german.TEXTS | german_messages.TEXTS | german_densities.TEXTS,
-    "fr_FR": french.TEXTS | french_messages.TEXTS | french_densities.TEXTS,
+    "de_DE": german.TEXTS
+    | german_messages.TEXTS
+    | german_densities.TEXTS
+    | german_soft_maps.TEXTS
+    | german_armatures.TEXTS,
+    "fr_FR": french.TEXTS
+    | french_messages.TEXTS
+    | french_densities.TEXTS
+    | french_soft_maps.TEXTS
+    | french_armatures.TEXTS,
 }
 """For every language, the translation of every English text."""
 

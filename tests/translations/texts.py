@@ -22,7 +22,7 @@ ROOMS = ("operators", "panels", "bridge")
 
 _TRANSLATORS = {"rpt_", "tip_", "iface_", "poll_message_set"}
 # They make errors and sentences of templates that come from the others.
-_HANDING_ON = {"errors.py", "translations/__init__.py"}
+_HANDING_ON = {"bridge/soft_map_bytes.py", "errors.py", "translations/__init__.py"}
 _ARGUMENTS = {"label": "text", "operator": "text", "prop": "text", "row": "heading", "column": "heading"}
 
 
@@ -30,7 +30,7 @@ def registered_texts() -> Iterator[str]:
     """Yield names and descriptions of all that is registered; needs the add-on."""
     import bpy
 
-    from convwass_addon import density_properties, preferences, properties
+    from convwass_addon import armature_properties, density_properties, preferences, properties, soft_map_properties
 
     for name in dir(bpy.types):
         if name.startswith("CONVWASS_PT_"):
@@ -46,6 +46,9 @@ def registered_texts() -> Iterator[str]:
         properties.CONVWASS_PG_morph,
         density_properties.CONVWASS_PG_density_stop,
         density_properties.CONVWASS_PG_densities,
+        soft_map_properties.CONVWASS_PG_map_pair,
+        soft_map_properties.CONVWASS_PG_soft_map,
+        armature_properties.CONVWASS_PG_armature,
         preferences.CONVWASS_AP_preferences,
     ):
         yield from _texts_of_properties(cls, cls.bl_rna)

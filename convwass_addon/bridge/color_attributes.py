@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Color attributes as arrays, one color per vertex, and arrays as color attributes."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+
+_KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
+
+
+def color_names(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the color attributes of a mesh object, in their order."""
+    return [attribute.name for attribute in obj.data.color_attributes]
+
+
+def read_colors(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
+    """Return a color attribute as scene linear RGBA, one per vertex, (n, 4), or one per face corner, (l, 4)."""
+    attribute = obj.data.color_attributes[name]
+    colors = np.empty(4 * len(attribute.data), np.float32)
+    attribute.data.foreach_get("color", colors)
+    return colors.reshape(-1, 4).astype(np.float64)
+
+
+def is_per_corner(obj: bpy.types.Object, name: str) -> bool:
+    """Tell whether a color attribute has one color per face corner."""
+    return obj.data.color_attributes[name].domain == "CORNER"
+
+
+def color_kind(obj: bpy.types.Object, name: str) -> str:
+    """Return the data type of a color attribute, BYTE_COLOR or FLOAT_COLOR."""
+    return obj.data.color_attributes[name].data_type
+
+
+def require_color_name(obj: bpy.types.Object, name: str) -> None:
+    """Refuse the name of something that is no color attribute.
+
+    Raises
+    ------
+    InputError
+        It asks for another name.
+    """
+    attribute = obj.data.attributes.get(name)
+    if name in obj.vertex_groups or (attribute is not None and attribute.data_type not in _KINDS):
+        raise InputError(
+            "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another name.",
+            object=obj.name,
+            name=name,
+        )
+
+
+def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str = "BYTE_COLOR") -> None:
+    """Write one color per vertex, (n, 4), scene linear RGBA, to a color attribute of any domain; made if missing.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object in any mode but Edit Mode.
+    name : str
+        Of the attribute.
+    colors : (n, 4) array_like
+        One for each vertex.
+    kind : str
+        Data type of an attribute that is made: BYTE_COLOR or FLOAT_COLOR.
+
+    Raises
+    ------
+    InputError
+        Something else has the name.
+    """
+    require_color_name(obj, name)
+    mesh = obj.data
+    attribute = mesh.color_attributes.get(name)
+    if attribute is None:
+        attribute = mesh.color_attributes.new(name, kind, "POINT")
+        if attribute.name != name:
+            mesh.color_attributes.remove(attribute)
+            raise InputError(
+                "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another "
+                "name.",
+                object=obj.name,
+                name=name,
+            )
+    values = np.ascontiguousarray(colors, dtype=np.float32)
+    if attribute.domain == "CORNER":
+        values = values[_corner_vertices(mesh)]
+    attribute.data.foreach_set("color", values.ravel())
+    mesh.update()
+
+
+def show_colors(obj: bpy.types.Object, name: str) -> None:
+    """Make a color attribute the one that viewports show."""
+    obj.data.color_attributes.active_color_name = name
+
+
+def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return corners

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shape keys as offsets of vertices in world space, and offsets as shape keys."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class KeyOffsets:
+    """What a shape key does.
+
+    Attributes
+    ----------
+    name : str
+        Of the key.
+    relative_to : str
+        Name of the key that it starts from; empty for the basis.
+    offsets : (n, 3) float64
+        How far it moves every vertex, world space, without the object's location.
+    slider : (float, float)
+        Least and greatest value.
+    """
+
+    name: str
+    relative_to: str
+    offsets: NDArray[np.float64]
+    slider: tuple[float, float]
+
+
+def key_names(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the shape keys of a mesh object but for its basis."""
+    keys = obj.data.shape_keys
+    return [key.name for key in keys.key_blocks if key != keys.reference_key] if keys else []
+
+
+def locked_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[str]:
+    """Return which of these keys an object has and has locked; the basis counts as locked."""
+    keys = obj.data.shape_keys
+    blocks = [keys.key_blocks[name] for name in names if name in keys.key_blocks] if keys else []
+    return [block.name for block in blocks if block.lock_shape or block == keys.reference_key]
+
+
+def read_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[KeyOffsets]:
+    """Return what shape keys do."""
+    keys = obj.data.shape_keys
+    turn = np.array(obj.matrix_world)[:3, :3]
+    found = []
+    for name in names:
+        block = keys.key_blocks[name]
+        offsets = (_positions(block) - _positions(block.relative_key)) @ turn.T
+        base = "" if block.relative_key == keys.reference_key else block.relative_key.name
+        found.append(KeyOffsets(name, base, offsets, (block.slider_min, block.slider_max)))
+    return found
+
+
+def write_keys(obj: bpy.types.Object, keys: Sequence[KeyOffsets]) -> None:
+    """Write shape keys; of those that are there already only the shape changes, not value, drivers or order.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object in any mode but Edit Mode, of a scale that is not zero.
+    keys : sequence of KeyOffsets
+        Those that others are relative to before them.
+    """
+    active = obj.active_shape_key_index
+    if obj.data.shape_keys is None:
+        obj.shape_key_add(name="Basis", from_mix=False)
+    blocks = obj.data.shape_keys.key_blocks
+    back = np.linalg.pinv(np.array(obj.matrix_world)[:3, :3])
+    for key in keys:
+        block = blocks.get(key.name)
+        if block is None:
+            block = obj.shape_key_add(name=key.name, from_mix=False)
+            # Blenders differ in what a new key begins with.
+            block.value = 0.0
+            block.slider_min, block.slider_max = key.slider
+            block.relative_key = blocks.get(key.relative_to) or obj.data.shape_keys.reference_key
+        change = _positions(block.relative_key) + key.offsets @ back.T - _positions(block)
+        _move(block, change)
+        for other in _dependents(block, blocks):
+            _move(other, change)
+    obj.active_shape_key_index = active
+    obj.data.update()
+
+
+def _dependents(block: bpy.types.ShapeKey, blocks: Sequence[bpy.types.ShapeKey]) -> list[bpy.types.ShapeKey]:
+    """Return the keys that start from another, also by way of others: they are to do what they did."""
+    found = [block]
+    for _ in blocks:
+        found += [other for other in blocks if other.relative_key in found and other not in found]
+    return found[1:]
+
+
+def _move(block: bpy.types.ShapeKey, change: NDArray[np.float64]) -> None:
+    positions = _positions(block) + change
+    block.data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
+
+
+def _positions(block: bpy.types.ShapeKey) -> NDArray[np.float64]:
+    positions = np.empty(3 * len(block.data), np.float32)
+    block.data.foreach_get("co", positions)
+    return positions.reshape(-1, 3).astype(np.float64)

@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers at the vertices that belong together, drawn over the 3D viewport on both objects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import blf
+import bmesh
+import bpy
+import gpu
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from gpu_extras.batch import batch_for_shader
+from mathutils import Vector
+
+# Pixels at a scale of 1.
+_TEXT_SIZE, _RADIUS, _DOT = 12.0, 10.0, 3.0
+_CORNERS = 20
+# Opacity of what lies on the far side.
+_FAINT = 0.35
+_INK = (0.05, 0.05, 0.05)
+# Hues that are told apart by everybody, one after the other: Okabe and Ito, "Color Universal Design", 2008.
+_COLORS = (
+    (0.90, 0.62, 0.0),
+    (0.34, 0.71, 0.91),
+    (0.0, 0.62, 0.45),
+    (0.94, 0.89, 0.26),
+    (0.84, 0.37, 0.0),
+    (0.8, 0.47, 0.65),
+)
+
+
+@dataclass(frozen=True)
+class LabeledVertex:
+    """A vertex that is to have a label.
+
+    Attributes
+    ----------
+    obj : bpy.types.Object
+        Its object.
+    vertex : int
+        Its number; labels of vertices that do not exist are not drawn.
+    number : int
+        What the label says.
+    """
+
+    obj: bpy.types.Object
+    vertex: int
+    number: int
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label in space.
+
+    Attributes
+    ----------
+    number : int
+        What it says.
+    point : mathutils.Vector
+        Where, world space.
+    normal : mathutils.Vector
+        Of the surface there, of any length.
+    """
+
+    number: int
+    point: Vector
+    normal: Vector
+
+
+class PairLabels:
+    """Draws labels while it is registered.
+
+    Parameters
+    ----------
+    wanted : callable
+        ``wanted(context)`` returns the vertices that are to have a label at that moment.
+    """
+
+    def __init__(self, wanted: Callable[[bpy.types.Context], Sequence[LabeledVertex]]) -> None:
+        self._wanted = wanted
+        self._handle: object | None = None
+
+    def register(self) -> None:
+        """Begin to draw."""
+        if self._handle is None:
+            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
+
+    def unregister(self) -> None:
+        """Draw no more."""
+        if self._handle is not None:
+            bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
+            self._handle = None
+
+    def _draw(self) -> None:
+        context = bpy.context
+        if not context.space_data.overlay.show_overlays:
+            return
+        depsgraph = context.view_layer.depsgraph
+        for label in labels_of(self._wanted(context), depsgraph):
+            _draw_label(label, context)
+
+
+def labels_of(vertices: Sequence[LabeledVertex], depsgraph: bpy.types.Depsgraph) -> list[Label]:
+    """Return where labels are, as modifiers and edits leave their vertices; hidden objects have none."""
+    return [label for label in (_label(vertex, depsgraph) for vertex in vertices) if label is not None]
+
+
+def _label(labeled: LabeledVertex, depsgraph: bpy.types.Depsgraph) -> Label | None:
+    obj, number = labeled.obj, labeled.vertex
+    if obj.type != "MESH" or not 0 <= number < len(obj.data.vertices) or not obj.visible_get():
+        return None
+    evaluated = obj.evaluated_get(depsgraph)
+    matrix = evaluated.matrix_world
+    if obj.data.is_editmode:
+        edited = bmesh.from_edit_mesh(obj.data)
+        if number >= len(edited.verts):
+            return None
+        edited.verts.ensure_lookup_table()
+        vertex = edited.verts[number]
+    else:
+        # Modifiers that make other vertices leave nothing to go by.
+        is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)
+        vertex = (evaluated.data if is_kept else obj.data).vertices[number]
+    normal = matrix.to_3x3().inverted_safe().transposed() @ vertex.normal
+    return Label(labeled.number, matrix @ vertex.co, normal)
+
+
+def _draw_label(label: Label, context: bpy.types.Context) -> None:
+    region, view = context.region, context.region_data
+    place = location_3d_to_region_2d(region, view, label.point)
+    if place is None:
+        return
+    scale = context.preferences.system.ui_scale
+    opacity = 1.0 if _faces_viewer(label, view) else _FAINT
+    color = (*_COLORS[(label.number - 1) % len(_COLORS)], opacity)
+    center = place + Vector((_RADIUS, _RADIUS)) * 1.2 * scale
+    gpu.state.blend_set("ALPHA")
+    _fill_disc(place, (_DOT + 1.0) * scale, (*_INK, opacity))
+    _fill_disc(place, _DOT * scale, color)
+    _fill_disc(center, (_RADIUS + 1.0) * scale, (*_INK, opacity))
+    _fill_disc(center, _RADIUS * scale, color)
+    gpu.state.blend_set("NONE")
+    _write(str(label.number), center, _TEXT_SIZE * scale, (*_INK, opacity))
+
+
+def _faces_viewer(label: Label, view: bpy.types.RegionView3D) -> bool:
+    inverse = view.view_matrix.inverted()
+    toward = inverse.translation - label.point if view.is_perspective else inverse.col[2].to_3d()
+    return label.normal.dot(toward) >= 0.0
+
+
+def _fill_disc(center: Vector, radius: float, color: tuple[float, ...]) -> None:
+    angles = [2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS)]
+    rim = [(center.x + radius * math.cos(angle), center.y + radius * math.sin(angle)) for angle in angles]
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    triangles = [(0, corner, corner + 1) for corner in range(1, _CORNERS - 1)]
+    shader.uniform_float("color", color)
+    batch_for_shader(shader, "TRIS", {"pos": rim}, indices=triangles).draw(shader)
+
+
+def _write(text: str, center: Vector, size: float, color: tuple[float, ...]) -> None:
+    font = 0
+    blf.size(font, size)
+    blf.color(font, *color)
+    width, height = blf.dimensions(font, text)
+    blf.position(font, center.x - width / 2, center.y - height / 2, 0)
+    blf.draw(font, text)

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""UV maps as arrays, one place per face corner, and arrays as UV maps; seams as pairs of vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+
+_MOST_MAPS = 8
+
+
+def uv_names(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the UV maps of a mesh object, in their order."""
+    return [layer.name for layer in obj.data.uv_layers]
+
+
+def read_uvs(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
+    """Return a UV map, (l, 2)."""
+    places = np.empty(2 * len(obj.data.loops), np.float32)
+    obj.data.uv_layers[name].uv.foreach_get("vector", places)
+    return places.reshape(-1, 2).astype(np.float64)
+
+
+def require_uv_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
+    """Refuse UV maps that an object cannot have.
+
+    Raises
+    ------
+    InputError
+        There would be too many, or something else has such a name.
+    """
+    new = [name for name in names if name not in obj.data.uv_layers]
+    taken = next((name for name in new if name in obj.data.attributes or name in obj.vertex_groups), None)
+    if taken is not None:
+        raise InputError(
+            "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another name.",
+            object=obj.name,
+            name=taken,
+        )
+    count = len(obj.data.uv_layers) + len(new)
+    if count > _MOST_MAPS:
+        raise InputError(
+            "{object} would have {count} UV maps, and Blender allows {most}; remove some.",
+            object=obj.name,
+            count=count,
+            most=_MOST_MAPS,
+        )
+
+
+def write_uvs(obj: bpy.types.Object, name: str, loops: NDArray[np.int64], places: NDArray[np.float64]) -> None:
+    """Write a UV map, made if it is missing.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object in any mode but Edit Mode.
+    name : str
+        Of the map.
+    loops : (k,) int64
+        Face corners; others stay where they are.
+    places : (k, 2) float64
+        Where these go.
+    """
+    mesh = obj.data
+    if name not in mesh.uv_layers:
+        mesh.uv_layers.new(name=name, do_init=False)
+    values = read_uvs(obj, name)
+    values[loops] = places
+    mesh.uv_layers[name].uv.foreach_set("vector", np.ascontiguousarray(values, dtype=np.float32).ravel())
+    mesh.update()
+
+
+def mark_seams(obj: bpy.types.Object, seams: NDArray[np.int64]) -> None:
+    """Mark edges as seams, (s, 2) vertices; edges that are seams already stay so."""
+    mesh = obj.data
+    ends, marked = np.empty(2 * len(mesh.edges), np.int32), np.empty(len(mesh.edges), bool)
+    mesh.edges.foreach_get("vertices", ends)
+    mesh.edges.foreach_get("use_seam", marked)
+    count = len(mesh.vertices)
+    keys, wanted = (
+        np.sort(np.asarray(pairs).reshape(-1, 2), axis=1).astype(np.int64) @ (count, 1) for pairs in (ends, seams)
+    )
+    mesh.edges.foreach_set("use_seam", marked | np.isin(keys, wanted))
+    mesh.update()

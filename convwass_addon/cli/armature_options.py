@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options of the verb ``armature``."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from pathlib import Path
+
+from ..applications.skeleton_settings import SkeletonSettings
+from .argument_types import joint_place, pinned_joint
+
+ARMATURE_HELP = """Fit an armature into a mesh: pinned joints stay where they are, the others are laid out inside.
+
+BODY is a mesh and RIG an armature, or a mesh of edges without faces: objects of a .blend, written file.blend:Object, or
+files that Blender reads; a .blend that holds one only needs no name. Joints are called after bones, such as
+Arm.L.head and Arm.L.tail, and joints of meshes after the numbers of their vertices. Pin the ends of limbs, and at least
+three joints of every loop. Places are in world space, in scene units. Joints that are pinned in the .blend count too.
+
+examples:
+  armature spider.blend:Spider spider.blend:Rig --out fitted.blend
+  armature spider.obj rigs.blend:Spider --pin Leg1.tail=0.9,1.2,0 Leg2.tail=1.3,0.5,0 Body.head --auto-weights
+  armature tree.obj tree_lines.ply --place 0=0,0,-0.1 7=1.5,0.2,3 12=-1.1,0.4,2.8 --report tree.json
+
+"""
+
+_DEFAULTS = SkeletonSettings()
+
+
+def add_armature_options(parser: ArgumentParser) -> None:
+    """Add all of them."""
+    parser.add_argument("body", metavar="BODY", help="a file, or file.blend:Object")
+    parser.add_argument("rig", metavar="RIG", help="a file, or file.blend:Object")
+    _add_pin_options(parser)
+    _add_solver_options(parser)
+    group = parser.add_argument_group("what is written")
+    group.add_argument(
+        "--auto-weights", action="store_true", help="bind the body to the armature with Blender's automatic weights"
+    )
+    group.add_argument(
+        "--out", type=Path, metavar="FILE", default=Path("armature.blend"), help="the .blend to write (%(default)s)"
+    )
+    group.add_argument("--report", type=Path, metavar="FILE", help="write where the joints are as JSON")
+    group.add_argument("--json", action="store_true", help="print it as JSON")
+
+
+def _add_pin_options(parser: ArgumentParser) -> None:
+    group = parser.add_argument_group("which joints are known")
+    group.add_argument(
+        "--pin",
+        type=pinned_joint,
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="JOINT[=X,Y,Z]",
+        help="joints that stay where they are, or belong in a place",
+    )
+    group.add_argument(
+        "--place",
+        type=joint_place,
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="JOINT=X,Y,Z",
+        help="joints that belong inside, behind a point of the surface",
+    )
+    group.add_argument(
+        "--move-pins", action="store_true", help="move pins that are outside to the nearest place inside"
+    )
+
+
+def _add_solver_options(parser: ArgumentParser) -> None:
+    group = parser.add_argument_group("how it is done")
+    group.add_argument(
+        "--all-bones", action="store_true", help="fit bones too that deform no mesh; otherwise they go along"
+    )
+    group.add_argument(
+        "--blur",
+        type=float,
+        default=_DEFAULTS.gamma,
+        help="on the body's surface rescaled to an area of 1; with more, joints lie deeper (%(default)s)",
+    )
+    group.add_argument(
+        "--lengths",
+        choices=("proportional", "alike"),
+        default="proportional",
+        help="whether bones keep their proportions (%(default)s)",
+    )
+    group.add_argument(
+        "--placement",
+        choices=("centered", "expected"),
+        default=_DEFAULTS.placement,
+        help="along the middle of limbs, or at the means of distributions as in the paper (%(default)s)",
+    )
+    group.add_argument(
+        "--links", type=int, default=_DEFAULTS.links, help="parts of a bone while it is laid out (%(default)s)"
+    )
+    group.add_argument(
+        "--slack", type=float, metavar="NATS", help="how much more than the pins anything may spread (no limit)"
+    )
+    group.add_argument(
+        "--thickness",
+        type=float,
+        default=_DEFAULTS.thickness,
+        metavar="LENGTH",
+        help="given to surfaces that enclose nothing; closes gaps between parts (%(default)s)",
+    )

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``armature``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..applications.inner_points import InnerPointFinder
+from ..applications.skeleton_fit import FittedSkeleton, fit_steps
+from ..applications.skeleton_settings import SkeletonSettings
+from ..bridge.auto_weights import bind_with_weights
+from ..bridge.files import checked_target, save_blend
+from ..bridge.imports import parse_source
+from ..bridge.mesh_checks import writable_mesh
+from ..bridge.rig_graphs import RigGraph
+from ..bridge.rig_imports import BodyAndRig, open_body_and_rig
+from ..bridge.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph, with_pins
+from ..console import ProgressBar
+from ..errors import ConvwassError, InputError
+from .answer import Answer
+
+
+def run_armature(options: Namespace) -> Answer:
+    """Do what the command line asks for.
+
+    Raises
+    ------
+    InputError, ResourceError
+        A body, a rig, pins or options that cannot work.
+    """
+    target = checked_target(options.out.with_suffix(".blend"))
+    report = None if options.report is None else checked_target(options.report)
+    settings = SkeletonSettings(
+        gamma=options.blur,
+        slack=options.slack,
+        weights="length" if options.lengths == "proportional" else "uniform",
+        links=options.links,
+        placement=options.placement,
+        outside_pins="move" if options.move_pins else "refuse",
+        thickness=options.thickness,
+    )
+    with with_pins():
+        record = _fitted(options, settings)
+        written = [save_blend(target)]
+    if report is not None:
+        _write_report(report, record)
+        written.append(report)
+    return Answer.of_files(record, written)
+
+
+def _fitted(options: Namespace, settings: SkeletonSettings) -> dict[str, object]:
+    """Fit the rig in a scene, and tell of it."""
+    with ProgressBar("Reading the files") as bar:
+        pair = open_body_and_rig(parse_source(options.body), parse_source(options.rig))
+        bpy.context.view_layer.update()
+        _check(pair, options.auto_weights)
+        rig = rig_graph(pair.rig, only_deforming=not options.all_bones)
+        mesh = resting_body(pair.body, pair.rig, bpy.context.evaluated_depsgraph_get())
+        bar.show(1.0, f"{pair.body.name}, {pair.rig.name}")
+    rig.require_pins_apart()
+    rig = _with_pins(options, rig, InnerPointFinder(mesh))
+    if not rig.graph.pinned.any():
+        raise InputError("No joint is pinned; name some with --pin, such as {example}.", example=rig.graph.names[0])
+    with ProgressBar("Fitting the armature") as bar:
+        for step in fit_steps(mesh, rig.graph, settings):
+            bar.show(step.fraction, str(step.message))
+    found = step.found
+    # Before they are moved, for the lengths of their bones.
+    pin_joints(pair.rig, rig, np.flatnonzero(rig.graph.pinned).tolist(), True)
+    short = move_joints(pair.rig, rig, found.positions)
+    for notice in found.notices:
+        _note(notice)
+    if short:
+        _note(f"these bones came out without length and are tiny now: {', '.join(short)}")
+    record = _record(pair, rig, found)
+    if options.auto_weights:
+        count = bind_with_weights(pair.body, pair.rig)
+        record["unweighted"] = count
+        if count:
+            _note(f"automatic weights left {count} of {len(pair.body.data.vertices)} vertices without a bone")
+    return record
+
+
+def _check(pair: BodyAndRig, has_weights: bool) -> None:
+    """Refuse objects that cannot be fitted or bound; raises InputError."""
+    if pair.body == pair.rig:
+        raise InputError("Both names mean {object}; name a body and a skeleton.", object=pair.body.name)
+    if pair.rig.type not in ("ARMATURE", "MESH"):
+        raise InputError("{object} is no skeleton; name an armature or a mesh of edges.", object=pair.rig.name)
+    require_movable(pair.rig)
+    if has_weights:
+        if pair.rig.type != "ARMATURE":
+            raise InputError("{object} is no armature, so it gives no weights; switch them off.", object=pair.rig.name)
+        writable_mesh(pair.body)
+
+
+def _with_pins(options: Namespace, rig: RigGraph, finder: InnerPointFinder) -> RigGraph:
+    """Pin what is named on the command line besides what is pinned already."""
+    places = {name: np.array(place) for name, place in options.pin if place is not None}
+    for name, point in options.place:
+        rig.joint(name)
+        places[name] = finder.find(point).position
+    return rig.pinned_at([name for name, place in options.pin if place is None], places)
+
+
+def _record(pair: BodyAndRig, rig: RigGraph, found: FittedSkeleton) -> dict[str, object]:
+    joints = {
+        name: {
+            "position": found.positions[joint].tolist(),
+            "pinned": bool(rig.graph.pinned[joint]),
+            "inside": bool(found.inside[joint]),
+            "winding": float(found.winding[joint]),
+            "projected": bool(found.projected[joint]),
+        }
+        for joint, name in enumerate(rig.graph.names)
+    }
+    notices = [str(notice) for notice in found.notices]
+    return {"body": pair.body.name, "rig": pair.rig.name, "fit": found.record, "joints": joints, "notices": notices}
+
+
+def _write_report(path: Path, record: dict[str, object]) -> None:
+    try:
+        path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise ConvwassError(
+            "{file} could not be written: {reason}", file=str(path), reason=str(error).strip()
+        ) from error
+
+
+def _note(text: object) -> None:
+    print(f"convwass: {text}", file=sys.stderr)

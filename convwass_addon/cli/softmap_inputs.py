@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two objects that the verb ``softmap`` works on, in one scene, with all that can be transferred."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import bpy
+
+from ..bridge.imports import BLEND, READERS, Source, import_objects, parse_source
+from ..errors import InputError
+from .density_inputs import opened_object
+
+# Formats that may hold weights and shape keys, which must not be applied.
+_WITH_KEYS = (".gltf", ".glb", ".fbx", ".usd", ".usda", ".usdc", ".usdz")
+
+
+def open_objects(source_text: str, target_text: str | None) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """Open the objects that are named on the command line; the same one twice where no second is named.
+
+    The first .blend that is named is opened as it is, without running what scripts it may hold; what comes from other
+    files is added to it, or to an empty scene.
+
+    Raises
+    ------
+    InputError
+        Files or objects that cannot be used.
+    """
+    sources = [parse_source(text) for text in (source_text, target_text) if text is not None]
+    opened = next((source for source in sources if _is_blend(source)), None)
+    if opened is None:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    else:
+        main = opened_object(opened)
+    found = []
+    for source in sources:
+        if source is opened:
+            found.append(main)
+        elif opened is not None and _is_blend(source) and source.path.resolve() == opened.path.resolve():
+            found.append(_in_scene(source))
+        else:
+            found.append(_added(source))
+    return found[0], found[-1]
+
+
+def _is_blend(source: Source) -> bool:
+    return source.path.suffix.lower() == BLEND and source.path.is_file()
+
+
+def _in_scene(source: Source) -> bpy.types.Object:
+    """Return an object of the open file by its name."""
+    meshes = sorted(obj.name for obj in bpy.context.scene.objects if obj.type == "MESH")
+    found = bpy.context.scene.objects.get(source.object_name or "")
+    if found is None:
+        raise InputError(
+            "{file} has no object {name} in its scene; its meshes are {available}.",
+            file=source.path.name,
+            name=source.object_name or "-",
+            available=", ".join(meshes) or "none",
+        )
+    return found
+
+
+def _added(source: Source) -> bpy.types.Object:
+    """Bring an object of another file into the scene."""
+    if _is_blend(source) and source.object_name:
+        return _appended(source)
+    if source.path.suffix.lower() in _WITH_KEYS and source.path.is_file():
+        before = set(bpy.data.objects)
+        # Of what cannot be read, import_objects says why.
+        with suppress(RuntimeError):
+            READERS[source.path.suffix.lower()](str(source.path.absolute()))
+        new = [obj for obj in bpy.data.objects if obj not in before]
+        meshes = [obj for obj in new if obj.type == "MESH"]
+        if len(meshes) == 1:
+            return meshes[0]
+        bpy.data.batch_remove(new)
+    (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
+    return obj
+
+
+def _appended(source: Source) -> bpy.types.Object:
+    """Append an object with all that it needs, as it is."""
+    file = Path(source.path).expanduser().absolute()
+    try:
+        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
+            known = source.object_name in available.objects
+            if known:
+                wanted.objects = [source.object_name]
+            listed = ", ".join(sorted(available.objects)) or "none"
+    except OSError as error:
+        raise InputError(
+            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
+        ) from error
+    if not known:
+        raise InputError(
+            "{file} has no object {name} in its scene; its meshes are {available}.",
+            file=file.name,
+            name=source.object_name,
+            available=listed,
+        )
+    (obj,) = wanted.objects
+    bpy.context.scene.collection.objects.link(obj)
+    return obj

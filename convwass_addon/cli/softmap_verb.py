@@ -1,0 +1,234 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``softmap``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from argparse import Namespace
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..applications.map_extension import DOUBTFUL
+from ..applications.map_repair import repaired_map
+from ..applications.map_sides import MapSide
+from ..applications.mirror_maps import mirror_map_steps
+from ..applications.soft_map_settings import SoftMapSettings
+from ..applications.soft_maps import SoftMapStep, soft_map_steps
+from ..applications.surface_maps import PointMap, SurfaceMap
+from ..bridge.files import checked_target, save_blend
+from ..bridge.map_pairs import pairs_from_empties, pairs_from_groups
+from ..bridge.map_transfer import CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
+from ..bridge.map_weights import WeightRules
+from ..bridge.resting_surface import resting_mesh
+from ..bridge.soft_map_bytes import StoredSoftMap
+from ..bridge.soft_map_store import mapped_side, store_soft_map
+from ..bridge.surfaces import SurfaceReading, read_surface
+from ..bridge.vertex_groups import group_names, read_groups
+from ..console import ProgressBar
+from ..errors import ConvwassError, InputError
+from .answer import Answer
+from .softmap_inputs import open_objects
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """The two objects and their surfaces.
+
+    Attributes
+    ----------
+    source, target : bpy.types.Object
+        The same one twice for a mirror map.
+    readings : (SurfaceReading, SurfaceReading)
+        As they stand in the scene.
+    """
+
+    source: bpy.types.Object
+    target: bpy.types.Object
+    readings: tuple[SurfaceReading, SurfaceReading]
+
+    def sides(self, groups: list[str]) -> tuple[MapSide, MapSide]:
+        """Return what the solver takes."""
+        objects = (self.source, self.target)
+        return tuple(
+            MapSide(reading.mesh, obj.name, dict(zip(groups, read_groups(obj, groups), strict=True)) if groups else {})
+            for obj, reading in zip(objects, self.readings, strict=True)
+        )
+
+
+def run_softmap(options: Namespace) -> Answer:
+    """Do what the command line asks for.
+
+    Raises
+    ------
+    InputError, ResourceError
+        Meshes, pairs or options that cannot work.
+    """
+    _check_options(options)
+    target = checked_target(options.out.with_suffix(".blend"))
+    report = None if options.report is None else checked_target(options.report)
+    settings = SoftMapSettings(
+        vertices=options.vertices,
+        tau=options.tau,
+        sharpness=options.sharpness,
+        sweeps=options.sweeps,
+        symmetric=options.symmetric,
+    )
+    ends = _opened_ends(options)
+    pairs = _pairs(options, ends)
+    found = _solved(options, ends, pairs, settings)
+    if options.repair is not None:
+        meshes = [reading.mesh for reading in ends.readings]
+        found = repaired_map(found, *meshes, options.repair)
+    for notice in found.notices:
+        _note(notice)
+    marks = (
+        mapped_side(ends.source, ends.readings[0].mesh.faces),
+        mapped_side(ends.target, ends.readings[1].mesh.faces),
+    )
+    store_soft_map(ends.source, ends.target, StoredSoftMap(found, *marks))
+    record = _record(ends, pairs, found) | {"transferred": _transferred(options, ends, found)}
+    written = [save_blend(target)]
+    if report is not None:
+        try:
+            report.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise ConvwassError(
+                "{file} could not be written: {reason}", file=str(report), reason=str(error).strip()
+            ) from error
+        written.append(report)
+    return Answer.of_files(record, written)
+
+
+def _check_options(options: Namespace) -> None:
+    if options.mirror == (options.target is not None):
+        raise InputError("Name two meshes, or one with --mirror.")
+    if options.mirror and {"uvs", "colors"} & set(options.transfer):
+        raise InputError("A mesh can take weights and keys from its mirror image, but no UV maps or colors.")
+    if options.pairs and options.pairs_from:
+        raise InputError("--pairs and --pairs-from exclude each other; choose one.")
+    if options.limit < 0:
+        raise InputError("The limit of bones per vertex must be 0 or more.")
+
+
+def _opened_ends(options: Namespace) -> _Ends:
+    with ProgressBar("Reading the meshes") as bar:
+        source, target = open_objects(options.source, options.target)
+        if source == target and not options.mirror:
+            raise InputError("Both names mean {object}; name another one, or use --mirror.", object=source.name)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        readings = tuple(read_surface(obj, depsgraph) for obj in (source, target))
+        bar.show(1.0, f"{source.name}, {target.name}")
+    ignored = dict.fromkeys(name for reading in readings for name in reading.ignored)
+    if ignored:
+        _note(f"modifiers that change the vertices are left out: {', '.join(ignored)}")
+    return _Ends(source, target, readings)
+
+
+def _pairs(options: Namespace, ends: _Ends) -> np.ndarray:
+    """Return the pairs that are named or found, (k, 2)."""
+    if not options.pairs_from:
+        return np.array(options.pairs, dtype=np.int64).reshape(-1, 2)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    if options.pairs_from == "groups":
+        found = pairs_from_groups(ends.source, ends.target, depsgraph)
+    else:
+        found = pairs_from_empties(ends.source, ends.target, depsgraph, bpy.context.scene.objects)
+    if not found.pairs:
+        raise InputError(
+            "{source} and {target} have no {kind} of equal names; mark some.",
+            source=ends.source.name,
+            target=ends.target.name,
+            kind=options.pairs_from,
+        )
+    return np.array([(pair.source, pair.target) for pair in found.pairs], dtype=np.int64)
+
+
+def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMapSettings) -> SurfaceMap:
+    shared = [name for name in group_names(ends.source) if name in ends.target.vertex_groups] if options.groups else []
+    sides = ends.sides(shared)
+    if options.mirror:
+        return _last(mirror_map_steps(sides[0], pairs, settings))
+    return _last(soft_map_steps(*sides, pairs, settings))
+
+
+def _last(steps: Iterable[SoftMapStep]) -> SurfaceMap:
+    with ProgressBar("Computing the map") as bar:
+        for step in steps:
+            bar.show(step.fraction, str(step.message))
+    return step.found
+
+
+def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str, list[str]]:
+    """Carry over what is asked for, and return the names that were written, by kind."""
+    way = _way(options, ends, found)
+    makers = {
+        "weights": lambda: CarriedGroups(way, WeightRules(options.limit)),
+        "keys": lambda: CarriedKeys(way),
+        "uvs": lambda: CarriedUvs(way),
+        "colors": lambda: CarriedColors(way),
+    }
+    parts = {kind: makers[kind]() for kind in dict.fromkeys(options.transfer)}
+    if parts:
+        with ProgressBar("Transferring") as bar:
+            for place, part in enumerate(parts.values()):
+                for message in part.steps(None):
+                    bar.show(place / len(parts), str(message))
+    names = {}
+    for kind, part in parts.items():
+        done = part.write(way.receiver)
+        names[kind] = list(done.written)
+        for notice in done.notices:
+            _note(notice)
+        if done.kept:
+            _note(f"left as they were: {', '.join(done.kept)}")
+    return names
+
+
+def _way(options: Namespace, ends: _Ends, found: SurfaceMap) -> TransferEnds:
+    objects, points = (ends.source, ends.target), found.backward
+    readings = ends.readings
+    if options.reverse:
+        objects, readings, points = objects[::-1], readings[::-1], found.forward
+    meshes = [resting_mesh(obj, reading.mesh.faces) for obj, reading in zip(objects, readings, strict=True)]
+    return TransferEnds(
+        giver=objects[0],
+        receiver=objects[1],
+        points=points,
+        giver_mesh=meshes[0],
+        receiver_mesh=meshes[1],
+        names=tuple(options.names),
+        keep=options.keep,
+        is_backward=options.reverse,
+    )
+
+
+def _record(ends: _Ends, pairs: np.ndarray, found: SurfaceMap) -> dict[str, object]:
+    return {
+        "source": ends.source.name,
+        "target": ends.target.name,
+        **found.record,
+        "pairs": pairs.tolist(),
+        "forward": _figures(found.forward),
+        "backward": _figures(found.backward),
+        "notices": [str(notice) for notice in found.notices],
+    }
+
+
+def _figures(points: PointMap) -> dict[str, object]:
+    """Say in few numbers how much a point map can be relied on."""
+    confidence = points.confidence
+    return {
+        "vertices": len(points),
+        "without_point": int((~points.found).sum()),
+        "doubtful": int((confidence < DOUBTFUL).sum()),
+        "median_confidence": float(np.median(confidence)),
+    }
+
+
+def _note(text: object) -> None:
+    print(f"convwass: {text}", file=sys.stderr)

@@ -1,0 +1,189 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fit an armature into a body, beside the user's work: pinned joints stay, the others are laid out inside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..applications.skeleton_fit import FitStep, FittedSkeleton, fit_steps
+from ..applications.skeleton_settings import SkeletonSettings
+from ..armature_properties import FitProperties, chosen_rig
+from ..bridge.auto_weights import bind_with_weights
+from ..bridge.handles import Handle
+from ..bridge.mesh_checks import writable_mesh
+from ..bridge.rig_graphs import RigGraph
+from ..bridge.rigs import is_posed, move_joints, require_movable, resting_body, rig_graph
+from ..errors import InputError
+from ..sentence import Sentence
+from .armature_targets import OnBody
+from .density_job import Check, WritingDensityOperator
+from .density_targets import tell
+
+
+class FitJob:
+    """One fit. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        For the body as modifiers leave it.
+    body, rig : bpy.types.Object
+        What is fitted into what.
+    graph : RigGraph
+        The joints of the rig.
+    settings : SkeletonSettings
+        How.
+
+    Raises
+    ------
+    InputError
+        The body is no mesh, or one without a surface.
+    """
+
+    def __init__(
+        self,
+        context: bpy.types.Context,
+        body: bpy.types.Object,
+        rig: bpy.types.Object,
+        graph: RigGraph,
+        settings: SkeletonSettings,
+    ) -> None:
+        self.graph = graph
+        self._body, self._rig = Handle.of("objects", body), Handle.of("objects", rig)
+        self._mesh, self._settings = resting_body(body, rig, context.evaluated_depsgraph_get()), settings
+        self.found: FittedSkeleton | None = None
+
+    def steps(self, check: Check | None = None) -> Iterator[FitStep]:
+        """Yield the steps of the work."""
+        yield from fit_steps(self._mesh, self.graph.graph, self._settings, check)
+
+    def write(self, step: FitStep) -> None:
+        """Take what a step has brought; the file stays as it is until the end."""
+        self.found = step.found or self.found
+
+    def discard(self) -> None:
+        """Forget it."""
+        self.found = None
+
+    def objects(self) -> tuple[bpy.types.Object, bpy.types.Object]:
+        """Return body and rig; raises InputError where one of them is gone."""
+        body, rig = self._body.find(), self._rig.find()
+        if body is None or rig is None:
+            raise InputError("The body or the armature was deleted, or undone, while it was fitted; start again.")
+        return body, rig
+
+    @property
+    def edited(self) -> set[str]:
+        """Names of those of the two that are in Edit Mode."""
+        return {obj.name for obj in (self._body.find(), self._rig.find()) if obj is not None and obj.mode == "EDIT"}
+
+    @property
+    def rig_name(self) -> str:
+        """The name of the rig; empty where it is gone."""
+        rig = self._rig.find()
+        return "" if rig is None else rig.name
+
+
+class CONVWASS_OT_fit_armature(FitProperties, WritingDensityOperator, OnBody, bpy.types.Operator):
+    """Move the joints of the armature that are not pinned into the body. Names, parents, connections, constraints and weights stay, bones keep the proportions of their lengths, and their roll turns with them"""  # noqa: E501
+
+    bl_idname = "convwass.fit_armature"
+    bl_label = "Fit Armature"
+
+    _job: FitJob
+
+    def _begin(self, context):
+        rig, body = chosen_rig(context), context.scene.convwass_armature.body
+        context.view_layer.update()
+        require_movable(rig)
+        if self.auto_weights:
+            _require_bindable(body, rig)
+        graph = rig_graph(rig, only_deforming=self.bones == "DEFORM")
+        if not graph.graph.pinned.any():
+            raise InputError(
+                "No joint of {object} is pinned; select the ends of limbs in Edit Mode, move them where they belong "
+                "and press Pin Joints, or press Place Joints and click on the body.",
+                object=rig.name,
+            )
+        graph.require_pins_apart()
+        return FitJob(context, body, rig, graph, self.skeleton_settings())
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Fitting armature")
+
+    def _waits_for(self, context):
+        edited = self._job.edited
+        in_the_way = context.mode.startswith("EDIT") and self._job.rig_name not in edited
+        if in_the_way or (self.auto_weights and edited):
+            return Sentence("Done; leave Edit Mode to get the result")
+        return self._waits_for_stroke(context)
+
+    def _finish(self, context, job):
+        body, rig = job.objects()
+        found = job.found
+        require_movable(rig)
+        if self.auto_weights:
+            _require_bindable(body, rig)
+        short = move_joints(rig, job.graph, found.positions)
+        warnings = [*found.notices, *_short_notice(short)]
+        if self.auto_weights:
+            warnings += unweighted_notice(bind_with_weights(body, rig), body)
+        text = rpt_("{:s} is fitted into {:s}: {:d} of {:d} joints are inside")
+        inside = int(found.inside.sum())
+        tell(self, text.format(rig.name, body.name, inside, len(found.inside)), posed_notice(rig), warnings)
+        return {"FINISHED"}
+
+
+def _require_bindable(body: bpy.types.Object, rig: bpy.types.Object) -> None:
+    """Refuse objects that cannot be bound by weights; raises InputError."""
+    if rig.type != "ARMATURE":
+        raise InputError("{object} is no armature, so it gives no weights; switch them off.", object=rig.name)
+    writable_mesh(body)
+    if rig.mode == "EDIT":
+        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=rig.name)
+
+
+def _short_notice(names: list[str]) -> list[Sentence]:
+    if not names:
+        return []
+    return [
+        Sentence(
+            "These bones came out without length and are tiny now: {names}; pin more joints near them.",
+            {"names": ", ".join(names)},
+        )
+    ]
+
+
+def unweighted_notice(count: int, body: bpy.types.Object) -> list[Sentence]:
+    """Say that automatic weights have left vertices out."""
+    if not count:
+        return []
+    return [
+        Sentence(
+            "Automatic weights left {count} of {total} vertices of {object} without a bone; merge doubles, join loose "
+            "parts and remove inner faces, or paint there.",
+            {"count": count, "total": len(body.data.vertices), "object": body.name},
+        )
+    ]
+
+
+def posed_notice(rig: bpy.types.Object) -> list[Sentence]:
+    """Say that what has been fitted is not what is seen, where the rig is posed."""
+    if not is_posed(rig):
+        return []
+    return [
+        Sentence(
+            "{object} is posed, and was fitted at rest, as Edit Mode shows it; clear its pose to see it so.",
+            {"object": rig.name},
+        )
+    ]
+
+
+classes = (CONVWASS_OT_fit_armature,)

@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pin joints of an armature where they are, and let go of them."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..armature_properties import chosen_rig
+from ..bridge.rigs import clear_pins, pin_joints, pinned_ends, require_movable, rig_graph
+from ..errors import ConvwassError
+from .armature_targets import OnRig, chosen_joints, joints_property
+from .reporting import refuse
+
+
+class _PinsJoints(OnRig):
+    """An operator on pins."""
+
+    _pinned: bool
+
+    def execute(self, context):
+        rig = chosen_rig(context)
+        context.view_layer.update()
+        try:
+            require_movable(rig)
+            graph = rig_graph(rig, only_deforming=False)
+            joints = chosen_joints(rig, graph, self.joints)
+            pin_joints(rig, graph, joints, self._pinned)
+        except ConvwassError as error:
+            return refuse(self, error)
+        text = rpt_("Pinned: {:s}") if self._pinned else rpt_("No longer pinned: {:s}")
+        self.report({"INFO"}, text.format(", ".join(graph.graph.names[joint] for joint in joints)))
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_pin_joints(_PinsJoints, bpy.types.Operator):
+    """Pin the selected heads and tails of bones: where they are now is where they belong, and fitting leaves them there"""  # noqa: E501
+
+    bl_idname = "convwass.pin_joints"
+    bl_label = "Pin Joints"
+
+    joints: joints_property()
+
+    _pinned = True
+
+
+class CONVWASS_OT_unpin_joints(_PinsJoints, bpy.types.Operator):
+    """Let go of the selected heads and tails of bones, so that fitting moves them"""
+
+    bl_idname = "convwass.unpin_joints"
+    bl_label = "Unpin Joints"
+
+    joints: joints_property()
+
+    _pinned = False
+
+
+class CONVWASS_OT_clear_pins(OnRig, bpy.types.Operator):
+    """Let go of all joints of the armature"""
+
+    bl_idname = "convwass.clear_pins"
+    bl_label = "Unpin All"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not pinned_ends(chosen_rig(context)):
+            cls.poll_message_set("No joint is pinned")
+            return False
+        return True
+
+    def execute(self, context):
+        rig = chosen_rig(context)
+        try:
+            require_movable(rig)
+            clear_pins(rig)
+        except ConvwassError as error:
+            return refuse(self, error)
+        return {"FINISHED"}
+
+
+classes = (CONVWASS_OT_pin_joints, CONVWASS_OT_unpin_joints, CONVWASS_OT_clear_pins)

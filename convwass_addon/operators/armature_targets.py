@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rig and the body that are chosen, when their buttons can be pressed, and which joints are meant."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import StringProperty
+
+from ..armature_properties import chosen_rig
+from ..bridge.rig_graphs import RigGraph
+from ..bridge.rigs import KINDS
+from ..errors import InputError
+from .background import is_idle
+from .chosen_inputs import split_names
+
+
+class OnRig:
+    """An operator on the chosen rig, or the active armature."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        rig = chosen_rig(context)
+        if rig is None or rig.type not in KINDS:
+            cls.poll_message_set("Choose an armature, or make one active")
+            return False
+        if not rig.users_scene:
+            cls.poll_message_set("The armature has been deleted; choose another one")
+            return False
+        return is_idle(cls, context)
+
+
+class OnBody(OnRig):
+    """An operator on the rig and the body that it goes into."""
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        body = context.scene.convwass_armature.body
+        if body is None:
+            cls.poll_message_set("Choose a body, the mesh that the armature goes into")
+            return False
+        if not body.users_scene:
+            cls.poll_message_set("The body has been deleted; choose another one")
+            return False
+        if body == chosen_rig(context):
+            cls.poll_message_set("Body and armature are the same object; choose another body")
+            return False
+        return True
+
+
+def joints_property() -> object:
+    """Return the property by which a script names joints."""
+    return StringProperty(
+        name="Joints",
+        description="Names of joints, such as Arm.L.head or Arm.L.tail, one per line or with commas between them, or "
+        "numbers of vertices; empty for those that are selected in Edit Mode",
+        options={"SKIP_SAVE"},
+    )
+
+
+def chosen_joints(obj: bpy.types.Object, rig: RigGraph, text: str) -> list[int]:
+    """Return the joints that are named or, in Edit Mode, selected.
+
+    Raises
+    ------
+    InputError
+        There are none.
+    """
+    if text.strip():
+        return list(dict.fromkeys(rig.joint(name) for name in split_names(text)))
+    chosen = rig.selected.nonzero()[0].tolist()
+    if not chosen:
+        raise InputError(
+            "No joint of {object} is selected; go to Edit Mode and select heads or tails of bones.", object=obj.name
+        )
+    return chosen

@@ -1,0 +1,257 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compute soft maps, mirror maps, mend them, and remove them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import StringProperty
+from numpy.typing import NDArray
+
+from ..applications.map_extension import DOUBTFUL
+from ..applications.map_repair import repaired_map
+from ..applications.map_sides import MapSide
+from ..applications.mirror_maps import mirror_map_steps
+from ..applications.soft_map_settings import SoftMapSettings
+from ..applications.soft_maps import SoftMapStep, soft_map_steps
+from ..applications.surface_maps import SurfaceMap
+from ..bridge.mapped_meshes import standing_mesh
+from ..bridge.soft_map_store import forget_soft_map
+from ..errors import ConvwassError, InputError
+from ..sentence import Sentence
+from ..soft_map_properties import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
+from .background import BackgroundOperator
+from .density_job import Check
+from .density_targets import ignored_notice, tell
+from .reporting import refuse
+from .soft_map_job import RepairJob, SoftMapJob, equal_groups
+from .soft_map_targets import (
+    OnMapObjects,
+    OnStoredMap,
+    current_way,
+    mapped_objects,
+    reshaped_notices,
+)
+
+_WAYS = ("forward", "backward")
+
+
+def _pairs_property() -> object:
+    return StringProperty(
+        name="Pairs",
+        description="Vertices that belong together, such as 12:40, 77:301: those of the source first; empty for the "
+        "list of pairs",
+        options={"SKIP_SAVE"},
+    )
+
+
+class _ComputesMap(SoftMapProperties, BackgroundOperator):
+    """An operator that computes a map and stores it."""
+
+    _job: SoftMapJob
+
+    def _steps(self):
+        return self._job.steps
+
+    def _finish(self, context, job):
+        found = job.found
+        source, target = job.store()
+        text = rpt_("Soft map from {:s} to {:s}: {:d} pairs, {:.0%} of the vertices are doubtful")
+        text = text.format(source.name, target.name, len(self._pairs), _doubtful_share(found))
+        tell(self, text, ignored_notice(job.ignored), found.notices)
+        return {"FINISHED"}
+
+
+def _doubtful_share(found: SurfaceMap) -> float:
+    confidence = found.forward.confidence
+    return float((confidence < DOUBTFUL).mean()) if len(confidence) else 0.0
+
+
+class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
+    """Find for every vertex of the source where it belongs on the target, and the other way around, from the pairs. The map is stored with the source and serves for as many transfers as one likes"""  # noqa: E501
+
+    bl_idname = "convwass.compute_soft_map"
+    bl_label = "Compute Soft Map"
+
+    pairs: _pairs_property()
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        own = context.scene.convwass_soft_map
+        if own.source == own.target:
+            cls.poll_message_set("Choose two objects, or press Mirror Map for one")
+            return False
+        return True
+
+    def _begin(self, context):
+        own = context.scene.convwass_soft_map
+        _require_editable(own.source)
+        self._pairs = chosen_pairs(own, self.pairs)
+        groups = equal_groups(own.source, own.target) if self.use_groups else []
+        solve = partial(_solved, self._pairs, self.soft_map_settings())
+        return SoftMapJob(context, own.source, own.target, groups, solve)
+
+    def _title(self):
+        return rpt_("Computing soft map")
+
+
+def _solved(
+    pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, check: Check | None
+) -> Iterator[SoftMapStep]:
+    """Put the arguments of the application in its order."""
+    return soft_map_steps(source, target, pairs, settings, check)
+
+
+def _require_editable(obj: bpy.types.Object) -> None:
+    """Refuse an object that cannot hold a map; raises InputError."""
+    if not obj.is_editable:
+        raise InputError(
+            "{object} is linked from another file and cannot be changed here; make it local with its data: "
+            "Object > Relations > Make Local.",
+            object=obj.name,
+        )
+
+
+def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
+    """Return the pairs that are written in a text, or else those on the list, (k, 2).
+
+    Raises
+    ------
+    InputError
+        A text that does not name pairs, or a vertex on the list that the mesh does not have.
+    """
+    words = text.replace(",", " ").split()
+    if words:
+        return _written_pairs(words)
+    for number, pair in enumerate(own.pairs, start=1):
+        for obj, vertex in ((own.source, pair.source_vertex), (own.target, pair.target_vertex)):
+            if pair.enabled and pair.is_complete and vertex >= len(obj.data.vertices):
+                raise InputError(
+                    "Pair {number} names vertex {vertex}, and {object} has {count} vertices; remove the pair, or "
+                    "choose it anew.",
+                    number=number,
+                    vertex=vertex,
+                    object=obj.name,
+                    count=len(obj.data.vertices),
+                )
+    listed = [(pair.source_vertex, pair.target_vertex) for pair in own.used_pairs]
+    return np.array(listed, dtype=np.int64).reshape(-1, 2)
+
+
+def _written_pairs(words: list[str]) -> NDArray[np.int64]:
+    try:
+        pairs = [[int(number) for number in word.split(":")] for word in words]
+        return np.array(pairs, dtype=np.int64).reshape(len(words), 2)
+    except ValueError as error:
+        text = " ".join(words)
+        raise InputError(
+            "Pairs are two vertex numbers with a colon, such as 12:40, not {text!r}.", text=text
+        ) from error
+
+
+class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
+    """Find for every vertex of the object its mirror image on the same object, in any pose, from pairs of a left and a right vertex. With it, transfers go from left to right, or back"""  # noqa: E501
+
+    bl_idname = "convwass.mirror_map"
+    bl_label = "Compute Mirror Map"
+
+    pairs: _pairs_property()
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        own = context.scene.convwass_soft_map
+        if own.source != own.target:
+            cls.poll_message_set("Choose the same object as source and target")
+            return False
+        return True
+
+    def _begin(self, context):
+        own = context.scene.convwass_soft_map
+        _require_editable(own.source)
+        self._pairs = chosen_pairs(own, self.pairs)
+        solve = partial(_mirrored, self._pairs, self.soft_map_settings())
+        return SoftMapJob(context, own.source, own.source, [], solve)
+
+    def _title(self):
+        return rpt_("Computing mirror map")
+
+
+def _mirrored(
+    pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, check: Check | None
+) -> Iterator[SoftMapStep]:
+    """Put the arguments of the application in its order."""
+    return mirror_map_steps(side, pairs, settings, check)
+
+
+class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Operator):
+    """Fill in the images of vertices of which the stored map is not sure from those around them, both ways; distributions stay as they are"""  # noqa: E501
+
+    bl_idname = "convwass.repair_soft_map"
+    bl_label = "Repair Doubtful Regions"
+
+    threshold: threshold_property()
+
+    _job: RepairJob
+
+    def _begin(self, context):
+        way = current_way(context)
+        _require_editable(way.source)
+        self._remarks = reshaped_notices(way)
+        depsgraph = context.evaluated_depsgraph_get()
+        meshes = [standing_mesh(obj, way.side(obj).triangles, depsgraph) for obj in (way.source, way.target)]
+        return RepairJob(way, partial(_repaired, partial(repaired_map, way.stored.found, *meshes, self.threshold)))
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Repairing soft map")
+
+    def _finish(self, context, job):
+        before, found = job.before, job.found
+        job.store()
+        counts = [int((getattr(before, way).faces != getattr(found, way).faces).sum()) for way in _WAYS]
+        text = rpt_("Filled in {:d} points from {:s} and {:d} from {:s}")
+        tell(self, text.format(counts[0], job.names[0], counts[1], job.names[1]), self._remarks)
+        return {"FINISHED"}
+
+
+def _repaired(mend: Callable[[], SurfaceMap], check: Check | None) -> Iterator[SoftMapStep]:
+    """Mend a map in one step."""
+    yield SoftMapStep(0.0, Sentence("Repairing the map"))
+    if check is not None:
+        check()
+    yield SoftMapStep(1.0, Sentence("The map is there"), mend())
+
+
+class CONVWASS_OT_remove_soft_map(OnStoredMap, bpy.types.Operator):
+    """Remove the stored map between source and target; what was transferred by it stays"""
+
+    bl_idname = "convwass.remove_soft_map"
+    bl_label = "Remove Soft Map"
+
+    def execute(self, context):
+        source, target = mapped_objects(context)
+        try:
+            _require_editable(source)
+        except ConvwassError as error:
+            return refuse(self, error)
+        forget_soft_map(source, target)
+        return {"FINISHED"}
+
+
+classes = (
+    CONVWASS_OT_compute_soft_map,
+    CONVWASS_OT_mirror_map,
+    CONVWASS_OT_repair_soft_map,
+    CONVWASS_OT_remove_soft_map,
+)

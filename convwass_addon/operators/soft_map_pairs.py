@@ -1,0 +1,235 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of vertices that belong together: take them off and on it, from names and from what is selected."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import IntProperty, StringProperty
+
+from ..bridge.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
+from ..errors import ConvwassError, InputError
+from ..soft_map_properties import CONVWASS_PG_soft_map, FromGroupsProperties
+from .density_targets import selected_vertices
+from .lists import ACTIVE, index_property, taken_off
+from .reporting import refuse
+from .soft_map_pick import PicksPair, require_free
+from .soft_map_targets import OnMapObjects, one_selected
+
+# So many names are told of those that made no pair.
+_NAMED = 5
+
+
+class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
+    """Add a pair: the selected vertex of each object in Edit Mode, or in Object Mode those that are clicked on, one on each object, until Esc ends it"""  # noqa: E501
+
+    bl_idname = "convwass.add_map_pair"
+    bl_label = "Add Pair"
+
+    label: StringProperty(name="Label", description="What the two vertices are, such as nose", options={"SKIP_SAVE"})
+    source_vertex: IntProperty(
+        name="Source Vertex",
+        description="Number of a vertex of the source; -1 for the selected one",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+    target_vertex: IntProperty(
+        name="Target Vertex",
+        description="Number of a vertex of the target; -1 for the selected one",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+
+    def execute(self, context):
+        own = context.scene.convwass_soft_map
+        try:
+            pair = MapPair(self.label, *self._vertices(own))
+            _require_new(own, pair)
+        except ConvwassError as error:
+            return refuse(self, error)
+        _add(own, [pair])
+        return {"FINISHED"}
+
+    def _vertices(self, own: CONVWASS_PG_soft_map) -> tuple[int, int]:
+        """Return the two vertices that are meant; raises InputError where that is not clear."""
+        if own.source == own.target and self.source_vertex < 0 and self.target_vertex < 0:
+            return _both_selected(own.source)
+        given = ((own.source, self.source_vertex), (own.target, self.target_vertex))
+        for obj, vertex in given:
+            if vertex >= len(obj.data.vertices):
+                raise InputError(
+                    "There is no vertex {vertex}; {name} has {count} vertices.",
+                    vertex=vertex,
+                    name=obj.name,
+                    count=len(obj.data.vertices),
+                )
+        first, second = (vertex if vertex >= 0 else one_selected(obj) for obj, vertex in given)
+        return first, second
+
+
+def _both_selected(obj: bpy.types.Object) -> tuple[int, int]:
+    """Return the two selected vertices of an object that is mapped to itself, or twice the only one, in the middle.
+
+    Raises
+    ------
+    InputError
+        More are selected, or none.
+    """
+    selected = selected_vertices(obj)
+    if len(selected) not in (1, 2):
+        raise InputError(
+            "Select two vertices of {object} that mirror each other, or one in the middle; {count} are selected now.",
+            object=obj.name,
+            count=len(selected),
+        )
+    return selected[0], selected[-1]
+
+
+def _require_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> None:
+    """Refuse a vertex that is in a pair already; raises InputError."""
+    require_free(own, pair.source, is_source=True)
+    require_free(own, pair.target, is_source=False)
+
+
+def _add(own: CONVWASS_PG_soft_map, pairs: Sequence[MapPair]) -> None:
+    for pair in pairs:
+        item = own.pairs.add()
+        item.label, item.source_vertex, item.target_vertex = pair.name, pair.source, pair.target
+    own.active_pair = max(len(own.pairs) - 1, 0)
+
+
+class _FromNames(OnMapObjects):
+    """An operator that makes pairs of what has the same name."""
+
+    def execute(self, context):
+        own = context.scene.convwass_soft_map
+        try:
+            found = self._found(context, own)
+            new = [pair for pair in found.pairs if _is_new(own, pair)]
+            if not found.pairs:
+                raise self._nothing(own, found)
+        except ConvwassError as error:
+            return refuse(self, error)
+        _add(own, new)
+        text = rpt_("{:d} pairs added").format(len(new))
+        if found.left_out:
+            text += "; " + rpt_("left out: {:s}").format(_listed(found.left_out))
+        self.report({"INFO"}, text)
+        return {"FINISHED"} if new else {"CANCELLED"}
+
+
+def _is_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> bool:
+    try:
+        _require_new(own, pair)
+    except InputError:
+        return False
+    return True
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])
+
+
+class CONVWASS_OT_map_pairs_from_groups(FromGroupsProperties, _FromNames, bpy.types.Operator):
+    """Add a pair for every small vertex group that both objects have, in the middle of each; with one object as source and target, for groups such as Hand.L and Hand.R"""  # noqa: E501
+
+    bl_idname = "convwass.map_pairs_from_groups"
+    bl_label = "Pairs from Groups"
+
+    def _found(self, context: bpy.types.Context, own: CONVWASS_PG_soft_map) -> FoundPairs:
+        return pairs_from_groups(
+            own.source, own.target, context.evaluated_depsgraph_get(), self.pattern or "*", self.largest
+        )
+
+    def _nothing(self, own: CONVWASS_PG_soft_map, found: FoundPairs) -> InputError:
+        return InputError(
+            "{source} and {target} have no small vertex groups of the same name; paint some around single points.",
+            source=own.source.name,
+            target=own.target.name,
+        )
+
+
+class CONVWASS_OT_map_pairs_from_empties(_FromNames, bpy.types.Operator):
+    """Add a pair for every two Empties of the same name, such as Nose and Nose.001, one on each object: parented to it, or nearest to it"""  # noqa: E501
+
+    bl_idname = "convwass.map_pairs_from_empties"
+    bl_label = "Pairs from Empties"
+
+    def _found(self, context: bpy.types.Context, own: CONVWASS_PG_soft_map) -> FoundPairs:
+        return pairs_from_empties(own.source, own.target, context.evaluated_depsgraph_get(), context.scene.objects)
+
+    def _nothing(self, own: CONVWASS_PG_soft_map, found: FoundPairs) -> InputError:
+        return InputError(
+            "There are no two Empties of the same name, one on {source} and one on {target}; place some, such as Nose "
+            "and Nose.001.",
+            source=own.source.name,
+            target=own.target.name,
+        )
+
+
+class _OnPairs(OnMapObjects):
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.convwass_soft_map.pairs:
+            cls.poll_message_set("There are no pairs")
+            return False
+        return True
+
+
+class CONVWASS_OT_remove_map_pair(_OnPairs, bpy.types.Operator):
+    """Take a pair off the list"""
+
+    bl_idname = "convwass.remove_map_pair"
+    bl_label = "Remove Pair"
+
+    index: index_property()
+
+    def execute(self, context):
+        own = context.scene.convwass_soft_map
+        index = own.active_pair if self.index == ACTIVE else self.index
+        if index >= len(own.pairs):
+            return refuse(self, InputError("The list has no pair {index}.", index=index))
+        own.active_pair = taken_off(own.pairs, index, own.active_pair)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_clear_map_pairs(_OnPairs, bpy.types.Operator):
+    """Empty the list of pairs"""
+
+    bl_idname = "convwass.clear_map_pairs"
+    bl_label = "Clear Pairs"
+
+    def execute(self, context):
+        own = context.scene.convwass_soft_map
+        own.pairs.clear()
+        own.active_pair = 0
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_swap_map_objects(OnMapObjects, bpy.types.Operator):
+    """Let source and target change places, in all pairs too; a stored map serves both ways"""
+
+    bl_idname = "convwass.swap_map_objects"
+    bl_label = "Swap Source and Target"
+
+    def execute(self, context):
+        own = context.scene.convwass_soft_map
+        own.source, own.target = own.target, own.source
+        for pair in own.pairs:
+            pair.source_vertex, pair.target_vertex = pair.target_vertex, pair.source_vertex
+        return {"FINISHED"}
+
+
+classes = (
+    CONVWASS_OT_add_map_pair,
+    CONVWASS_OT_map_pairs_from_groups,
+    CONVWASS_OT_map_pairs_from_empties,
+    CONVWASS_OT_remove_map_pair,
+    CONVWASS_OT_clear_map_pairs,
+    CONVWASS_OT_swap_map_objects,
+)

@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Picking pairs of vertices with the mouse: a click on either object, then one on the other, again and again."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from mathutils import Vector
+
+from ..errors import ConvwassError, InputError
+from ..soft_map_properties import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
+from ..translations import translated
+from .density_pick import vertex_at, view_at
+from .reporting import refuse
+
+
+class PicksPair:
+    """An operator that adds pairs, by clicks where there is a window and no vertices are given or selected.
+
+    Each pair is an undo step of its own. It goes before the other bases.
+    """
+
+    def invoke(self, context, event):
+        own = context.scene.convwass_soft_map
+        is_given = self.source_vertex >= 0 or self.target_vertex >= 0
+        if is_given or bpy.app.background or context.mode == "EDIT_MESH":
+            return self.execute(context)
+        context.window_manager.modal_handler_add(self)
+        context.window.cursor_modal_set("EYEDROPPER")
+        self._say(context, own)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        own = context.scene.convwass_soft_map
+        if own.source is None or own.target is None:
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.type in ("ESC", "RIGHTMOUSE", "RET") and event.value == "PRESS":
+            self.cancel(context)
+            # Every pair has its own undo step by now.
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        region = view_at(context.window, event.mouse_x, event.mouse_y)
+        if region is None:
+            return {"PASS_THROUGH"}
+        place = event.mouse_x - region.x, event.mouse_y - region.y
+        try:
+            self._take(context, own, region, place)
+        except ConvwassError as error:
+            self.cancel(context)
+            return refuse(self, error)
+        self._say(context, own)
+        redraw_views(context)
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        own = context.scene.convwass_soft_map
+        if _half_pair(own) is not None:
+            own.pairs.remove(len(own.pairs) - 1)
+            own.active_pair = max(len(own.pairs) - 1, 0)
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
+        redraw_views(context)
+
+    def _take(
+        self, context: bpy.types.Context, own: CONVWASS_PG_soft_map, region: bpy.types.Region, place: tuple[int, int]
+    ) -> None:
+        """Add what is clicked on to the pair that is being made; the last click on an object counts."""
+        hit = _hit(context, own, region, place)
+        if hit is None:
+            self.report({"INFO"}, rpt_("There is nothing of the source or the target; click on their surfaces"))
+            return
+        obj, vertex = hit
+        pair = _half_pair(own)
+        # On one and the same object the second click is the other vertex.
+        is_source = obj == own.source and (own.source != own.target or pair is None)
+        try:
+            require_free(own, vertex, is_source)
+        except InputError as error:
+            self.report({"WARNING"}, translated(error.sentence))
+            return
+        if pair is None:
+            pair = own.pairs.add()
+            own.active_pair = len(own.pairs) - 1
+        if is_source:
+            pair.source_vertex = vertex
+        else:
+            pair.target_vertex = vertex
+        if pair.is_complete:
+            bpy.ops.ed.undo_push(message=rpt_("Add Pair"))
+
+    def _say(self, context: bpy.types.Context, own: CONVWASS_PG_soft_map) -> None:
+        """Write in the status bar what to click on next."""
+        pair = _half_pair(own)
+        number = len(own.pairs) + (pair is None)
+        if pair is None:
+            text = rpt_("Pair {:d}: click on {:s} or {:s}    Esc: done").format(
+                number, own.source.name, own.target.name
+            )
+        else:
+            other = own.target if pair.target_vertex < 0 else own.source
+            text = rpt_("Pair {:d}: now click on {:s}    Esc: done").format(number, other.name)
+        context.workspace.status_text_set(text)
+
+
+def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> None:
+    """Refuse a vertex of the source or of the target that is in a pair already; raises InputError."""
+    for number, pair in enumerate(own.pairs, start=1):
+        if pair.enabled and pair.is_complete and vertex == (pair.source_vertex if is_source else pair.target_vertex):
+            raise InputError(
+                "Vertex {vertex} of {object} is in pair {number} already; remove that first.",
+                vertex=vertex,
+                object=(own.source if is_source else own.target).name,
+                number=number,
+            )
+
+
+def redraw_views(context: bpy.types.Context) -> None:
+    """Draw the 3D viewports of a window again."""
+    for area in context.window.screen.areas:
+        if area.type == "VIEW_3D":
+            area.tag_redraw()
+
+
+def _half_pair(own: CONVWASS_PG_soft_map) -> CONVWASS_PG_map_pair | None:
+    """Return the pair that lacks a vertex, which is the last one."""
+    return own.pairs[-1] if own.pairs and not own.pairs[-1].is_complete else None
+
+
+def _hit(
+    context: bpy.types.Context, own: CONVWASS_PG_soft_map, region: bpy.types.Region, place: tuple[int, int]
+) -> tuple[bpy.types.Object, int] | None:
+    """Return the object whose surface is the first under the mouse, and its vertex there."""
+    depsgraph = context.evaluated_depsgraph_get()
+    hits = []
+    for obj in dict.fromkeys((own.source, own.target)):
+        vertex = vertex_at(obj, depsgraph, region, region.data, place) if obj.visible_get() else None
+        if vertex is not None:
+            hits.append((_depth(obj, vertex, depsgraph, region.data), obj, vertex))
+    return min(hits, key=lambda hit: hit[0])[1:] if hits else None
+
+
+def _depth(obj: bpy.types.Object, vertex: int, depsgraph: bpy.types.Depsgraph, view: bpy.types.RegionView3D) -> float:
+    """Return how far from the viewer a vertex is, along the view."""
+    evaluated = obj.evaluated_get(depsgraph)
+    is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)
+    point: Vector = evaluated.matrix_world @ (evaluated.data if is_kept else obj.data).vertices[vertex].co
+    return -(view.view_matrix @ point).z

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two objects of a soft map, when its buttons can be pressed, and the stored map between them."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+
+import bpy
+
+from ..applications.surface_maps import PointMap
+from ..bridge.soft_map_bytes import MappedSide, StoredSoftMap
+from ..bridge.soft_map_store import MapState, has_soft_map, map_state, stored_soft_map
+from ..errors import InputError
+from ..sentence import Sentence
+from .background import is_idle
+from .density_targets import out_of_edit_mode, selected_vertices
+
+# Others hold on to the mesh.
+_MODES = frozenset({"OBJECT", "PAINT_WEIGHT", "PAINT_VERTEX", "EDIT_MESH", "POSE"})
+
+
+class OnMapObjects:
+    """An operator on the source and the target that are chosen in the panel."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        own = context.scene.convwass_soft_map
+        if own.source is None or own.target is None:
+            cls.poll_message_set("Choose a source and a target")
+            return False
+        if not (own.source.users_scene and own.target.users_scene):
+            cls.poll_message_set("The source or the target has been deleted; choose another one")
+            return False
+        if context.mode not in _MODES:
+            cls.poll_message_set("Go to Object Mode first")
+            return False
+        return is_idle(cls, context)
+
+
+class OnStoredMap(OnMapObjects):
+    """An operator on a map that has been computed between the two."""
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if mapped_objects(context) is None:
+            cls.poll_message_set("Compute the soft map first")
+            return False
+        return True
+
+
+@dataclass(frozen=True)
+class StoredWay:
+    """A stored map, seen from the side that gives.
+
+    Attributes
+    ----------
+    source, target : bpy.types.Object
+        Of the map as it was computed; the source holds it.
+    stored : StoredSoftMap
+        The map.
+    """
+
+    source: bpy.types.Object
+    target: bpy.types.Object
+    stored: StoredSoftMap
+
+    def point_map(self, receiver: bpy.types.Object) -> PointMap:
+        """Return the map that has a point of the other object for every vertex of this one."""
+        return self.stored.found.forward if receiver == self.source else self.stored.found.backward
+
+    def side(self, obj: bpy.types.Object) -> MappedSide:
+        """Return what is stored of one of the two meshes."""
+        return self.stored.source if obj == self.source else self.stored.target
+
+
+def mapped_objects(context: bpy.types.Context) -> tuple[bpy.types.Object, bpy.types.Object] | None:
+    """Return source and target of the stored map between the two chosen objects; None where there is none.
+
+    It may have been computed in the other direction than the one chosen now. Quick enough for a panel.
+    """
+    own = context.scene.convwass_soft_map
+    ways = ((own.source, own.target), (own.target, own.source))
+    return next((way for way in ways if None not in way and has_soft_map(*way)), None)
+
+
+def current_way(context: bpy.types.Context) -> StoredWay:
+    """Read the map between the two objects.
+
+    Raises
+    ------
+    InputError
+        There is none, it is damaged, or one of the meshes has other vertices or faces since.
+    """
+    own = context.scene.convwass_soft_map
+    source, target = mapped_objects(context) or (own.source, own.target)
+    way = StoredWay(source, target, stored_soft_map(source, target))
+    for obj in (source, target):
+        if map_state(obj, way.side(obj)) is MapState.OTHER:
+            raise InputError(
+                "{object} has other vertices or faces than when its soft map was computed; compute it again.",
+                object=obj.name,
+            )
+    return way
+
+
+def reshaped_notices(way: StoredWay) -> list[Sentence]:
+    """Say which of the two meshes has been reshaped since."""
+    reshaped = [obj for obj in {way.source, way.target} if map_state(obj, way.side(obj)) is MapState.RESHAPED]
+    return [
+        Sentence(
+            "{object} has been reshaped since its soft map was computed; compute it again if it does not fit.",
+            {"object": obj.name},
+        )
+        for obj in sorted(reshaped, key=lambda obj: obj.name)
+    ]
+
+
+def one_selected(obj: bpy.types.Object) -> int:
+    """Return the only selected vertex, as it was when Edit Mode was left; raises InputError where it is not one."""
+    selected = selected_vertices(obj)
+    if len(selected) != 1:
+        raise InputError(
+            "Select one vertex of {object} in Edit Mode; {count} are selected now.",
+            object=obj.name,
+            count=len(selected),
+        )
+    return selected[0]
+
+
+def edit_mode_left(context: bpy.types.Context) -> AbstractContextManager[None]:
+    """Leave Edit Mode for a moment, on all objects that are in it together."""
+    return nullcontext() if context.object is None else out_of_edit_mode(context, context.object)

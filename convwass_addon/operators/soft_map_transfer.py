@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Carry vertex groups, shape keys, UV maps and color attributes along a stored soft map, either way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
+from bpy.props import StringProperty
+
+from ..bridge.handles import Handle
+from ..bridge.map_transfer import Carried, CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
+from ..bridge.map_weights import WeightRules
+from ..bridge.mesh_checks import writable_mesh
+from ..bridge.resting_surface import resting_mesh
+from ..bridge.soft_map_store import MapState, map_state
+from ..errors import InputError
+from ..sentence import Sentence
+from ..soft_map_properties import TRANSFERRED, TransferProperties
+from .chosen_inputs import split_names
+from .density_job import Check, WritingDensityOperator
+from .density_targets import tell
+from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, reshaped_notices
+
+# So many names are told of those that stayed as they were.
+_NAMED = 5
+
+
+class _Part(Protocol):
+    """One kind of what is carried."""
+
+    def steps(self, check: Check | None) -> Iterator[Sentence]:
+        """Compute, and say what comes next."""
+
+    def write(self, receiver: bpy.types.Object) -> Carried:
+        """Write what has been computed."""
+
+
+@dataclass(frozen=True)
+class _TransferStep:
+    """What is being done."""
+
+    fraction: float
+    message: Sentence
+
+
+class TransferJob:
+    """What is carried, kind by kind. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    way : StoredWay
+        The map.
+    receiver : bpy.types.Object
+        Object that is written to, in the end.
+    parts : dict of str to part
+        What is carried, by the identifiers of `TRANSFERRED`.
+    """
+
+    def __init__(self, way: StoredWay, receiver: bpy.types.Object, parts: dict[str, _Part]) -> None:
+        self.parts = parts
+        self._target, self._side = Handle.of("objects", receiver), way.side(receiver)
+
+    def steps(self, check: Check | None = None) -> Iterator[_TransferStep]:
+        """Yield the steps of the work."""
+        for place, part in enumerate(self.parts.values()):
+            for message in part.steps(check):
+                yield _TransferStep(place / len(self.parts), message)
+                if check is not None:
+                    check()
+        yield _TransferStep(1.0, Sentence("Writing"))
+
+    def write(self, step: _TransferStep) -> None:
+        """Leave the file as it is until the end."""
+
+    def discard(self) -> None:
+        """Forget what has been computed."""
+        self.parts = {}
+
+    def receiver(self) -> bpy.types.Object:
+        """Return the object that is written to; raises InputError where it is gone, edited, or another mesh."""
+        obj = self._target.find()
+        if obj is None:
+            raise InputError("The object was deleted, or undone, while something was transferred to it; start again.")
+        writable_mesh(obj)
+        if map_state(obj, self._side) is MapState.OTHER:
+            raise InputError(
+                "{object} has other vertices than when the work on it began; start again.", object=obj.name
+            )
+        return obj
+
+    @property
+    def is_edited(self) -> bool:
+        """Whether the receiver is in Edit Mode."""
+        obj = self._target.find()
+        return obj is not None and obj.data.is_editmode
+
+
+class CONVWASS_OT_transfer(TransferProperties, WritingDensityOperator, OnStoredMap, bpy.types.Operator):
+    """Carry vertex groups, shape keys, UV maps or color attributes from one object to the other along the stored soft map"""  # noqa: E501
+
+    bl_idname = "convwass.transfer"
+    bl_label = "Transfer"
+
+    names: StringProperty(
+        name="Names",
+        description="Names of what is transferred, one per line or with commas between them; empty for all",
+        options={"SKIP_SAVE"},
+    )
+
+    _job: TransferJob
+
+    def _begin(self, context):
+        own = context.scene.convwass_soft_map
+        if not self.what:
+            raise InputError("Choose what to transfer.")
+        way = current_way(context)
+        giver, receiver = (own.source, own.target) if self.direction == "FORWARD" else (own.target, own.source)
+        writable_mesh(receiver)
+        if giver == receiver and self.what & {"UVS", "COLORS"}:
+            raise InputError(
+                "{object} cannot take UV maps or color attributes from itself; choose vertex groups or shape keys.",
+                object=giver.name,
+            )
+        self._remarks = reshaped_notices(way)
+        # Attributes of what is being edited cannot be read.
+        with edit_mode_left(context):
+            return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver)))
+
+    def _ends(self, way: StoredWay, giver: bpy.types.Object, receiver: bpy.types.Object) -> TransferEnds:
+        return TransferEnds(
+            giver=giver,
+            receiver=receiver,
+            points=way.point_map(receiver),
+            giver_mesh=resting_mesh(giver, way.side(giver).triangles),
+            receiver_mesh=resting_mesh(receiver, way.side(receiver).triangles),
+            names=tuple(split_names(self.names)),
+            keep=self.existing == "KEEP",
+            flip=self.flip_names,
+            is_backward=self.direction == "BACKWARD",
+        )
+
+    def _parts(self, ends: TransferEnds) -> dict[str, _Part]:
+        makers = {
+            "GROUPS": lambda: CarriedGroups(ends, WeightRules(self.limit, self.normalize)),
+            "KEYS": lambda: CarriedKeys(ends),
+            "UVS": lambda: CarriedUvs(ends),
+            "COLORS": lambda: CarriedColors(ends),
+        }
+        # In the order in which the panel lists them.
+        return {kind: makers[kind]() for kind, *_ in TRANSFERRED if kind in self.what}
+
+    def _title(self):
+        return rpt_("Transferring")
+
+    def _finish(self, context, job):
+        receiver = job.receiver()
+        # Another object may be in Edit Mode, which Blender writes no groups in.
+        with edit_mode_left(context):
+            carried = {kind: part.write(receiver) for kind, part in job.parts.items()}
+        labels = {kind: iface_(label) for kind, label, _ in TRANSFERRED}
+        counts = [f"{labels[kind]} {len(done.written)}" for kind, done in carried.items()]
+        text = rpt_("Transferred to {:s}: {:s}").format(receiver.name, ", ".join(counts))
+        kept = [name for done in carried.values() for name in done.kept]
+        remarks = [Sentence("Left as they were: {names}.", {"names": _listed(kept)})] if kept else []
+        warnings = [*self._remarks, *(notice for done in carried.values() for notice in done.notices)]
+        tell(self, text, remarks, warnings)
+        return {"FINISHED"}
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])
+
+
+classes = (CONVWASS_OT_transfer,)

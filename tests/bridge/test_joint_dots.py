@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the dots of joints are drawn, and in which colors."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+
+from convwass_addon.bridge import joint_dots
+from convwass_addon.bridge.joint_dots import JointDots, dots_of
+from convwass_addon.bridge.rigs import pin_joints, rig_graph
+from tests.rigs import chain, lines
+
+pytestmark = pytest.mark.usefixtures("registered_addon")
+
+
+def places(obj, pinned):
+    return sorted({tuple(np.round(dot.point, 4)) for dot in dots_of(obj) if dot.is_pinned == pinned})
+
+
+def test_pinned_and_free_joints_in_every_mode():
+    obj = chain(2)
+    obj.location = (0, 0, 1)
+    bpy.context.view_layer.update()
+    pin_joints(obj, rig_graph(obj), [0], True)
+    for mode in ("OBJECT", "EDIT", "POSE"):
+        bpy.ops.object.mode_set(mode=mode)
+        assert places(obj, True) == [(0, 0, 1)]
+        assert places(obj, False) == [(1, 0, 1), (2, 0, 1)]
+
+
+def test_posed_bones_are_followed_and_hidden_ones_have_none():
+    obj = chain(2)
+    obj.pose.bones["B"].rotation_mode = "XYZ"
+    obj.pose.bones["B"].rotation_euler = (0, 0, np.pi / 2)
+    bpy.context.view_layer.update()
+    assert (2.0, 0.0, 0.0) not in places(obj, False)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert (2.0, 0.0, 0.0) in places(obj, False)
+    obj.data.edit_bones["B"].hide = True
+    assert (2.0, 0.0, 0.0) not in places(obj, False)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.hide_set(True)
+    assert dots_of(obj) == []
+
+
+def test_vertices_of_edges():
+    obj = lines([(0, 0, 0), (1, 0, 0)], [(0, 1)])
+    pin_joints(obj, rig_graph(obj), [1], True)
+    assert (places(obj, True), places(obj, False)) == ([(1, 0, 0)], [(0, 0, 0)])
+
+
+def test_drawing(monkeypatch):
+    """What is drawn where, by a stand-in for the graphics card."""
+    obj, drawn = chain(2), []
+    pin_joints(obj, rig_graph(obj), [0], True)
+    monkeypatch.setattr(joint_dots, "location_3d_to_region_2d", lambda region, view, point: Vector(point[:2]))
+    monkeypatch.setattr(joint_dots, "_fill_discs", lambda centers, radius, color: drawn.append((len(centers), color)))
+    monkeypatch.setattr(joint_dots.gpu.state, "blend_set", lambda mode: None)
+    overlay = SimpleNamespace(show_overlays=True)
+    context = SimpleNamespace(
+        space_data=SimpleNamespace(overlay=overlay), region=None, region_data=None, preferences=bpy.context.preferences
+    )
+    monkeypatch.setattr(joint_dots, "bpy", SimpleNamespace(context=context))
+    wanted = [obj]
+    dots = JointDots(lambda _context: wanted[0])
+    dots._draw()
+    assert drawn == [(3, joint_dots._INK), (3, joint_dots._BLUE), (1, joint_dots._INK), (1, joint_dots._GREEN)]
+    overlay.show_overlays = False
+    dots._draw()
+    overlay.show_overlays, wanted[0] = True, None
+    dots._draw()
+    assert len(drawn) == 4
+
+
+def test_discs_are_filled_in_one_go(monkeypatch):
+    made = []
+    shader = SimpleNamespace(uniform_float=lambda name, value: None)
+    monkeypatch.setattr(joint_dots.gpu.shader, "from_builtin", lambda name: shader, raising=False)
+    monkeypatch.setattr(
+        joint_dots,
+        "batch_for_shader",
+        lambda shader, kind, content, indices: (
+            made.append((content["pos"], indices)) or SimpleNamespace(draw=lambda shader: None)
+        ),
+    )
+    joint_dots._fill_discs([Vector((0, 0)), Vector((10, 0))], 2.0, (1, 1, 1, 1))
+    ((points, triangles),) = made
+    corners = np.array([points[corner] for triangle in triangles for corner in triangle]).reshape(-1, 3, 2)
+    sides = corners[:, 1:] - corners[:, :1]
+    area = 0.5 * np.abs(np.linalg.det(sides)).sum()
+    assert area == pytest.approx(2 * np.pi * 4, rel=0.03)
+    assert {point for triangle in triangles for point in triangle} == set(range(len(points)))
+
+
+def test_the_handler_comes_and_goes():
+    dots = JointDots(lambda context: None)
+    for _ in range(2):
+        dots.register()
+        dots.register()
+        assert dots._handle is not None
+        dots.unregister()
+        dots.unregister()
+        assert dots._handle is None

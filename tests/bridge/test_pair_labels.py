@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the numbers of pairs are drawn."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix, Vector
+
+from convwass_addon.bridge import pair_labels
+from convwass_addon.bridge.pair_labels import LabeledVertex, PairLabels, _faces_viewer, labels_of
+
+
+@pytest.fixture
+def cube():
+    bpy.ops.mesh.primitive_cube_add(location=(1, 0, 0))
+    return bpy.context.object
+
+
+def points(*vertices):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return [np.array(label.point) for label in labels_of(vertices, depsgraph)]
+
+
+def test_labels_are_where_modifiers_put_the_vertices(cube):
+    plain = np.array(cube.matrix_world @ cube.data.vertices[0].co)
+    np.testing.assert_allclose(points(LabeledVertex(cube, 0, 1))[0], plain)
+    cube.modifiers.new("Displace", "DISPLACE").strength = 0.5
+    (moved,) = points(LabeledVertex(cube, 0, 1))
+    assert np.linalg.norm(moved - plain) == pytest.approx(0.25, abs=1e-3)
+
+
+def test_what_makes_other_vertices_leaves_the_own_ones(cube):
+    cube.modifiers.new("Subdivision", "SUBSURF")
+    plain = np.array(cube.matrix_world @ cube.data.vertices[0].co)
+    np.testing.assert_allclose(points(LabeledVertex(cube, 0, 1))[0], plain)
+
+
+def test_in_edit_mode_they_follow_the_edits(cube):
+    import bmesh
+
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = bmesh.from_edit_mesh(cube.data)
+    edited.verts.ensure_lookup_table()
+    edited.verts[0].co = (9, 9, 9)
+    np.testing.assert_allclose(points(LabeledVertex(cube, 0, 1))[0], (10, 9, 9))
+    bmesh.ops.delete(edited, geom=edited.verts[4:], context="VERTS")
+    assert points(LabeledVertex(cube, 6, 1)) == []
+
+
+def test_vertices_that_are_not_there_have_none(cube):
+    assert points(LabeledVertex(cube, 8, 1), LabeledVertex(cube, -1, 2)) == []
+    cube.hide_set(True)
+    assert points(LabeledVertex(cube, 0, 1)) == []
+
+
+def test_those_on_the_far_side_are_told(cube):
+    """Seen from above, in perspective and without."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    from_above = Matrix.Translation((1, 0, 10)).inverted()
+    labels = labels_of([LabeledVertex(cube, number, number) for number in range(8)], depsgraph)
+    for is_perspective in (True, False):
+        view = SimpleNamespace(view_matrix=from_above, is_perspective=is_perspective)
+        near = {label.number for label in labels if _faces_viewer(label, view)}
+        assert near == {vertex.index for vertex in cube.data.vertices if vertex.co.z > 0}
+
+
+def test_drawing(cube, monkeypatch):
+    """What is drawn where, by a stand-in for the graphics card."""
+    drawn = []
+    monkeypatch.setattr(pair_labels, "location_3d_to_region_2d", lambda region, view, point: Vector((50, 60)))
+    monkeypatch.setattr(pair_labels, "_fill_disc", lambda center, radius, color: drawn.append(color[3]))
+    monkeypatch.setattr(pair_labels, "_write", lambda text, *rest: drawn.append(text))
+    monkeypatch.setattr(pair_labels.gpu.state, "blend_set", lambda mode: None)
+    view = SimpleNamespace(view_matrix=Matrix.Translation((1, 0, 10)).inverted(), is_perspective=True)
+    overlay = SimpleNamespace(show_overlays=True)
+    context = SimpleNamespace(
+        space_data=SimpleNamespace(overlay=overlay),
+        region=None,
+        region_data=view,
+        view_layer=bpy.context.view_layer,
+        preferences=bpy.context.preferences,
+    )
+    monkeypatch.setattr(pair_labels, "bpy", SimpleNamespace(context=context))
+    bpy.context.view_layer.update()
+    top = max(cube.data.vertices, key=lambda vertex: vertex.co.z).index
+    labels = PairLabels(lambda _context: [LabeledVertex(cube, top, 12)])
+    labels._draw()
+    assert drawn == [1.0, 1.0, 1.0, 1.0, "12"]
+    overlay.show_overlays = False
+    labels._draw()
+    assert len(drawn) == 5
+
+
+def test_the_handler_comes_and_goes():
+    labels = PairLabels(lambda context: [])
+    for _ in range(2):
+        labels.register()
+        labels.register()
+        assert labels._handle is not None
+        labels.unregister()
+        labels.unregister()
+        assert labels._handle is None

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Armatures, bodies for them, and a fit that is known without solving anything."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from convwass_addon.applications.skeleton_fit import FitStep, FittedSkeleton
+from convwass_addon.sentence import Sentence
+
+
+def own():
+    return bpy.context.scene.convwass_armature
+
+
+def call(operator, /, *how, **arguments):
+    return getattr(bpy.ops.convwass, operator)(*how, **arguments)
+
+
+def tube(length=4.0, radius=0.4, **placed):
+    """Add a closed tube from the origin along X."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=12, radius=radius, depth=length, **placed)
+    obj = bpy.context.object
+    obj.name = obj.data.name = "Tube"
+    points = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", points)
+    points = points.reshape(-1, 3)
+    points = np.stack([points[:, 2] + length / 2, points[:, 0], points[:, 1]], axis=1)
+    obj.data.vertices.foreach_set("co", points.ravel())
+    obj.data.update()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide(number_cuts=3)
+    bpy.ops.mesh.quads_convert_to_tris()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    return obj
+
+
+def armature(bones, name="Rig"):
+    """Add an armature of bones: (name, head, tail, parent or None, whether it is connected)."""
+    data = bpy.data.armatures.new(name)
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    for bone_name, head, tail, parent, is_connected in bones:
+        bone = data.edit_bones.new(bone_name)
+        bone.head, bone.tail = head, tail
+        bone.parent = data.edit_bones[parent] if parent else None
+        bone.use_connect = is_connected
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    return obj
+
+
+def chain(count=3, length=1.0, name="Rig"):
+    """Add an armature of connected bones A, B, C, ... along X."""
+    names = [chr(ord("A") + place) for place in range(count)]
+    ends = [((place * length, 0, 0), ((place + 1) * length, 0, 0)) for place in range(count)]
+    parents = [None, *names]
+    return armature(
+        [(own, *ends[place], parents[place], place > 0) for place, own in enumerate(names)],
+        name,
+    )
+
+
+def lines(points, edges, name="Lines"):
+    """Add a mesh of edges."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points, edges, [])
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def choose(body, rig):
+    own().body, own().rig = body, rig
+
+
+def world_ends(obj):
+    """Return the heads and tails of all bones at rest, world space."""
+    return {
+        f"{bone.name}.{side}": np.array(obj.matrix_world @ Vector(getattr(bone, f"{side}_local")))
+        for bone in obj.data.bones
+        for side in ("head", "tail")
+    }
+
+
+def select_joints(obj, *ends):
+    """Select these ends of bones alone, in Edit Mode."""
+    for bone in obj.data.edit_bones:
+        bone.select = False
+        for side in ("head", "tail"):
+            setattr(bone, f"select_{side}", f"{bone.name}.{side}" in ends)
+
+
+def harmonic_steps(mesh, graph, settings, check=None):
+    """Lay out free joints as the means of their neighbors, weighted by one over the lengths of bones."""
+    yield FitStep(0.0, Sentence("Starting"))
+    if check is not None:
+        check()
+    yield FitStep(1.0, Sentence("Writing"), harmonic(graph))
+
+
+def harmonic(graph, notices=()):
+    count = len(graph.positions)
+    laplacian = np.zeros((count, count))
+    for (a, b), length in zip(graph.edges, graph.lengths, strict=True):
+        laplacian[[a, a, b, b], [b, a, a, b]] += np.array([-1, 1, -1, 1]) / length
+    positions, free = graph.positions.copy(), ~graph.pinned
+    known = -laplacian[np.ix_(free, graph.pinned)] @ positions[graph.pinned]
+    positions[free] = np.linalg.solve(laplacian[np.ix_(free, free)], known)
+    inside = np.ones(count, bool)
+    return FittedSkeleton(positions, inside, np.ones(count), ~inside, {"converged": True}, tuple(notices))
