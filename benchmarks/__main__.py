@@ -12,20 +12,28 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import midpoints, morph, peers, quality, surface, table1
+from . import correspondences, midpoints, morph, peers, quality, skeleton, surface, table1
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks that the command line asks for."""
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
-    names = parser.add_subparsers(title="benchmarks", metavar="morph | quality | table1 | surface | peers")
+    names = parser.add_subparsers(
+        title="benchmarks", metavar="morph | quality | table1 | surface | skeleton | softmap | peers"
+    )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
     _add_surface(names.add_parser("surface", help=surface.__doc__))
+    _add_skeleton(names.add_parser("skeleton", help=skeleton.__doc__))
+    _add_softmap(names.add_parser("softmap", help=correspondences.__doc__))
     _add_peers(names.add_parser("peers", help=peers.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
-    for chosen in [arguments] if arguments else [["morph"], ["quality"], ["table1"], ["surface"], ["peers"]]:
+    for chosen in (
+        [arguments]
+        if arguments
+        else [["morph"], ["quality"], ["table1"], ["surface"], ["skeleton"], ["softmap"], ["peers"]]
+    ):
         options = parser.parse_args(chosen)
         options.run(options)
     return 0
@@ -58,6 +66,17 @@ def _add_surface(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
     parser.add_argument("--steps", type=int, default=24, help="densities between the two (%(default)s)")
     parser.set_defaults(run=lambda options: surface.main(options.sizes, options.steps))
+
+
+def _add_skeleton(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, blub and bob")
+    parser.set_defaults(run=lambda options: skeleton.main(options.meshes))
+
+
+def _add_softmap(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, blub and bob")
+    parser.add_argument("--vertices", type=int, default=1000, help="of every mesh, about (%(default)s)")
+    parser.set_defaults(run=lambda options: correspondences.main(options.meshes, options.vertices))
 
 
 def _add_peers(parser: argparse.ArgumentParser) -> None:

@@ -124,7 +124,7 @@ def test_what_a_late_case_has_reported_counts(tmp_path, monkeypatch):
 
 def test_no_name_means_every_benchmark(monkeypatch):
     started = []
-    for name in ("morph", "quality", "table1", "surface", "peers"):
+    for name in ("morph", "quality", "table1", "surface", "skeleton", "correspondences", "peers"):
         module = getattr(command_line, name)
         monkeypatch.setattr(module, "main", lambda *options, name=name: started.append((name, *options)))
     assert command_line.main([]) == 0
@@ -133,6 +133,8 @@ def test_no_name_means_every_benchmark(monkeypatch):
         ("quality", 64, None),
         ("table1", list(table1.SIZES), 5, 60.0),
         ("surface", list(surface.SIZES), 24),
+        ("skeleton", None),
+        ("correspondences", None, 1000),
         ("peers", [64, 100], 256, list(midpoints.SIZES), 300.0),
     ]
 

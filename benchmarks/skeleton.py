@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How well skeletons fit whose tips alone are pinned, beside placements that know nothing of the body."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .processes import PROJECT, measured
+
+_CASES = "benchmarks.skeleton_cases"
+_SHAPES = PROJECT / "assets" / "shapes"
+_OWN = ("horse", "bird", "octopus", "dolphins", "double_torus")
+_OTHERS = ("spot", "blub", "bob")
+
+_TITLE = """
+Skeletons with pins at their tips (and at three joints of every loop), against joints placed by hand. Bones are as long
+as by hand, times a random 0.6 to 1.4 (those that close a loop as it comes); those of "even" all alike. CPU seconds.
+
+in        share of the free joints inside the body, in %
+error     mean distance to where the joints were placed by hand, in % of the diagonal of the body
+          fit        as it is used: laid out by propagation, then settled along the middle of the limbs
+          even       the same with bones all alike
+          means      laid out only, joints at the means of their distributions, as in the paper
+          harmonic   weighted means of their neighbors in space, settled nowhere; and settled as the fit is
+          straight   spread along straight lines from pin to pin, branches at the mean of the pins
+"""
+_LARGE = """
+The bumpy shape with {vertices} vertices, a star of {joints} joints: {seconds:.1f} s, {inside:.0f} % inside.
+"""
+_WAYS = ("fit", "even", "means", "harmonic", "settled", "straight")
+
+
+def main(meshes: Path | None) -> None:
+    """Run all cases and print the table.
+
+    Parameters
+    ----------
+    meshes : Path or None
+        A folder with further meshes: spot, blub and bob are taken where they are there.
+    """
+    print(_TITLE)
+    print(f"{'':12} {'joints':>6} {'pins':>4} {'s':>5}  " + "".join(f"{way + ' in, error':>21}" for way in _WAYS))
+    for name in (*_OWN, *_OTHERS):
+        path = _SHAPES / f"{name}.ply" if name in _OWN else _found(meshes, name)
+        if path is None:
+            continue
+        found = measured(_CASES, "fit", path=str(path), name=name)
+        row = "".join(f"{found[way]['inside']:14.0f} {found[way]['error']:6.1f}" for way in _WAYS)
+        print(f"{name:12} {found['joints']:6} {found['pins']:4} {found['seconds']:5.1f}  {row}", flush=True)
+    print(_LARGE.format(**measured(_CASES, "large", vertices=5000, joints=60)))
+
+
+def _found(folder: Path | None, name: str) -> Path | None:
+    """Return the triangle mesh whose file name begins with a name; None where there is none."""
+    if folder is None:
+        return None
+    return next((path for path in sorted(folder.glob(f"{name}_tri*.obj"))), None)
