@@ -16,10 +16,13 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+_ASSETS = Path(__file__).resolve().parents[2] / "assets" / "shapes"
 # Seconds that Blender gets to take in a mouse or a key, and to draw what follows from it.
 _REACTION = 0.25
 # Pixels between the places where a button is looked for.
 _SEARCH_STEP = 11
+# Screens of the sidebar in which it is looked for.
+_PAGES = 2
 
 
 class Window:
@@ -64,6 +67,33 @@ class Window:
         self.area.tag_redraw()
         yield 4 * _REACTION
 
+    def open_panel(self, name: str) -> Iterator[float]:
+        """Find the header of a closed panel in the sidebar and open it with Ctrl, which closes all others."""
+        kinds = [getattr(bpy.types, other) for other in dir(bpy.types) if other.startswith("CONVWASS_PT_")]
+        drawn, drawing = [], {kind: kind.__dict__["draw"] for kind in kinds if "draw" in kind.__dict__}
+        # Where nothing else is drawn there is no other button to hit, and every header is on the screen.
+        for kind in drawing:
+            kind.draw = (lambda *_: drawn.append(True)) if kind.__name__ == name else (lambda *_: None)
+        region = self.region("UI")
+        region.tag_redraw()
+        yield 4 * _REACTION
+        for below in range(12, region.height, _SEARCH_STEP):
+            if drawn:
+                break
+            yield from self.move(region.x + region.width / 3, self._height - region.y - region.height + below)
+            yield from self._input("keydown", "ctrl", "click", 1, "keyup", "ctrl")
+        for kind, draw in drawing.items():
+            kind.draw = draw
+        region.tag_redraw()
+        yield 4 * _REACTION
+        assert drawn, f"the sidebar has no panel {name}"
+
+    def import_shape(self, name: str) -> bpy.types.Object:
+        """Import one of the sample shapes, and return it."""
+        with self.override():
+            bpy.ops.wm.ply_import(filepath=str(_ASSETS / f"{name}.ply"), forward_axis="Y", up_axis="Z")
+        return bpy.context.object
+
     def move(self, x: float, y: float) -> Iterator[float]:
         """Move the mouse; y counts from the top, as on the screen."""
         yield from self._input("mousemove", round(x), round(y))
@@ -99,21 +129,25 @@ class Window:
         return region.x + seen.x, self._height - region.y - seen.y
 
     def press(self, operator: str) -> Iterator[float]:
-        """Find the sidebar's button for an operator, as one who looks for it, and click it.
+        """Find the sidebar's button for an operator, as one who looks for it, and click it; further down if need be.
 
         Blender does not tell where its buttons are. It can copy the call of the button under the mouse.
         """
         region = self.region("UI")
-        x = region.x + region.width / 2
-        for below in range(30, region.height, _SEARCH_STEP):
-            yield from self.move(x, self._height - region.y - region.height + below)
-            bpy.context.window_manager.clipboard = ""
-            with self.override("UI"):
-                if bpy.ops.ui.copy_python_command_button.poll():
-                    bpy.ops.ui.copy_python_command_button()
-            if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
-                yield from self._input("click", 1)
-                return
+        for _ in range(_PAGES):
+            x = region.x + region.width / 2
+            for below in range(30, region.height, _SEARCH_STEP):
+                yield from self.move(x, self._height - region.y - region.height + below)
+                bpy.context.window_manager.clipboard = ""
+                with self.override("UI"):
+                    if bpy.ops.ui.copy_python_command_button.poll():
+                        bpy.ops.ui.copy_python_command_button()
+                if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
+                    yield from self._input("click", 1)
+                    return
+            # Over a header: the wheel turns the values of what it is over.
+            yield from self.move(region.x + 30, self._height - region.y - region.height + 20)
+            yield from self._input("click", "--repeat", 15, 5)
         raise AssertionError(f"the sidebar shows no button for {operator}")
 
     def wait(self, until: Callable[[], bool], seconds: float, what: str) -> Iterator[float]:
@@ -139,8 +173,10 @@ class Window:
 def _work(window: Window) -> Iterator[float]:
     from densities import densities
     from scenario import scenario
+    from soft_maps import soft_maps
 
     yield 1.0
+    yield from soft_maps(window)
     yield from densities(window)
     yield from scenario(window)
 
