@@ -12,13 +12,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications import blending, reading
-from convwass_addon.applications.layouts import Blend, path_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_problem import MorphProblem
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import SplitShapes
-from convwass_addon.applications.volumes import Lattice, voxelize
+from convwass_addon.applications.morphs import blending, reading
+from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphProblem
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.parts import SplitShapes
+from convwass_addon.applications.morphs.volumes import Lattice, voxelize
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.mesh import TriangleMesh

@@ -20,12 +20,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications import blending
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.morphs import blending
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import import_objects
-from convwass_addon.bridge.job import MorphJob
+from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.transport import Grid, Inputs, barycenter
 
 from .blends import ASSETS, Pair

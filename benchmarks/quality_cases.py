@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.volumes import Lattice
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.occupancy import occupancy

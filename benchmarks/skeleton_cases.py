@@ -17,13 +17,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications.skeleton_bodies import SkeletonBody, skeleton_body
-from convwass_addon.applications.skeleton_fit import FittedSkeleton, fit_steps
-from convwass_addon.applications.skeleton_graph import JointGraph
-from convwass_addon.applications.skeleton_layout import LayoutProblem
-from convwass_addon.applications.skeleton_links import chains
-from convwass_addon.applications.skeleton_settings import SkeletonSettings
-from convwass_addon.applications.skeleton_settling import settled
+from convwass_addon.applications.skeletons.skeleton_bodies import SkeletonBody, skeleton_body
+from convwass_addon.applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
+from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
+from convwass_addon.applications.skeletons.skeleton_layout import LayoutProblem
+from convwass_addon.applications.skeletons.skeleton_links import chains
+from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
+from convwass_addon.applications.skeletons.skeleton_settling import settled
 from convwass_addon.geometry.edges import vertex_components
 from convwass_addon.geometry.inner_balls import inner_balls
 from convwass_addon.geometry.mesh import TriangleMesh

@@ -7,9 +7,9 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
-from .applications.skeleton_settings import SkeletonSettings
-from .bridge.joint_dots import JointDots
-from .bridge.rigs import KINDS, register_pins, unregister_pins
+from .applications.skeletons.skeleton_settings import SkeletonSettings
+from .bridge.armatures.joint_dots import JointDots
+from .bridge.armatures.rigs import KINDS, register_pins, unregister_pins
 
 
 class FitProperties:

@@ -17,9 +17,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from .applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
-from .applications.morph_settings import MorphSettings
-from .bridge.stored import FIRST_FRAMES
+from .applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from .applications.morphs.morph_settings import MorphSettings
+from .bridge.morphs.stored import FIRST_FRAMES
 
 OUTPUTS = (
     ("OBJECTS", "Objects", "One mesh object per frame, each visible in its frame alone"),

@@ -16,13 +16,13 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications.density_frames import joined_frames
-from convwass_addon.applications.density_paths import blend_steps, interpolation_steps
-from convwass_addon.applications.density_settings import DensitySettings
-from convwass_addon.applications.density_tools import diffused, unit_mass
-from convwass_addon.applications.surface_densities import density_figures, density_surface
-from convwass_addon.applications.vertex_distances import distances_from
-from convwass_addon.bridge.density_material import ROUGHNESS
+from convwass_addon.applications.densities.density_frames import joined_frames
+from convwass_addon.applications.densities.density_paths import blend_steps, interpolation_steps
+from convwass_addon.applications.densities.density_settings import DensitySettings
+from convwass_addon.applications.densities.density_tools import diffused, unit_mass
+from convwass_addon.applications.densities.surface_densities import density_figures, density_surface
+from convwass_addon.applications.densities.vertex_distances import distances_from
+from convwass_addon.bridge.densities.density_material import ROUGHNESS
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.imports import import_objects

@@ -26,10 +26,10 @@ from PIL import Image
 from renderer import Shape, read_mesh, read_shape, rendered
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import FaceLabels
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.parts import FaceLabels
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.transport import (
     Grid,

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import convwass_addon
-from convwass_addon.bridge.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 
 PROJECT = Path(__file__).resolve().parents[1]
 _SPOTS = 26

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from convwass_addon.applications.skeleton_fit import FitStep, FittedSkeleton
+from convwass_addon.applications.skeletons.skeleton_fit import FitStep, FittedSkeleton
 from convwass_addon.sentence import Sentence
 
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from convwass_addon import cli
-from convwass_addon.applications.inner_points import InnerPoint
-from convwass_addon.bridge.rigs import pin_joints, pinned_ends, register_pins, rig_graph, unregister_pins
+from convwass_addon.applications.skeletons.inner_points import InnerPoint
+from convwass_addon.bridge.armatures.rigs import pin_joints, pinned_ends, register_pins, rig_graph, unregister_pins
 from convwass_addon.cli import armature_verb
 from tests.rigs import chain, harmonic_steps, lines, tube, world_ends
 

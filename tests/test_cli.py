@@ -14,7 +14,7 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications import memory
-from convwass_addon.bridge.job import MorphJob
+from convwass_addon.bridge.morphs.job import MorphJob
 from tests.clusters import local_cluster
 
 pytestmark = [

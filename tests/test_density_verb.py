@@ -12,9 +12,9 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications import memory
-from convwass_addon.bridge.density_attributes import stored_frames
-from convwass_addon.bridge.density_player import played_densities
-from convwass_addon.bridge.density_store import stored_density
+from convwass_addon.bridge.densities.density_attributes import stored_frames
+from convwass_addon.bridge.densities.density_player import played_densities
+from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.vertex_groups import read_group
 
 pytestmark = [

@@ -9,7 +9,7 @@ import pickle
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.applications.morph import MorphStep
+from convwass_addon.applications.morphs.morph import MorphStep
 from convwass_addon.errors import Cancelled, ConvwassError, InputError, ResourceError
 from convwass_addon.sentence import Sentence
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from convwass_addon import cli
-from convwass_addon.bridge.soft_map_store import stored_soft_map
+from convwass_addon.bridge.soft_maps.soft_map_store import stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group
 
 pytestmark = [

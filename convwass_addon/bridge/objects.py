@@ -12,7 +12,7 @@ from typing import Literal
 import bpy
 import numpy as np
 
-from ..applications.parts import FaceLabels
+from ..applications.morphs.parts import FaceLabels
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from .face_labels import LABELS

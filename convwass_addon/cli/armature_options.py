@@ -7,7 +7,7 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
-from ..applications.skeleton_settings import SkeletonSettings
+from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from .argument_types import joint_place, pinned_joint
 
 ARMATURE_HELP = """Fit an armature into a mesh: pinned joints stay where they are, the others are laid out inside.

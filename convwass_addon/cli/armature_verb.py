@@ -12,16 +12,16 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..applications.inner_points import InnerPointFinder
-from ..applications.skeleton_fit import FittedSkeleton, fit_steps
-from ..applications.skeleton_settings import SkeletonSettings
-from ..bridge.auto_weights import bind_with_weights
+from ..applications.skeletons.inner_points import InnerPointFinder
+from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
+from ..applications.skeletons.skeleton_settings import SkeletonSettings
+from ..bridge.armatures.auto_weights import bind_with_weights
+from ..bridge.armatures.rig_graphs import RigGraph
+from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
+from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph, with_pins
 from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.rig_graphs import RigGraph
-from ..bridge.rig_imports import BodyAndRig, open_body_and_rig
-from ..bridge.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph, with_pins
 from ..console import ProgressBar
 from ..errors import ConvwassError, InputError
 from .answer import Answer

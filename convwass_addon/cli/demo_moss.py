@@ -9,13 +9,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..applications.density_frames import DensityFrames, joined_frames
-from ..applications.density_paths import interpolation_steps
-from ..applications.density_settings import DensitySettings
-from ..applications.surface_densities import density_surface
-from ..bridge.density_material import growth_material
-from ..bridge.density_player import DensityKey, animate_density
-from ..bridge.density_store import StoredDensity
+from ..applications.densities.density_frames import DensityFrames, joined_frames
+from ..applications.densities.density_paths import interpolation_steps
+from ..applications.densities.density_settings import DensitySettings
+from ..applications.densities.surface_densities import density_surface
+from ..bridge.densities.density_material import growth_material
+from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_store import StoredDensity
 from ..bridge.files import save_blend
 from ..bridge.imports import import_objects
 from ..bridge.photograph import set_up_photograph

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import bpy
 
-from ..applications.layouts import path_blends
-from ..applications.morph_settings import MorphSettings
+from ..applications.morphs.layouts import path_blends
+from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import save_blend
 from ..bridge.imports import import_objects
 from ..errors import InputError

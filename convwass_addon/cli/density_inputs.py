@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..applications.density_settings import DensitySettings
-from ..applications.density_tools import unit_mass
-from ..applications.surface_densities import Surface, blur_notice, blur_of, density_surface
+from ..applications.densities.density_settings import DensitySettings
+from ..applications.densities.density_tools import unit_mass
+from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_group

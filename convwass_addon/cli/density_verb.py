@@ -11,17 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
-from ..applications.density_frames import DensityFrames, DensityStep, joined_frames
-from ..applications.density_graphs import propagation_steps
-from ..applications.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
-from ..applications.density_paths import blend_steps, path_steps
-from ..applications.density_settings import DensitySettings
-from ..applications.surface_densities import heat_map
-from ..applications.vertex_distances import distances_from
-from ..bridge.density_material import heat_material
-from ..bridge.density_nodes import NAME
-from ..bridge.density_player import DensityKey, animate_density
-from ..bridge.density_store import StoredDensity
+from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
+from ..applications.densities.density_graphs import propagation_steps
+from ..applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
+from ..applications.densities.density_paths import blend_steps, path_steps
+from ..applications.densities.density_settings import DensitySettings
+from ..applications.densities.surface_densities import heat_map
+from ..applications.densities.vertex_distances import distances_from
+from ..bridge.densities.density_material import heat_material
+from ..bridge.densities.density_nodes import NAME
+from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_store import StoredDensity
 from ..bridge.files import checked_target, save_blend
 from ..bridge.vertex_groups import group_names, write_group
 from ..console import ProgressBar

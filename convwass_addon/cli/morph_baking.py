@@ -11,13 +11,13 @@ from pathlib import Path
 
 import bpy
 
-from ..applications.cluster import cluster_workers
-from ..applications.layouts import Blend
-from ..applications.morph import MorphStep
-from ..applications.morph_settings import MorphSettings
-from ..bridge.animation import render_animation
-from ..bridge.contact_sheet import render_contact_sheet
-from ..bridge.job import MorphJob
+from ..applications.morphs.cluster import cluster_workers
+from ..applications.morphs.layouts import Blend
+from ..applications.morphs.morph import MorphStep
+from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.morphs.animation import render_animation
+from ..bridge.morphs.contact_sheet import render_contact_sheet
+from ..bridge.morphs.job import MorphJob
 from ..console import ProgressBar
 from .answer import Answer
 from .morph_choices import Computing

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..applications.frame_cache import FrameCache
-from ..applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
-from ..applications.morph_settings import MorphSettings
-from ..bridge.exports import FORMATS
+from ..applications.morphs.frame_cache import FrameCache
+from ..applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
+from ..bridge.morphs.exports import FORMATS
 from ..errors import InputError
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
-from ..bridge.outputs import ON_DISK, PACKED
+from ..bridge.morphs.outputs import ON_DISK, PACKED
 from .argument_types import WORKERS, entropy_limit, frame_range, numbers
 from .morph_choices import suffixes
 

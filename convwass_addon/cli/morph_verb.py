@@ -9,14 +9,14 @@ from argparse import Namespace
 
 import bpy
 
-from ..applications.between_frames import places_at
-from ..applications.layouts import Blend
-from ..applications.morph import MorphStep
-from ..applications.morph_settings import MorphSettings
-from ..bridge.exports import export_frames
+from ..applications.morphs.between_frames import places_at
+from ..applications.morphs.layouts import Blend
+from ..applications.morphs.morph import MorphStep
+from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
 from ..bridge.imports import import_objects, parse_source
-from ..bridge.outputs import save_as
+from ..bridge.morphs.exports import export_frames
+from ..bridge.morphs.outputs import save_as
 from .answer import Answer
 from .morph_baking import baked, prepared_job, rendered, report, run_job
 from .morph_choices import Computing, between_of, blends_of, computing_of, export_format, settings_of

@@ -13,20 +13,20 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..applications.map_extension import DOUBTFUL
-from ..applications.map_repair import repaired_map
-from ..applications.map_sides import MapSide
-from ..applications.mirror_maps import mirror_map_steps
-from ..applications.soft_map_settings import SoftMapSettings
-from ..applications.soft_maps import SoftMapStep, soft_map_steps
-from ..applications.surface_maps import PointMap, SurfaceMap
+from ..applications.soft_maps.map_extension import DOUBTFUL
+from ..applications.soft_maps.map_repair import repaired_map
+from ..applications.soft_maps.map_sides import MapSide
+from ..applications.soft_maps.mirror_maps import mirror_map_steps
+from ..applications.soft_maps.soft_map_settings import SoftMapSettings
+from ..applications.soft_maps.soft_maps import SoftMapStep, soft_map_steps
+from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
 from ..bridge.files import checked_target, save_blend
-from ..bridge.map_pairs import pairs_from_empties, pairs_from_groups
-from ..bridge.map_transfer import CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
-from ..bridge.map_weights import WeightRules
-from ..bridge.resting_surface import resting_mesh
-from ..bridge.soft_map_bytes import StoredSoftMap
-from ..bridge.soft_map_store import mapped_side, store_soft_map
+from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
+from ..bridge.soft_maps.map_transfer import CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
+from ..bridge.soft_maps.map_weights import WeightRules
+from ..bridge.soft_maps.resting_surface import resting_mesh
+from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
+from ..bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from ..bridge.surfaces import SurfaceReading, read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..console import ProgressBar

@@ -19,14 +19,7 @@ from .bumps import Bump
 from .connectivity import Connectivity
 from .gaps import densest_gaps
 from .handles import RAISED, remove_handles
-from .isosurface import (
-    LevelSurface,
-    as_floats,
-    bounding_box,
-    estimate_shortfall,
-    level_enclosing,
-    surface_enclosing,
-)
+from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
 
 # Pieces of a smaller share of the volume are crumbs; those of less than the other are strays where no narrow gap leads

@@ -11,9 +11,9 @@ from bpy.props import FloatVectorProperty
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from numpy.typing import NDArray
 
-from ..applications.inner_points import InnerPointFinder
+from ..applications.skeletons.inner_points import InnerPointFinder
 from ..armature_properties import chosen_rig, depth_property
-from ..bridge.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph
+from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph
 from ..errors import ConvwassError, InputError
 from .armature_targets import OnBody, chosen_joints, joints_property
 from .density_pick import view_at

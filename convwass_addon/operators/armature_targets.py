@@ -8,8 +8,8 @@ import bpy
 from bpy.props import StringProperty
 
 from ..armature_properties import chosen_rig
-from ..bridge.rig_graphs import RigGraph
-from ..bridge.rigs import KINDS
+from ..bridge.armatures.rig_graphs import RigGraph
+from ..bridge.armatures.rigs import KINDS
 from ..errors import InputError
 from .background import is_idle
 from .chosen_inputs import split_names

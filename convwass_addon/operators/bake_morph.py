@@ -11,13 +11,13 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.frame_cache import FrameCache, SpareFrameCache
-from ..applications.morph import MorphStep
-from ..bridge.disk_output import packed_bytes
-from ..bridge.job import MorphJob
-from ..bridge.replace import replace_bake
-from ..bridge.stand_ins import stand_ins
-from ..bridge.stored import frame_objects
+from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
+from ..applications.morphs.morph import MorphStep
+from ..bridge.morphs.disk_output import packed_bytes
+from ..bridge.morphs.job import MorphJob
+from ..bridge.morphs.replace import replace_bake
+from ..bridge.morphs.stand_ins import stand_ins
+from ..bridge.morphs.stored import frame_objects
 from ..errors import InputError
 from ..preferences import preferences
 from ..properties import MorphProperties

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bridge.density_store import StoredDensity
+from ..bridge.densities.density_store import StoredDensity
 from ..bridge.vertex_groups import read_groups
 
 # Weights are stored in single precision.

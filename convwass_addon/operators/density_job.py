@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..applications.density_frames import DensityFrames, DensityStep, joined_frames
-from ..applications.density_settings import DensitySettings
-from ..applications.surface_densities import Surface, blur_notice, density_surface
+from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
+from ..applications.densities.density_settings import DensitySettings
+from ..applications.densities.surface_densities import Surface, blur_notice, density_surface
 from ..bridge.handles import Handle
 from ..bridge.surfaces import read_surface
 from ..errors import InputError

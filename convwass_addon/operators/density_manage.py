@@ -14,13 +14,13 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from numpy.typing import NDArray
 
-from ..bridge.density_attributes import stored_frames
-from ..bridge.density_images import ImageSettings, write_step_images
-from ..bridge.density_material import growth_material, heat_material
-from ..bridge.density_nodes import color_name
-from ..bridge.density_outputs import show_heat_colors, write_step_colors, write_step_groups
-from ..bridge.density_player import density_modifier, remove_density
-from ..bridge.density_store import StoredDensity, store_density, stored_density, stored_or_new
+from ..bridge.densities.density_attributes import stored_frames
+from ..bridge.densities.density_images import ImageSettings, write_step_images
+from ..bridge.densities.density_material import growth_material, heat_material
+from ..bridge.densities.density_nodes import color_name
+from ..bridge.densities.density_outputs import show_heat_colors, write_step_colors, write_step_groups
+from ..bridge.densities.density_player import density_modifier, remove_density
+from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..density_properties import LIMITS, OutputProperties

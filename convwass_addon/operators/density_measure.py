@@ -13,16 +13,16 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from numpy.typing import NDArray
 
-from ..applications.density_measures import (
+from ..applications.densities.density_measures import (
     MEASURING_SUBSTEPS,
     DensityDistance,
     DistanceTable,
     distance_table,
     measured_distance,
 )
-from ..applications.density_settings import DensitySettings
-from ..applications.surface_densities import Surface
-from ..applications.vertex_distances import distances_from
+from ..applications.densities.density_settings import DensitySettings
+from ..applications.densities.surface_densities import Surface
+from ..applications.densities.vertex_distances import distances_from
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..density_properties import SurfaceProperties

@@ -14,9 +14,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, FloatProperty
 from numpy.typing import NDArray
 
-from ..applications.density_settings import DensitySettings
-from ..applications.density_tools import diffused, sharpened, sharpened_by, unit_mass
-from ..applications.surface_densities import Surface, density_figures, distribution, heat_map
+from ..applications.densities.density_settings import DensitySettings
+from ..applications.densities.density_tools import diffused, sharpened, sharpened_by, unit_mass
+from ..applications.densities.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
 from ..density_properties import length_property, radius_property, share_property

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from bpy.props import StringProperty
 
-from ..bridge.density_player import played_densities
+from ..bridge.densities.density_player import played_densities
 from ..errors import InputError
 from ..sentence import Sentence
 from ..translations import translated

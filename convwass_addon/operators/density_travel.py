@@ -12,13 +12,13 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, StringProperty
 
-from ..applications.density_graphs import propagation_steps
-from ..applications.density_paths import blend_steps, path_steps
-from ..applications.surface_densities import Surface, heat_map
-from ..bridge.density_attributes import require_free
-from ..bridge.density_material import heat_material
-from ..bridge.density_player import DensityKey, animate_density
-from ..bridge.density_store import StoredDensity, stored_or_new
+from ..applications.densities.density_graphs import propagation_steps
+from ..applications.densities.density_paths import blend_steps, path_steps
+from ..applications.densities.surface_densities import Surface, heat_map
+from ..bridge.densities.density_attributes import require_free
+from ..bridge.densities.density_material import heat_material
+from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..density_properties import PathProperties, TravelProperties

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
 from bpy.props import IntProperty
 
-from ..applications.shape_check import ShapeFindings, check_shape
+from ..applications.morphs.shape_check import ShapeFindings, check_shape
 from ..bridge.objects import triangle_mesh
 from ..errors import ConvwassError, InputError
 from ..preferences import preferences

@@ -8,11 +8,11 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
-from ..bridge.bake import remove_frames
-from ..bridge.cache_output import as_cache
-from ..bridge.disk_output import DiskOutput, output_folder
-from ..bridge.stand_ins import remove_stand_ins
-from ..bridge.volume_output import as_volume
+from ..bridge.morphs.bake import remove_frames
+from ..bridge.morphs.cache_output import as_cache
+from ..bridge.morphs.disk_output import DiskOutput, output_folder
+from ..bridge.morphs.stand_ins import remove_stand_ins
+from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
 from ..properties import CACHE_FORMATS, DEFAULT_FOLDER
 from .manage_morph import OnActiveMorph, active_morph, select_only

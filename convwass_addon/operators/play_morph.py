@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.blend_pad import make_blend_pad
-from ..bridge.player import make_player
-from ..bridge.stand_ins import remove_stand_ins, stand_ins
-from ..bridge.stored import frame_objects
+from ..bridge.morphs.blend_pad import make_blend_pad
+from ..bridge.morphs.player import make_player
+from ..bridge.morphs.stand_ins import remove_stand_ins, stand_ins
+from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
 from .manage_morph import OnActiveMorph, active_morph, select_only
 from .reporting import refuse

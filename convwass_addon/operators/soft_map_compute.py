@@ -13,15 +13,15 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
-from ..applications.map_extension import DOUBTFUL
-from ..applications.map_repair import repaired_map
-from ..applications.map_sides import MapSide
-from ..applications.mirror_maps import mirror_map_steps
-from ..applications.soft_map_settings import SoftMapSettings
-from ..applications.soft_maps import SoftMapStep, soft_map_steps
-from ..applications.surface_maps import SurfaceMap
-from ..bridge.mapped_meshes import standing_mesh
-from ..bridge.soft_map_store import forget_soft_map
+from ..applications.soft_maps.map_extension import DOUBTFUL
+from ..applications.soft_maps.map_repair import repaired_map
+from ..applications.soft_maps.map_sides import MapSide
+from ..applications.soft_maps.mirror_maps import mirror_map_steps
+from ..applications.soft_maps.soft_map_settings import SoftMapSettings
+from ..applications.soft_maps.soft_maps import SoftMapStep, soft_map_steps
+from ..applications.soft_maps.surface_maps import SurfaceMap
+from ..bridge.soft_maps.mapped_meshes import standing_mesh
+from ..bridge.soft_maps.soft_map_store import forget_soft_map
 from ..errors import ConvwassError, InputError
 from ..sentence import Sentence
 from ..soft_map_properties import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
@@ -30,13 +30,7 @@ from .density_job import Check
 from .density_targets import ignored_notice, tell
 from .reporting import refuse
 from .soft_map_job import RepairJob, SoftMapJob, equal_groups
-from .soft_map_targets import (
-    OnMapObjects,
-    OnStoredMap,
-    current_way,
-    mapped_objects,
-    reshaped_notices,
-)
+from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices
 
 _WAYS = ("forward", "backward")
 

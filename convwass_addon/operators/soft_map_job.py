@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator, Sequence
 
 import bpy
 
-from ..applications.map_sides import MapSide
-from ..applications.soft_maps import SoftMapStep
-from ..applications.surface_maps import SurfaceMap
+from ..applications.soft_maps.map_sides import MapSide
+from ..applications.soft_maps.soft_maps import SoftMapStep
+from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.handles import Handle
-from ..bridge.soft_map_bytes import MappedSide, StoredSoftMap
-from ..bridge.soft_map_store import MapState, map_state, mapped_side, store_soft_map
+from ..bridge.soft_maps.soft_map_bytes import MappedSide, StoredSoftMap
+from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, store_soft_map
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError

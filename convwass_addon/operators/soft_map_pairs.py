@@ -10,7 +10,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty, StringProperty
 
-from ..bridge.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
+from ..bridge.soft_maps.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
 from ..errors import ConvwassError, InputError
 from ..soft_map_properties import CONVWASS_PG_soft_map, FromGroupsProperties
 from .density_targets import selected_vertices

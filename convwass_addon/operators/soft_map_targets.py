@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..applications.surface_maps import PointMap
-from ..bridge.soft_map_bytes import MappedSide, StoredSoftMap
-from ..bridge.soft_map_store import MapState, has_soft_map, map_state, stored_soft_map
+from ..applications.soft_maps.surface_maps import PointMap
+from ..bridge.soft_maps.soft_map_bytes import MappedSide, StoredSoftMap
+from ..bridge.soft_maps.soft_map_store import MapState, has_soft_map, map_state, stored_soft_map
 from ..errors import InputError
 from ..sentence import Sentence
 from .background import is_idle

@@ -13,11 +13,11 @@ from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.handles import Handle
-from ..bridge.map_transfer import Carried, CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
-from ..bridge.map_weights import WeightRules
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.resting_surface import resting_mesh
-from ..bridge.soft_map_store import MapState, map_state
+from ..bridge.soft_maps.map_transfer import Carried, CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
+from ..bridge.soft_maps.map_weights import WeightRules
+from ..bridge.soft_maps.resting_surface import resting_mesh
+from ..bridge.soft_maps.soft_map_store import MapState, map_state
 from ..errors import InputError
 from ..sentence import Sentence
 from ..soft_map_properties import TRANSFERRED, TransferProperties

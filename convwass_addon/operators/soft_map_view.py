@@ -9,18 +9,12 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 
-from ..bridge.map_view import CONFIDENCE, show_distribution, show_places, write_confidence
-from ..bridge.resting_surface import resting_mesh
+from ..bridge.soft_maps.map_view import CONFIDENCE, show_distribution, show_places, write_confidence
+from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import ConvwassError
 from .density_targets import tell
 from .reporting import refuse
-from .soft_map_targets import (
-    OnStoredMap,
-    current_way,
-    edit_mode_left,
-    one_selected,
-    reshaped_notices,
-)
+from .soft_map_targets import OnStoredMap, current_way, edit_mode_left, one_selected, reshaped_notices
 
 
 class CONVWASS_OT_show_soft_map(OnStoredMap, bpy.types.Operator):

@@ -7,9 +7,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..bridge.changes import changed_inputs
-from ..bridge.player import is_player, morph_value, playback
-from ..bridge.stored import WEIGHTS_KEY, stored_health
+from ..bridge.morphs.changes import changed_inputs
+from ..bridge.morphs.player import is_player, morph_value, playback
+from ..bridge.morphs.stored import WEIGHTS_KEY, stored_health
 from ..operators.manage_morph import active_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped

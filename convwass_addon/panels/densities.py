@@ -7,8 +7,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..bridge.density_player import density_value, played_densities
-from ..bridge.density_store import stored_or_new
+from ..bridge.densities.density_player import density_value, played_densities
+from ..bridge.densities.density_store import stored_or_new
 from ..density_properties import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from ..errors import ConvwassError
 from ..operators.background import CONVWASS_OT_stop_bake

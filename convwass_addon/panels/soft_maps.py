@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..bridge.soft_map_store import recounted
+from ..bridge.soft_maps.soft_map_store import recounted
 from ..operators.soft_map_compute import (
     CONVWASS_OT_compute_soft_map,
     CONVWASS_OT_mirror_map,
@@ -29,12 +29,7 @@ from ..operators.soft_map_view import (
     CONVWASS_OT_show_distribution,
     CONVWASS_OT_show_soft_map,
 )
-from ..soft_map_properties import (
-    CONVWASS_PG_soft_map,
-    FromGroupsProperties,
-    SoftMapProperties,
-    TransferProperties,
-)
+from ..soft_map_properties import CONVWASS_PG_soft_map, FromGroupsProperties, SoftMapProperties, TransferProperties
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 

@@ -9,14 +9,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from convwass_addon.applications import between_frames as between
-from convwass_addon.applications.between_frames import between_frames, places_at
-from convwass_addon.applications.frame_cache import FrameCache
-from convwass_addon.applications.frame_file import read_frame, write_frame
-from convwass_addon.applications.layouts import path_blends, single_blend
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import FaceLabels
+from convwass_addon.applications.morphs import between_frames as between
+from convwass_addon.applications.morphs.between_frames import between_frames, places_at
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.frame_file import read_frame, write_frame
+from convwass_addon.applications.morphs.layouts import path_blends, single_blend
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.parts import FaceLabels
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
 from tests.shapes import ball, box, joined

@@ -12,12 +12,12 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from convwass_addon.applications.density_frames import joined_frames
-from convwass_addon.applications.density_measures import MEASURING_SUBSTEPS
-from convwass_addon.applications.density_paths import interpolation_steps
-from convwass_addon.applications.density_settings import DensitySettings
-from convwass_addon.applications.surface_densities import density_surface
-from convwass_addon.applications.vertex_distances import distances_from
+from convwass_addon.applications.densities.density_frames import joined_frames
+from convwass_addon.applications.densities.density_measures import MEASURING_SUBSTEPS
+from convwass_addon.applications.densities.density_paths import interpolation_steps
+from convwass_addon.applications.densities.density_settings import DensitySettings
+from convwass_addon.applications.densities.surface_densities import density_surface
+from convwass_addon.applications.densities.vertex_distances import distances_from
 from convwass_addon.geometry.mesh import TriangleMesh
 
 SHAPES = Path(__file__).parents[2] / "assets" / "shapes"

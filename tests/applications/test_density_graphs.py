@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.density_frames import joined_frames
-from convwass_addon.applications.density_graphs import propagation_steps
-from convwass_addon.applications.density_settings import DensitySettings
+from convwass_addon.applications.densities.density_frames import joined_frames
+from convwass_addon.applications.densities.density_graphs import propagation_steps
+from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.transport import barycenter
 from tests.applications.test_density_paths import SPHERE, check_records

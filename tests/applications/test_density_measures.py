@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
-from convwass_addon.applications.surface_densities import density_surface
+from convwass_addon.applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
+from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.test_density_pieces import BALLS, on

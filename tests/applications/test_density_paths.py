@@ -10,10 +10,10 @@ from hypothesis import given, settings, strategies as st
 
 from convwass_addon.applications import memory
 from convwass_addon.applications.background import BackgroundJob
-from convwass_addon.applications.density_frames import joined_frames
-from convwass_addon.applications.density_paths import blend_steps, interpolation_steps, path_steps
-from convwass_addon.applications.density_settings import DensitySettings
-from convwass_addon.applications.surface_densities import density_surface
+from convwass_addon.applications.densities.density_frames import joined_frames
+from convwass_addon.applications.densities.density_paths import blend_steps, interpolation_steps, path_steps
+from convwass_addon.applications.densities.density_settings import DensitySettings
+from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.transport import bisect

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from convwass_addon.applications.density_pieces import on_same_pieces, piece, piece_masses
-from convwass_addon.applications.surface_densities import density_surface, distribution
+from convwass_addon.applications.densities.density_pieces import on_same_pieces, piece, piece_masses
+from convwass_addon.applications.densities.surface_densities import density_surface, distribution
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball, joined

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from convwass_addon.applications.density_tools import diffused, sharpened, sharpened_by, unit_mass
-from convwass_addon.applications.surface_densities import density_surface, distribution
+from convwass_addon.applications.densities.density_tools import diffused, sharpened, sharpened_by, unit_mass
+from convwass_addon.applications.densities.surface_densities import density_surface, distribution
 from convwass_addon.errors import InputError
 from convwass_addon.transport.sharpening import entropy
 from tests.applications.test_surface_densities import SURFACE

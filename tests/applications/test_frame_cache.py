@@ -17,16 +17,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from convwass_addon.applications import frame_cache, frame_file, morph as morphing
-from convwass_addon.applications.frame_cache import FrameCache, SpareFrameCache
-from convwass_addon.applications.frame_file import MAGIC, DamagedFrameError, StoredFrame, read_frame, write_frame
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_problem import MorphProblem
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import FaceLabels
-from convwass_addon.applications.potentials import PartPotentials
-from convwass_addon.applications.runs import RUN_LENGTH, runs_of
+from convwass_addon.applications.morphs import frame_cache, frame_file, morph as morphing
+from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
+from convwass_addon.applications.morphs.frame_file import MAGIC, DamagedFrameError, StoredFrame, read_frame, write_frame
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphProblem
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.parts import FaceLabels
+from convwass_addon.applications.morphs.potentials import PartPotentials
+from convwass_addon.applications.morphs.runs import RUN_LENGTH, runs_of
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from tests.shapes import ball, box
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.applications.health import (
+from convwass_addon.applications.morphs.health import (
     TEXTS,
     HealthNote,
     finer,
@@ -20,7 +20,7 @@ from convwass_addon.applications.health import (
     thin_parts,
     wall_share,
 )
-from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.geometry.occupancy import occupancy
 
 from ..shapes import ball, box, joined

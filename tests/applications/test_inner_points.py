@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.inner_points import InnerPointFinder, inner_point
+from convwass_addon.applications.skeletons.inner_points import InnerPointFinder, inner_point
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.solid_angles import winding_numbers
 from tests.shapes import ball, box, joined, square, torus

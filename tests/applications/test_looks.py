@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.looks import Look, Painted, Plain, Textured, carried
+from convwass_addon.applications.morphs.looks import Look, Painted, Plain, Textured, carried
 from convwass_addon.geometry.closest_points import ClosestPoints
 from tests.shapes import ball, box
 

@@ -12,10 +12,10 @@ import pytest
 
 from convwass_addon.applications import memory
 from convwass_addon.applications.background import BackgroundJob
-from convwass_addon.applications.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.volumes import Lattice
+from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.edges import topology
 from convwass_addon.sentence import Sentence

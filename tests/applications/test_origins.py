@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.linalg import sqrtm
 
-from convwass_addon.applications.origins import PartTransport, blend_origins, displacements, velocities
-from convwass_addon.applications.volumes import Lattice
+from convwass_addon.applications.morphs.origins import PartTransport, blend_origins, displacements, velocities
+from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.transport import Grid, Inputs, barycenter
 from tests.transport.ellipsoids import Ellipsoid
 

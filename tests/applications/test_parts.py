@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from convwass_addon.applications import blending, memory
-from convwass_addon.applications.layouts import single_blend
-from convwass_addon.applications.merging import merged_parts
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import (
+from convwass_addon.applications import memory
+from convwass_addon.applications.morphs import blending
+from convwass_addon.applications.morphs.layouts import single_blend
+from convwass_addon.applications.morphs.merging import merged_parts
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.parts import (
     FaceLabels,
     joined,
     matched,
@@ -21,7 +22,7 @@ from convwass_addon.applications.parts import (
     part_volumes,
     unparted,
 )
-from convwass_addon.applications.volumes import Lattice, fitting_workers
+from convwass_addon.applications.morphs.volumes import Lattice, fitting_workers
 from convwass_addon.errors import InputError, ResourceError
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.occupancy import occupancy
@@ -264,7 +265,7 @@ def test_threads_and_parts_count_as_memory(monkeypatch):
     assert 90 < (two - one) / cells < 420
     assert one < parted < two
     monkeypatch.setattr(memory, "available_memory", lambda: (one + two) // 2)
-    monkeypatch.setattr("convwass_addon.applications.volumes.available_memory", lambda: (one + two) // 2)
+    monkeypatch.setattr("convwass_addon.applications.morphs.volumes.available_memory", lambda: (one + two) // 2)
     assert fitting_workers(lattice, shapes, 1, 8) == 1
     Lattice.around(shapes, 64, 1.0, workers=1)
     with pytest.raises(ResourceError, match="Fewer workers than 2"):
@@ -275,7 +276,7 @@ def test_as_many_threads_as_fit(monkeypatch):
     shapes = [ball(), box()]
     lattice = Lattice.around(shapes, 64, 1.0)
     monkeypatch.setattr(
-        "convwass_addon.applications.volumes.available_memory", lambda: lattice.memory(shapes, 3, 1) + 1
+        "convwass_addon.applications.morphs.volumes.available_memory", lambda: lattice.memory(shapes, 3, 1) + 1
     )
     assert fitting_workers(lattice, shapes, 1, 8) == 3
     assert fitting_workers(lattice, shapes, 1, 2) == 2

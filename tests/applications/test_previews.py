@@ -14,15 +14,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from convwass_addon.applications import blending, memory, morph_problem, runs
-from convwass_addon.applications.frame_cache import FrameCache
-from convwass_addon.applications.layouts import path_blends, single_blend
-from convwass_addon.applications.morph import morph, prepared_problem
-from convwass_addon.applications.morph_problem import MorphProblem
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.parts import FaceLabels, matched, unparted
-from convwass_addon.applications.reading import connectivity_of
-from convwass_addon.applications.volumes import voxelize
+from convwass_addon.applications import memory
+from convwass_addon.applications.morphs import blending, morph_problem, runs
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.layouts import path_blends, single_blend
+from convwass_addon.applications.morphs.morph import morph, prepared_problem
+from convwass_addon.applications.morphs.morph_problem import MorphProblem
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.parts import FaceLabels, matched, unparted
+from convwass_addon.applications.morphs.reading import connectivity_of
+from convwass_addon.applications.morphs.volumes import voxelize
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid
 from tests.shapes import ball, box, joined, torus

@@ -9,10 +9,10 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.reading import connectivity_of, read_surface
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.reading import connectivity_of, read_surface
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.edges import topology

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.applications import runs
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.morphs import runs
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from tests.shapes import ball, box
 
 QUICK = MorphSettings(resolution=24)

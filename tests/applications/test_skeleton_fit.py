@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.skeleton_carrying import between_pins
-from convwass_addon.applications.skeleton_fit import FittedSkeleton, fit_steps
-from convwass_addon.applications.skeleton_graph import JointGraph
-from convwass_addon.applications.skeleton_links import Links, chains
-from convwass_addon.applications.skeleton_settings import SkeletonSettings
+from convwass_addon.applications.skeletons.skeleton_carrying import between_pins
+from convwass_addon.applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
+from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
+from convwass_addon.applications.skeletons.skeleton_links import Links, chains
+from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import box, joined, square, torus, with_faces

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from convwass_addon.applications.spare_threads import SpareThreads, at_once
+from convwass_addon.applications.morphs.spare_threads import SpareThreads, at_once
 
 
 def here():

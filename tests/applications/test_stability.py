@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.morph import morph
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.applications.volumes import Lattice
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, joined, torus

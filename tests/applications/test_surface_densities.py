@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from convwass_addon.applications import memory
-from convwass_addon.applications.density_settings import DensitySettings
-from convwass_addon.applications.surface_densities import (
+from convwass_addon.applications.densities.density_settings import DensitySettings
+from convwass_addon.applications.densities.surface_densities import (
     blur_notice,
     blur_of,
     density_figures,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.density_measures import MEASURING_SUBSTEPS
-from convwass_addon.applications.surface_densities import density_surface
-from convwass_addon.applications.vertex_distances import distances_from
+from convwass_addon.applications.densities.density_measures import MEASURING_SUBSTEPS
+from convwass_addon.applications.densities.surface_densities import density_surface
+from convwass_addon.applications.densities.vertex_distances import distances_from
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.test_density_pieces import BALLS
@@ -39,7 +39,7 @@ def test_of_several_sources_the_nearest_counts(monkeypatch):
     alone = [distances_from(vertex, LARGE).lengths for vertex in (3, 900)]
     expected = np.minimum(*alone)
     np.testing.assert_allclose(distances_from([900, 3, 3], LARGE).lengths, expected, atol=1e-12)
-    monkeypatch.setattr("convwass_addon.applications.vertex_distances._VALUES_AT_ONCE", 1)
+    monkeypatch.setattr("convwass_addon.applications.densities.vertex_distances._VALUES_AT_ONCE", 1)
     np.testing.assert_allclose(distances_from([900, 3], LARGE).lengths, expected, atol=1e-9)
 
 

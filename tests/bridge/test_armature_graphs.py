@@ -13,8 +13,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from mathutils import Euler, Matrix, Vector
 
-from convwass_addon.bridge.armature_graphs import armature_graph, move_armature_joints, note_rest
-from convwass_addon.bridge.rigs import (
+from convwass_addon.bridge.armatures.armature_graphs import armature_graph, move_armature_joints, note_rest
+from convwass_addon.bridge.armatures.rigs import (
     clear_pins,
     is_posed,
     pin_joints,
@@ -384,7 +384,7 @@ def test_bones_have_pins_without_the_add_on_for_a_while(monkeypatch):
     with with_pins():
         assert hasattr(bpy.types.Bone, "convwass_pinned")
     assert hasattr(bpy.types.EditBone, "convwass_rest")
-    from convwass_addon.bridge import rigs
+    from convwass_addon.bridge.armatures import rigs
 
     rigs.unregister_pins()
     try:

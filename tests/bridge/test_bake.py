@@ -11,14 +11,13 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.layouts import grid_blends, path_blends, single_blend
-from convwass_addon.applications.morph_problem import MorphFrame
-from convwass_addon.bridge.bake import MorphBake, remove_bake
+from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, single_blend
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.keyframes import is_shown
-from convwass_addon.bridge.materials import MATERIAL_NAME
-from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.stored import (
+from convwass_addon.bridge.morphs.bake import MorphBake, remove_bake
+from convwass_addon.bridge.morphs.materials import MATERIAL_NAME
+from convwass_addon.bridge.morphs.stored import (
     MORPH_KEY,
     WEIGHTS_KEY,
     frame_objects,
@@ -26,6 +25,7 @@ from convwass_addon.bridge.stored import (
     stored_morph,
     stored_settings,
 )
+from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError, InputError
 
 SETTINGS = {"frames": 4, "resolution": 64, "sharpness": None, "weights": [0.5, 0.5], "level": "volume"}

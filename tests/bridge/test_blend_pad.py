@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from convwass_addon.applications.layouts import grid_blends, path_blends, single_blend, triangle_blends
-from convwass_addon.applications.morph_problem import MorphFrame
-from convwass_addon.bridge.bake import MorphBake
-from convwass_addon.bridge.blend_pad import make_blend_pad
-from convwass_addon.bridge.frame_colors import COLOR
-from convwass_addon.bridge.stand_ins import remove_stand_ins, shown_morph, stand_ins
-from convwass_addon.bridge.stored import frame_objects
+from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, single_blend, triangle_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs.bake import MorphBake
+from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.frame_colors import COLOR
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, stand_ins
+from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.errors import InputError
 
 SHEETS = {"grid": grid_blends(4, 5), "triangle": triangle_blends(3, 4)}

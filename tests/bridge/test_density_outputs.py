@@ -8,12 +8,17 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.density_images import ImageSettings, write_step_images
-from convwass_addon.bridge.density_material import GROWTHS, growth_material, heat_material
-from convwass_addon.bridge.density_nodes import NAME, color_name
-from convwass_addon.bridge.density_outputs import show_heat_colors, step_name, write_step_colors, write_step_groups
-from convwass_addon.bridge.density_player import animate_density, density_value, remove_density
-from convwass_addon.bridge.density_store import stored_density
+from convwass_addon.bridge.densities.density_images import ImageSettings, write_step_images
+from convwass_addon.bridge.densities.density_material import GROWTHS, growth_material, heat_material
+from convwass_addon.bridge.densities.density_nodes import NAME, color_name
+from convwass_addon.bridge.densities.density_outputs import (
+    show_heat_colors,
+    step_name,
+    write_step_colors,
+    write_step_groups,
+)
+from convwass_addon.bridge.densities.density_player import animate_density, density_value, remove_density
+from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.heat_map import heat_colors, heat_stops
 from convwass_addon.bridge.vertex_groups import group_names, read_groups
 from convwass_addon.errors import InputError

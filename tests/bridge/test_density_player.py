@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from convwass_addon.bridge.density_attributes import stored_frames
-from convwass_addon.bridge.density_nodes import COLORS, NAME, color_name, frame_name
-from convwass_addon.bridge.density_player import (
+from convwass_addon.bridge.densities.density_attributes import stored_frames
+from convwass_addon.bridge.densities.density_nodes import COLORS, NAME, color_name, frame_name
+from convwass_addon.bridge.densities.density_player import (
     DensityKey,
     animate_density,
     density_modifier,
@@ -24,7 +24,7 @@ from convwass_addon.bridge.density_player import (
     played_densities,
     remove_density,
 )
-from convwass_addon.bridge.density_store import DENSITIES_KEY, StoredDensity, store_density, stored_density
+from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, StoredDensity, store_density, stored_density
 from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.errors import InputError

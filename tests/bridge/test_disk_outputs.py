@@ -11,14 +11,14 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.layouts import path_blends, triangle_blends
-from convwass_addon.applications.morph_problem import MorphFrame
-from convwass_addon.bridge.bake import MorphBake, remove_bake, remove_frames
-from convwass_addon.bridge.cache_output import as_cache
-from convwass_addon.bridge.disk_output import disk_outputs, for_blender, output_folder, packed_bytes
+from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs.bake import MorphBake, remove_bake, remove_frames
+from convwass_addon.bridge.morphs.cache_output import as_cache
+from convwass_addon.bridge.morphs.disk_output import disk_outputs, for_blender, output_folder, packed_bytes
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.volume_output import as_volume
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.stored import frame_objects
-from convwass_addon.bridge.volume_output import as_volume
 from convwass_addon.errors import Cancelled, InputError
 
 CELL = 5.0 / 64

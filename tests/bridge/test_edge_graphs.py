@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.edge_graphs import PINNED, edge_graph
-from convwass_addon.bridge.rigs import clear_pins, is_posed, move_joints, pin_joints, pinned_ends, rig_graph
+from convwass_addon.bridge.armatures.edge_graphs import PINNED, edge_graph
+from convwass_addon.bridge.armatures.rigs import clear_pins, is_posed, move_joints, pin_joints, pinned_ends, rig_graph
 from convwass_addon.errors import InputError
 from tests.rigs import lines
 

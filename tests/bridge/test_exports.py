@@ -8,11 +8,11 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.layouts import path_blends, triangle_blends
-from convwass_addon.applications.morph_problem import MorphFrame
-from convwass_addon.bridge.bake import MorphBake
-from convwass_addon.bridge.exports import FORMATS, export_frames
+from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.morphs.bake import MorphBake
+from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError, InputError
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from convwass_addon.bridge import joint_dots
-from convwass_addon.bridge.joint_dots import JointDots, dots_of
-from convwass_addon.bridge.rigs import pin_joints, rig_graph
+from convwass_addon.bridge.armatures import joint_dots
+from convwass_addon.bridge.armatures.joint_dots import JointDots, dots_of
+from convwass_addon.bridge.armatures.rigs import pin_joints, rig_graph
 from tests.rigs import chain, lines
 
 pytestmark = pytest.mark.usefixtures("registered_addon")

@@ -7,14 +7,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.layouts import path_blends
-from convwass_addon.applications.looks import Carried, Painted, Plain, Seen, Textured
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.bridge.exports import export_frames
-from convwass_addon.bridge.job import MorphJob
-from convwass_addon.bridge.looks import read_look, seen_colors, write_carried
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.looks import Carried, Painted, Plain, Seen, Textured
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.exports import export_frames
+from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.looks import read_look, seen_colors, write_carried
+from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.objects import frozen_copy
-from convwass_addon.bridge.stored import frame_objects
 from tests.shapes import ball, joined
 
 RED, GREEN, BLUE, WHITE = (1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)

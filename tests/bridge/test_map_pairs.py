@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.map_pairs import MapPair, pairs_from_empties, pairs_from_groups
+from convwass_addon.bridge.soft_maps.map_pairs import MapPair, pairs_from_empties, pairs_from_groups
 from convwass_addon.errors import InputError
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from convwass_addon.bridge.map_weights import WeightRules, deforming_groups, fitted_weights
+from convwass_addon.bridge.soft_maps.map_weights import WeightRules, deforming_groups, fitted_weights
 
 NONE = np.zeros((0, 1))
 

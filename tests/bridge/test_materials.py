@@ -7,7 +7,13 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.bridge.materials import MATERIAL_NAME, input_color, morph_material, plain_copy, wears_object_color
+from convwass_addon.bridge.morphs.materials import (
+    MATERIAL_NAME,
+    input_color,
+    morph_material,
+    plain_copy,
+    wears_object_color,
+)
 
 RED = (0.8, 0.1, 0.2, 1.0)
 

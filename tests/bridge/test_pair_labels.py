@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
-from convwass_addon.bridge import pair_labels
-from convwass_addon.bridge.pair_labels import LabeledVertex, PairLabels, _faces_viewer, labels_of
+from convwass_addon.bridge.soft_maps import pair_labels
+from convwass_addon.bridge.soft_maps.pair_labels import LabeledVertex, PairLabels, _faces_viewer, labels_of
 
 
 @pytest.fixture

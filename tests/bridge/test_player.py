@@ -13,12 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from convwass_addon.applications.layouts import path_blends, single_blend, triangle_blends
-from convwass_addon.applications.morph_problem import MorphFrame
-from convwass_addon.bridge.bake import MorphBake, remove_bake
-from convwass_addon.bridge.frame_colors import COLOR
-from convwass_addon.bridge.node_inputs import node_input
-from convwass_addon.bridge.player import (
+from convwass_addon.applications.morphs.layouts import path_blends, single_blend, triangle_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs.bake import MorphBake, remove_bake
+from convwass_addon.bridge.morphs.frame_colors import COLOR
+from convwass_addon.bridge.morphs.player import (
     MATERIAL,
     OVERRIDE,
     PLAYBACK,
@@ -28,9 +27,10 @@ from convwass_addon.bridge.player import (
     morph_value,
     refresh_player,
 )
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, stand_ins
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.sequence import MODIFIER
-from convwass_addon.bridge.stand_ins import remove_stand_ins, shown_morph, stand_ins
-from convwass_addon.bridge.stored import frame_objects
 from convwass_addon.errors import InputError
 
 FIRST, STEPS = 10, 4

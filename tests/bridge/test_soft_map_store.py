@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from convwass_addon.bridge.soft_map_bytes import _MAGIC, StoredSoftMap, packed, unpacked
-from convwass_addon.bridge.soft_map_store import (
+from convwass_addon.bridge.soft_maps.soft_map_bytes import _MAGIC, StoredSoftMap, packed, unpacked
+from convwass_addon.bridge.soft_maps.soft_map_store import (
     MAPS_KEY,
     MapState,
     forget_soft_map,

@@ -8,13 +8,13 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.animation import render_animation
-from convwass_addon.bridge.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.framing import View, orbit
 from convwass_addon.bridge.keyframes import FrameRange, key_visibility
-from convwass_addon.bridge.materials import morph_material
-from convwass_addon.bridge.still import render_still
-from convwass_addon.bridge.stored import INDEX_KEY, WEIGHTS_KEY
+from convwass_addon.bridge.morphs.animation import render_animation
+from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.bridge.morphs.materials import morph_material
+from convwass_addon.bridge.morphs.still import render_still
+from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.bridge.studio import Studio
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 

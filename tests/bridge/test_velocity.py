@@ -7,12 +7,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.layouts import grid_blends, path_blends
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.bridge.carrying import rates_of
-from convwass_addon.bridge.exports import export_frames
-from convwass_addon.bridge.job import MorphJob
-from convwass_addon.bridge.stored import frame_objects
+from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.carrying import rates_of
+from convwass_addon.bridge.morphs.exports import export_frames
+from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.stored import frame_objects
 from tests.shapes import ball
 
 DISTANCE, STEPS, SHUTTER, RADIUS = 4.0, 4, 0.8, 0.5

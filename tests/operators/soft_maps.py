@@ -7,8 +7,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from convwass_addon.bridge.soft_map_bytes import StoredSoftMap
-from convwass_addon.bridge.soft_map_store import mapped_side, store_soft_map
+from convwass_addon.bridge.soft_maps.soft_map_bytes import StoredSoftMap
+from convwass_addon.bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from convwass_addon.bridge.surfaces import surface_mesh
 from tests.surface_maps import closest_map, closest_points
 

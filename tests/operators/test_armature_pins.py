@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from convwass_addon.applications.inner_points import InnerPoint
+from convwass_addon.applications.skeletons.inner_points import InnerPoint
 from convwass_addon.armature_properties import _dotted_rig, _is_mesh, _is_rig, chosen_rig
-from convwass_addon.bridge.rigs import pinned_ends, rig_graph
+from convwass_addon.bridge.armatures.rigs import pinned_ends, rig_graph
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_place
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint

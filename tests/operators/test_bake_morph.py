@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications import memory
-from convwass_addon.bridge.stored import frame_objects, stored_settings
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
-from convwass_addon.applications.surface_densities import density_surface
+from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, density_paint, density_pick

@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.density_attributes import stored_frames
-from convwass_addon.bridge.density_player import density_value, played_densities
-from convwass_addon.bridge.density_store import stored_density
+from convwass_addon.bridge.densities.density_attributes import stored_frames
+from convwass_addon.bridge.densities.density_player import density_value, played_densities
+from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.stored import frame_objects, stored_inputs, stored_morph, stored_settings
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
 from convwass_addon.operators.chosen_inputs import split_names
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -302,7 +302,7 @@ def test_a_step_makes_a_mesh_for_every_so_many_frames_and_for_every_shape(shapes
 
 
 def test_health_is_stored_with_a_morph(shapes):
-    from convwass_addon.bridge.stored import HEALTH_KEY, stored_health
+    from convwass_addon.bridge.morphs.stored import HEALTH_KEY, stored_health
 
     thin = add("cylinder", "Thin", radius=0.08, depth=3.0, location=(0, 0, 2))
     ball = shapes[1]

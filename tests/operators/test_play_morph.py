@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.player import is_player, morph_value
-from convwass_addon.bridge.stored import frame_objects
+from convwass_addon.bridge.morphs.player import is_player, morph_value
+from convwass_addon.bridge.morphs.stored import frame_objects
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -11,10 +11,10 @@ from types import MethodType, SimpleNamespace
 import bpy
 import pytest
 
-from convwass_addon.applications.layouts import path_blends, single_blend
-from convwass_addon.applications.morph_settings import MorphSettings
-from convwass_addon.bridge import job
-from convwass_addon.bridge.stored import frame_objects, stored_morph
+from convwass_addon.applications.morphs.layouts import path_blends, single_blend
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs import job
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.operators import background, bake_morph
 from tests.operators.test_bake_morph import census, morph_collection, two_shapes
 

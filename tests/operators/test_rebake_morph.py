@@ -7,9 +7,9 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.bridge.changes import changed_inputs
+from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.stored import frame_objects, stored_morph
 
 
 def bake(**options):

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.soft_map_store import stored_soft_map
+from convwass_addon.bridge.soft_maps.soft_map_store import stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from tests.operators.soft_maps import call, choose, own, points
 

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from convwass_addon.applications.health import HealthNote
-from convwass_addon.bridge.stored import store_health
+from convwass_addon.applications.morphs.health import HealthNote
+from convwass_addon.bridge.morphs.stored import store_health
 from convwass_addon.panels.sidebar import draw_wrapped
 
 from .fake_layout import FakeLayout
@@ -164,8 +164,8 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
     for name in ("check_shape", "triangle_mesh"):
         monkeypatch.setattr(f"convwass_addon.operators.edit_inputs.{name}", refuse)
     for name in ("morph", "aligned", "triangle_mesh"):
-        monkeypatch.setattr(f"convwass_addon.bridge.job.{name}", refuse)
-    monkeypatch.setattr("convwass_addon.bridge.bake.health", refuse)
+        monkeypatch.setattr(f"convwass_addon.bridge.morphs.job.{name}", refuse)
+    monkeypatch.setattr("convwass_addon.bridge.morphs.bake.health", refuse)
     for layout in LAYOUTS:
         settings().layout = layout
         before = contents()

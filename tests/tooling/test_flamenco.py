@@ -11,7 +11,7 @@ import bpy
 import pytest
 
 from convwass_addon import cli
-from convwass_addon.applications.runs import RUN_LENGTH
+from convwass_addon.applications.morphs.runs import RUN_LENGTH
 
 quickjs = pytest.importorskip("quickjs", reason="no JavaScript engine: pip install quickjs-ng")
 

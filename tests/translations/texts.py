@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import convwass_addon
-from convwass_addon.applications.health import TEXTS
+from convwass_addon.applications.morphs.health import TEXTS
 from convwass_addon.errors import ConvwassError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.transport import Grid, barycenter
 from tests.transport.ellipsoids import Ellipsoid, intersection_over_union
 

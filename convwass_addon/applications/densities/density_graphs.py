@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A graph of moments or places on a surface: some densities are painted, the rest is filled in.
+
+Solomon et al. 2015, section 6.2 and Algorithm 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...errors import InputError
+from ...sentence import Sentence
+from ...transport import Surface, propagate
+from ..workers import one_blas_thread
+from .density_frames import DensityFrames, DensityStep, record
+from .density_memory import check_frames_memory
+from .density_pieces import on_same_pieces
+from .density_settings import DensitySettings
+from .density_solving import Check, monitor_of, reachable
+from .surface_densities import distribution
+
+
+def propagation_steps(
+    edges: ArrayLike,
+    fixed: Mapping[int, ArrayLike],
+    surface: Surface,
+    settings: DensitySettings,
+    names: Sequence[str] | None = None,
+    edge_weights: ArrayLike | float = 1.0,
+    check: Check | None = None,
+) -> Iterator[DensityStep]:
+    """Fill in the densities at the places of a graph, so that neighbors are as near to each other as can be.
+
+    Parameters
+    ----------
+    edges : (e, 2) int
+        Pairs of places that are to be near to each other, by their numbers from 0.
+    fixed : mapping from place to (n,)
+        Painted weights, or densities, of the places that are known.
+    surface : Surface
+        Where the densities are; its kernel is used as it is.
+    settings : DensitySettings
+        How; bound, tolerance and iterations are heeded here.
+    names : sequence of str, optional
+        What messages call the places, all of them; by default their numbers.
+    edge_weights : float or (e,)
+        How near the ends of an edge are to be, positive.
+    check : callable, optional
+        Called between iterations; what it raises ends the job.
+
+    Yields
+    ------
+    DensityStep
+        Progress, and one frame per place; the times are the numbers of the places.
+
+    Raises
+    ------
+    InputError, ResourceError
+        Before the work: a graph that makes no sense, places that no known one leads to, densities that are none or lie
+        on different pieces.
+    """
+    pairs = _pairs(edges)
+    size = int(max(pairs.max(initial=-1), max(fixed, default=-1))) + 1
+    known = [str(place) for place in range(size)] if names is None else list(names)
+    size = max(size, len(known))
+    _check_graph(pairs, fixed, known, size)
+    shares = _edge_weights(edge_weights, len(pairs))
+    places = sorted(fixed)
+    given_names = [known[place] for place in places]
+    given = np.stack([distribution(fixed[place], surface, known[place]) for place in places])
+    given = on_same_pieces(given, given_names, surface, settings.pieces == "match")
+    check_frames_memory(surface, size, len(pairs))
+    filled = size - len(places)
+    message = Sentence("Filling in {count} of {total} places", {"count": filled, "total": size})
+    yield DensityStep(0.0, message)
+    with one_blas_thread(), reachable(surface, given_names):
+        solved = propagate(
+            pairs,
+            shares,
+            dict(zip(places, given, strict=True)),
+            surface,
+            size=size,
+            entropy_limit="max" if settings.sharpen == "between" else settings.sharpen,
+            tolerance=settings.tolerance,
+            max_iterations=settings.max_iterations,
+            monitor=monitor_of(check),
+        )
+    records = []
+    for place in range(size):
+        if place in fixed:
+            records.append(record(place, solved.entropies[place], known[place]))
+            continue
+        figures = solved.marginal_errors[place], solved.converged[place], solved.iterations, solved.numerics
+        records.append(record(place, solved.entropies[place], None, *figures))
+    yield DensityStep(1.0, message, DensityFrames(np.arange(float(size)), solved.densities, records, surface))
+
+
+def _pairs(edges: ArrayLike) -> NDArray[np.int64]:
+    pairs = np.asarray(edges)
+    if not pairs.size:
+        return np.empty((0, 2), np.int64)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
+        raise InputError("Edges must be pairs of the numbers of places.")
+    return pairs.astype(np.int64)
+
+
+def _check_graph(pairs: NDArray[np.int64], fixed: Mapping[int, ArrayLike], names: Sequence[str], size: int) -> None:
+    if not fixed:
+        raise InputError("No place of the graph is known; paint at least one of them.")
+    if min(pairs.min(initial=0), *fixed) < 0 or size > len(names):
+        raise InputError(
+            "Edges and painted places must be numbers from 0 to {last}, as there are {count} places.",
+            last=len(names) - 1,
+            count=len(names),
+        )
+    loops = pairs[pairs[:, 0] == pairs[:, 1], 0]
+    if len(loops):
+        raise InputError("An edge runs from {name} to itself; leave it out.", name=names[loops[0]])
+    links = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
+    labels = connected_components(links, directed=False)[1]
+    lost = np.flatnonzero(~np.isin(labels, labels[list(fixed)]))
+    if len(lost):
+        raise InputError(
+            "No edges lead from a painted place to {names}; add an edge, or paint there.",
+            names=", ".join(names[place] for place in lost[:5]) + (" ..." if len(lost) > 5 else ""),
+        )
+
+
+def _edge_weights(edge_weights: ArrayLike | float, count: int) -> NDArray[np.float64]:
+    weights = np.asarray(edge_weights, dtype=np.float64)
+    if weights.shape not in ((), (count,)):
+        raise InputError("There are {edges} edges and {weights} weights.", edges=count, weights=weights.size)
+    if not (np.isfinite(weights).all() and (weights > 0).all()):
+        raise InputError("The weights of edges must be positive numbers.")
+    return np.broadcast_to(weights, (count,))

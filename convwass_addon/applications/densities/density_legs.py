@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The way of a density from one place on a surface to another, at any number of times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...sentence import Sentence
+from ...transport import Interpolation, Surface, bisection, interpolate
+from ..workers import one_blas_thread
+from .density_frames import DensityFrames, DensityStep, record
+from .density_settings import DensitySettings
+from .density_solving import Check, monitor_of, reachable
+
+# Halvings of the way that no bisection gets to.
+_ENDLESS = 64
+# Frames without a bound that are solved before progress is told.
+_FRAMES_AT_ONCE = 12
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The way between two densities.
+
+    Attributes
+    ----------
+    ends : (2, n) float64
+        The densities, of the same mass on every piece of the surface.
+    names : (str, str)
+        What messages call them.
+    surface : Surface
+        Where they are.
+    settings : DensitySettings
+        How.
+    check : callable or None
+        Called between iterations; what it raises ends the work.
+    """
+
+    ends: NDArray[np.float64]
+    names: tuple[str, str]
+    surface: Surface
+    settings: DensitySettings
+    check: Check | None
+
+    def steps(self, start: float, end: float) -> Iterator[DensityStep]:
+        """Yield progress, and all frames, both ends among them, at times from `start` to `end`."""
+        message = Sentence("From {first} to {second}", {"first": self.names[0], "second": self.names[1]})
+        yield DensityStep(0.0, message)
+        instants = np.arange(self.settings.steps + 1) / self.settings.steps
+        # Without a bound the blur of midpoints of midpoints would come and go from frame to frame.
+        is_plain = self.settings.sharpen is None or len(instants) == 2
+        for part in self._plain(instants) if is_plain else self._bounded(instants):
+            frames = None if part.found is None else self._frames(part.found, start, end)
+            yield DensityStep(part.fraction, message, frames)
+
+    def _plain(self, instants: NDArray[np.float64]) -> Iterator[_Part]:
+        """By weighted barycenters, a few at a time."""
+        parts = np.array_split(instants, -(-len(instants) // _FRAMES_AT_ONCE))
+        for done, part in enumerate(parts, start=1):
+            with one_blas_thread(), reachable(self.surface, self.names):
+                found = interpolate(*self.ends, part, self.surface, **self._options)
+            yield _Part(done / len(parts), found)
+
+    def _bounded(self, instants: NDArray[np.float64]) -> Iterator[_Part]:
+        """By bisection, some midpoints of a level at a time."""
+        limit = self.settings.sharpen
+        steps = bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options)
+        found = None
+        while found is None:
+            # Not across a yield: whoever drives this may leave it standing.
+            with one_blas_thread(), reachable(self.surface, self.names):
+                step = next(steps)
+            found = step.result
+            if found is not None:
+                # One number per level is one per frame.
+                inner = (found.iterations[min(_halvings(t), len(found.iterations)) - 1] for t in instants[1:-1])
+                found = replace(found, iterations=(0, *inner, 0))
+            yield _Part(step.fraction, found)
+
+    @property
+    def _options(self) -> dict[str, object]:
+        monitor = monitor_of(self.check)
+        return {
+            "tolerance": self.settings.tolerance,
+            "max_iterations": self.settings.max_iterations,
+            "monitor": monitor,
+        }
+
+    def _frames(self, found: Interpolation, start: float, end: float) -> DensityFrames:
+        """Bring frames, whose iterations are one number each, to the times of this way."""
+        known = {0.0: (start, self.names[0]), 1.0: (end, self.names[1])}
+        places = [known.get(t, (start + (end - start) * t, None)) for t in found.times.tolist()]
+        records = [
+            record(time, bits, name, error, converged, iterations, "scaling" if name else found.numerics, raised)
+            for (time, name), bits, error, converged, iterations, raised in zip(
+                places,
+                found.entropies,
+                found.marginal_errors,
+                found.converged,
+                found.iterations,
+                found.raised_limits,
+                strict=True,
+            )
+        ]
+        return DensityFrames(np.array([time for time, _ in places]), found.densities, records, self.surface)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """How much of a way is done, and frames that have just been finished."""
+
+    fraction: float
+    found: Interpolation | None
+
+
+def _halvings(instant: float) -> int:
+    """Return how many halvings of the way lead to an instant, `_ENDLESS` where none do."""
+    return next((count for count in range(1, _ENDLESS) if (instant * 2**count).is_integer()), _ENDLESS)

@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wasserstein distances along a surface: between two densities, and between all pairs of several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ...sentence import Sentence
+from ...transport import Surface, distance, distance_matrix
+from ..workers import one_blas_thread
+from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
+from .density_solving import Check, monitor_of, reachable
+from .surface_densities import distribution
+
+MEASURING_SUBSTEPS = 20
+"""Substeps with which distances are right to a few percent; 10 will do for interpolations."""
+
+
+@dataclass(frozen=True)
+class DensityDistance:
+    """A distance between two densities and how well it was solved.
+
+    Attributes
+    ----------
+    length : float
+        The Wasserstein distance W2 in scene units.
+    squared : float
+        Its square. Of eq. (10) this is the figure to look at: it may be negative, and `length` is 0 then.
+    debiased : bool
+        Whether the distance is zero between equal densities; otherwise `squared` is the value of eq. (10).
+    iterations : int
+        Rounds of the solver.
+    marginal_error : float
+        The largest of all plans.
+    converged : bool
+        Whether it is below the tolerance.
+    numerics : str
+        How the kernel was applied.
+    """
+
+    length: float
+    squared: float
+    debiased: bool
+    iterations: int
+    marginal_error: float
+    converged: bool
+    numerics: str
+
+
+@dataclass(frozen=True)
+class DistanceTable:
+    """Distances between all pairs of densities.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the densities.
+    lengths : (k, k) float64
+        In scene units, symmetric, zero on the diagonal; infinite between densities on different pieces.
+    iterations : int
+        Rounds of the pair that took longest.
+    marginal_error : float
+        The largest of all plans.
+    converged : bool
+        Whether it is below the tolerance.
+    notices : tuple of Sentence
+        Why some distances are infinite.
+    """
+
+    names: tuple[str, ...]
+    lengths: NDArray[np.float64]
+    iterations: int
+    marginal_error: float
+    converged: bool
+    notices: tuple[Sentence, ...]
+
+
+def measured_distance(
+    first: ArrayLike,
+    second: ArrayLike,
+    surface: Surface,
+    names: tuple[str, str],
+    *,
+    debias: bool = True,
+    match_pieces: bool = False,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    check: Check | None = None,
+) -> DensityDistance:
+    """Measure the Wasserstein distance between two densities (Algorithm 1).
+
+    Parameters
+    ----------
+    first, second : (n,)
+        Painted weights, or densities.
+    surface : Surface
+        With `MEASURING_SUBSTEPS` substeps, if the distance is to be right.
+    names : (str, str)
+        What messages call them.
+    debias : bool
+        Whether the blur of the kernel is taken out again; otherwise the value is that of eq. (10).
+    match_pieces : bool
+        Whether shares on connected pieces are scaled where they differ; see :func:`.density_pieces.on_same_pieces`.
+    tolerance, max_iterations
+        As in :func:`.transport.distance`.
+    check : callable, optional
+        Called between iterations; what it raises ends the solve.
+
+    Raises
+    ------
+    InputError
+        Weights that are no distributions, or that lie on different pieces.
+    """
+    pair = np.stack([distribution(w, surface, name) for w, name in zip((first, second), names, strict=True)])
+    pair = on_same_pieces(pair, names, surface, match_pieces)
+    with one_blas_thread(), reachable(surface, names):
+        found = distance(
+            pair[0],
+            pair[1],
+            surface,
+            debias=debias,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            monitor=monitor_of(check),
+        )
+    figures = found.iterations, found.marginal_error, found.converged, found.numerics
+    return DensityDistance(found.length, found.value, debias, *figures)
+
+
+def distance_table(
+    weights: Sequence[ArrayLike],
+    names: Sequence[str],
+    surface: Surface,
+    *,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    check: Check | None = None,
+) -> DistanceTable:
+    """Measure the debiased distances between all pairs of densities; parameters as :func:`measured_distance`.
+
+    Densities between which no mass can travel are infinitely far apart.
+
+    Raises
+    ------
+    InputError
+        Fewer than two, or weights that are no distributions.
+    """
+    if len(weights) < 2:
+        raise InputError("There must be at least two groups to measure between; paint one more.")
+    densities = np.stack([distribution(w, surface, name) for w, name in zip(weights, names, strict=True)])
+    lengths = np.full((len(densities), len(densities)), np.inf)
+    np.fill_diagonal(lengths, 0.0)
+    iterations, error, converged = 0, 0.0, True
+    families = _families(densities, surface)
+    for family in families:
+        own = [names[i] for i in family]
+        if len(family) == 1:
+            continue
+        alike = on_same_pieces(densities[family], own, surface)
+        with one_blas_thread(), reachable(surface, own):
+            found = distance_matrix(
+                alike, surface, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor_of(check)
+            )
+        lengths[np.ix_(family, family)] = np.sqrt(np.maximum(found.values, 0.0))
+        iterations, error = max(iterations, found.iterations), max(error, found.marginal_error)
+        converged &= found.converged
+    notices = ()
+    if len(families) > 1:
+        groups = "; ".join(", ".join(names[i] for i in family) for family in families)
+        notices = (
+            Sentence(
+                "Only groups that share the connected pieces of the mesh alike have distances: {groups}.",
+                {"groups": groups},
+            ),
+        )
+    return DistanceTable(tuple(names), lengths, iterations, error, converged, notices)
+
+
+def _families(densities: NDArray[np.float64], surface: Surface) -> list[list[int]]:
+    """Put densities together that have the same mass on every piece as the first of their family."""
+    masses = piece_masses(densities, surface)
+    families: list[list[int]] = []
+    for index in range(len(densities)):
+        for family in families:
+            first = masses[family[0]]
+            if np.abs(first - masses[index]).max() <= SAME_SHARE:
+                family.append(index)
+                break
+        else:
+            families.append([index])
+    return families

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refuse work on a surface that would not fit in memory, before it starts."""
+
+from __future__ import annotations
+
+from ...errors import ResourceError
+from ...geometry.mesh import TriangleMesh
+from ...transport import Surface
+from .. import memory
+
+# Measured with cholespy on spheres of 10 000 to 164 000 vertices: bytes per vertex at the peak of building a surface.
+_BUILD_BYTES = 3500
+# Measured, per vertex: a frame while it is kept and when it is handed on; the coarser meshes, at their peak, and what
+# is being solved; for a graph, whose edges are solved together, the scalings of each and copies of them.
+_FRAME_BYTES = 16
+_WORK_BYTES = 4000
+_EDGE_BYTES = 140
+
+
+def check_surface_memory(mesh: TriangleMesh) -> None:
+    """Raise where the kernel of a mesh needs more memory than is free.
+
+    Raises
+    ------
+    ResourceError
+        With what is needed and what there is.
+    """
+    vertices = len(mesh.vertices)
+    lacking = _lacking(_BUILD_BYTES * vertices)
+    if lacking:
+        raise ResourceError(
+            "A mesh of {vertices} vertices needs about {needed:.1f} GB of memory and {free:.1f} GB are free. "
+            "Decimate it.",
+            vertices=vertices,
+            **lacking,
+        )
+
+
+def check_frames_memory(surface: Surface, frames: int, edges: int = 0) -> None:
+    """Raise where so many densities on a surface, or as many on a graph of so many edges, need more than is free.
+
+    Raises
+    ------
+    ResourceError
+        With what is needed and what there is.
+    """
+    vertices = surface.shape[0]
+    lacking = _lacking(vertices * (_FRAME_BYTES * frames + _WORK_BYTES + _EDGE_BYTES * edges))
+    if lacking:
+        raise ResourceError(
+            "{frames} frames on {vertices} vertices need about {needed:.1f} GB of memory and {free:.1f} GB are free. "
+            "Take fewer steps, or decimate the mesh.",
+            vertices=vertices,
+            frames=frames,
+            **lacking,
+        )
+
+
+def _lacking(needed: int) -> dict[str, float]:
+    """Return what is needed and what is free, in GB, where that is less; nothing where it is enough."""
+    free = memory.available_memory()
+    return {"needed": needed / 1e9, "free": free / 1e9} if free is not None and needed > free else {}

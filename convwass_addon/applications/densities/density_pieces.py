@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Densities on surfaces of several connected pieces, between which no mass can cross."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...transport import Surface
+
+SAME_SHARE = 1e-3
+"""Shares of mass that differ by less than this are made equal: nobody paints more exactly."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A connected piece of a surface.
+
+    Attributes
+    ----------
+    vertices : int
+        How many it has.
+    size : float
+        Longest side of its bounding box, in scene units.
+    center : (float, float, float)
+        Of its area, in scene units.
+    """
+
+    vertices: int
+    size: float
+    center: tuple[float, float, float]
+
+
+def piece(surface: Surface, label: int) -> Piece:
+    """Return the piece of a surface that ``surface.pieces`` calls `label`."""
+    own = surface.pieces == label
+    points, areas = surface.positions[own], surface.weights[own]
+    center = areas @ points / areas.sum()
+    return Piece(int(own.sum()), float(np.ptp(points, axis=0).max()), tuple(float(x) for x in center))
+
+
+def piece_masses(densities: NDArray[np.float64], surface: Surface) -> NDArray[np.float64]:
+    """Return the mass that every density, (k, n), has on every piece, (k, p)."""
+    if surface.pieces is None:
+        return np.ones((len(densities), 1))
+    used = surface.pieces >= 0
+    labels = surface.pieces[used]
+    return np.stack([np.bincount(labels, (density * surface.weights)[used]) for density in densities])
+
+
+def on_same_pieces(
+    densities: NDArray[np.float64], names: Sequence[str], surface: Surface, match: bool = False
+) -> NDArray[np.float64]:
+    """Return densities of which each has as much mass as the first one on every piece of the surface.
+
+    Parameters
+    ----------
+    densities : (k, n)
+        Of mass 1.
+    names : sequence of str
+        What messages call them.
+    surface : Surface
+        Where they are.
+    match : bool
+        Whether to scale shares that differ; otherwise only differences below `SAME_SHARE` are evened out.
+
+    Raises
+    ------
+    InputError
+        Shares differ, or cannot be matched since a density has nothing on a piece where the first one has mass. The
+        message names two densities and the pieces, by their size, center and number of vertices.
+    """
+    if surface.pieces is None:
+        return densities
+    masses = piece_masses(densities, surface)
+    for other in range(1, len(densities)):
+        differs = np.abs(masses[other] - masses[0]).max() > SAME_SHARE
+        empty = (masses[0] > 0) != (masses[other] > 0)
+        if (differs and not match) or (empty & (np.maximum(masses[0], masses[other]) > SAME_SHARE)).any():
+            raise _refusal(names[0], names[other], masses[[0, other]], surface, empty.any())
+    factors = np.divide(masses[0], masses, out=np.zeros_like(masses), where=masses > 0)
+    scaled = densities * np.where(surface.pieces >= 0, factors[:, surface.pieces], 0.0)
+    # What is next to nothing on one side is nothing on the other.
+    first_only = (masses[0] > 0) & (masses > 0).all(axis=0)
+    scaled *= first_only[surface.pieces]
+    return scaled / (scaled @ surface.weights)[:, None]
+
+
+def _refusal(first: str, second: str, masses: NDArray[np.float64], surface: Surface, is_empty: bool) -> InputError:
+    """Say what two densities, of which `masses`, (2, p), are on the pieces, have where."""
+    excess = masses[0] - masses[1]
+    here, there = int(excess.argmax()), int(excess.argmin())
+    values: dict[str, object] = {"first": first, "second": second}
+    for place, label in (("here", here), ("there", there)):
+        found = piece(surface, label)
+        x, y, z = found.center
+        values |= {f"{place}_vertices": found.vertices, f"{place}_size": found.size}
+        values |= {f"{place}_x": x, f"{place}_y": y, f"{place}_z": z}
+        values |= {f"{place}_first": float(masses[0, label]), f"{place}_second": float(masses[1, label])}
+    if is_empty:
+        return InputError(_ELSEWHERE, **values)
+    return InputError(_UNEQUAL, **values)
+
+
+_ELSEWHERE = (
+    "{first} and {second} lie on different pieces of the mesh, which no face joins. On the piece of {here_vertices} "
+    "vertices, {here_size:.3g} long, around ({here_x:.3g}, {here_y:.3g}, {here_z:.3g}), {first} has {here_first:.1%} "
+    "of its mass and {second} {here_second:.1%}; on the one of {there_vertices} vertices, {there_size:.3g} long, "
+    "around ({there_x:.3g}, {there_y:.3g}, {there_z:.3g}), {there_first:.1%} and {there_second:.1%}. Paint both on the "
+    "same pieces, or join the pieces."
+)
+_UNEQUAL = (
+    "{first} and {second} have different shares of their mass on the pieces of the mesh, which no face joins. On the "
+    "piece of {here_vertices} vertices, {here_size:.3g} long, around ({here_x:.3g}, {here_y:.3g}, {here_z:.3g}), "
+    "{first} has {here_first:.1%} and {second} {here_second:.1%}; on the one of {there_vertices} vertices, "
+    "{there_size:.3g} long, around ({there_x:.3g}, {there_y:.3g}, {there_z:.3g}), {there_first:.1%} and "
+    "{there_second:.1%}. Join the pieces, or let the shares be matched."
+)

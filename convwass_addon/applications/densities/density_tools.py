@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tools for painted densities: spread by heat, sharpen, drop unit masses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ...transport import Surface
+from ...transport.pieces import PieceMasses
+from ...transport.sharpening import entropy, sharpening_exponent
+from ...transport.sinkhorn import log_density
+from ..workers import one_blas_thread
+from .surface_densities import distribution
+
+# Beyond this many widths of the surface nothing changes any more, and numbers leave float64.
+_LONGEST = 1e3
+# Nats by which a sharpened density may miss what was asked for.
+_CLOSE = 1e-3
+
+
+def diffused(weights: ArrayLike, surface: Surface, length: float, name: str) -> NDArray[np.float64]:
+    """Let a density spread by heat along the surface.
+
+    Parameters
+    ----------
+    weights : (n,)
+        Painted weights, or a density.
+    surface : Surface
+        Its own kernel does not matter, except for the number of substeps.
+    length : float
+        Standard deviation, per axis, that the heat gains, in scene units. Squares add up: 3 and then 4 are 5.
+    name : str
+        What messages call the weights.
+
+    Returns
+    -------
+    (n,) float64
+        Density of mass 1; every connected piece keeps its share.
+
+    Raises
+    ------
+    InputError
+        A length that is not positive or far longer than the surface; else as :func:`.distribution`.
+    """
+    density = distribution(weights, surface, name)
+    if not (np.isfinite(length) and length > 0):
+        raise InputError("The length to diffuse by must be positive, got {length:.3g}.", length=length)
+    if length > _LONGEST * surface.unit_length:
+        raise InputError(
+            "The length {length:.3g} is far longer than the surface; {most:.3g} evens everything out.",
+            length=length,
+            most=10.0 * surface.unit_length,
+        )
+    with one_blas_thread():
+        # The kernel's variance per axis is gamma / 2, whatever the number of substeps.
+        kernel = surface.with_kernel(2.0 * (length / surface.unit_length) ** 2, surface.steps)
+        return distribution(kernel.apply(density), surface, name)
+
+
+def sharpened(weights: ArrayLike, surface: Surface, limit: float, name: str) -> NDArray[np.float64]:
+    """Raise a density to the power at which its entropy is `limit`; every connected piece keeps its share.
+
+    Parameters
+    ----------
+    weights : (n,)
+        Painted weights, or a density.
+    surface : Surface
+        Where they are.
+    limit : float
+        Entropy in nats. A density whose entropy is below it stays as it is.
+    name : str
+        What messages call the weights.
+
+    Returns
+    -------
+    (n,) float64
+        Density of mass 1.
+
+    Raises
+    ------
+    InputError
+        No power reaches the limit, since the top of the density is flat; else as :func:`.distribution`.
+    """
+    density = distribution(weights, surface, name)
+    if not np.isfinite(limit):
+        raise InputError("The entropy to sharpen to must be a number, got {limit}.", limit=limit)
+    pieces = PieceMasses.of(density, surface)
+    logs = log_density(density)
+    result = _powered(logs, sharpening_exponent(logs, limit, surface.weights, pieces), pieces, surface)
+    reached = entropy(result, surface.weights)
+    if reached > limit + _CLOSE:
+        raise InputError(
+            "{name} cannot be sharpened to an entropy of {limit:.2f}: its top is flat and leaves {reached:.2f}. "
+            "Diffuse it a little first.",
+            name=name,
+            limit=limit,
+            reached=reached,
+        )
+    return result
+
+
+def sharpened_by(weights: ArrayLike, surface: Surface, share: float, name: str) -> NDArray[np.float64]:
+    """Sharpen a density until it covers `share` of the area that it has covered, 0 < share <= 1.
+
+    The area is that of the even density of the same entropy; errors as :func:`sharpened`.
+    """
+    if not 0 < share <= 1:
+        raise InputError("The share of the area to keep must lie between 0 and 1, got {share:.3g}.", share=share)
+    density = distribution(weights, surface, name)
+    return sharpened(density, surface, entropy(density, surface.weights) + float(np.log(share)), name)
+
+
+def unit_mass(vertices: int | Sequence[int] | ArrayLike, surface: Surface) -> NDArray[np.float64]:
+    """Return the density of mass 1 that lies on some vertices alone, the same mass on each.
+
+    Raises
+    ------
+    InputError
+        No vertices, numbers that are not those of vertices, or loose vertices, which can hold no mass.
+    """
+    chosen = np.unique(np.atleast_1d(np.asarray(vertices)))
+    check_vertices(chosen, surface)
+    density = np.zeros(surface.shape)
+    density[chosen] = 1.0 / (len(chosen) * surface.weights[chosen])
+    return density
+
+
+def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
+    """Refuse numbers, (k,), that are not those of vertices with area.
+
+    Raises
+    ------
+    InputError
+        It names the first of them.
+    """
+    count = surface.shape[0]
+    if not len(vertices):
+        raise InputError("No vertex is selected; select at least one.")
+    if vertices.dtype.kind not in "iu" or vertices.min() < 0 or vertices.max() >= count:
+        raise InputError("Vertices must be whole numbers from 0 to {last}.", last=count - 1)
+    loose = vertices[surface.weights[vertices] == 0]
+    if len(loose):
+        raise InputError(
+            "Vertex {vertex} is loose: no face with an area uses it, so that it can hold no mass. Choose another one.",
+            vertex=int(loose[0]),
+        )
+
+
+def _powered(
+    logs: NDArray[np.float64], exponent: float, pieces: PieceMasses | None, surface: Surface
+) -> NDArray[np.float64]:
+    """Raise a density, given by its logarithms, to a power; every piece keeps its mass."""
+    powered = exponent * (logs - logs.max())
+    if pieces is not None:
+        powered = pieces.balanced(exponent * (logs - pieces.tops(logs)[pieces.labels]), surface.weights)
+    density = np.exp(powered)
+    return density / (density @ surface.weights)

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distances along a surface from vertices to everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...sentence import Sentence
+from ...transport import Surface, point_distances
+from ..workers import one_blas_thread
+from .density_solving import Check
+from .density_tools import check_vertices
+from .surface_densities import HeatMap, blur_of, heat_map
+
+# Values of so many sources at once.
+_VALUES_AT_ONCE = 1 << 22
+
+
+@dataclass(frozen=True)
+class VertexDistances:
+    """Distances from vertices to everywhere.
+
+    Attributes
+    ----------
+    lengths : (n,) float64
+        In scene units, to the nearest of the sources; infinite where none leads.
+    notices : tuple of Sentence
+        Why some are infinite, with their numbers.
+    """
+
+    lengths: NDArray[np.float64]
+    notices: tuple[Sentence, ...]
+
+    def heat_map(self) -> HeatMap:
+        """Return weights that grow with the distance; 1 at the furthest vertex that is reached, and beyond."""
+        reached = np.isfinite(self.lengths)
+        far = float(self.lengths[reached].max(initial=0.0))
+        return heat_map(np.where(reached, self.lengths, far))
+
+
+def distances_from(vertices: ArrayLike, surface: Surface, check: Check | None = None) -> VertexDistances:
+    """Measure the distances along the surface from the nearest of some vertices to everywhere (Fig. 3 of the paper).
+
+    Parameters
+    ----------
+    vertices : int or (k,) int
+        The sources.
+    surface : Surface
+        Its blur sets how far float64 reaches: a wider one goes further.
+    check : callable, optional
+        Called now and then; what it raises ends the work.
+
+    Raises
+    ------
+    InputError
+        No vertices, numbers that are not those of vertices, or loose vertices.
+    """
+    chosen = np.unique(np.atleast_1d(np.asarray(vertices)))
+    check_vertices(chosen, surface)
+    nearest = np.full(surface.shape, np.inf)
+    at_once = max(1, _VALUES_AT_ONCE // surface.shape[0])
+    for start in range(0, len(chosen), at_once):
+        if check is not None:
+            check()
+        with one_blas_thread():
+            found = point_distances(chosen[start : start + at_once], surface)
+        np.minimum(nearest, found.min(axis=0), out=nearest)
+    return VertexDistances(nearest, tuple(_unreached(nearest, chosen, surface)))
+
+
+def _unreached(lengths: NDArray[np.float64], sources: NDArray[np.int64], surface: Surface) -> Iterator[Sentence]:
+    """Say why vertices are not reached."""
+    lost = ~np.isfinite(lengths)
+    loose = lost & (surface.weights == 0)
+    apart = np.zeros_like(lost)
+    if surface.pieces is not None:
+        apart = lost & ~loose & ~np.isin(surface.pieces, surface.pieces[sources])
+    far = lost & ~loose & ~apart
+    if loose.any():
+        yield Sentence("Loose vertices, to which no face leads: {count}.", {"count": int(loose.sum())})
+    if apart.any():
+        pieces = len(np.unique(surface.pieces[apart]))
+        counts = {"count": int(apart.sum()), "pieces": pieces}
+        yield Sentence(
+            "Vertices on other pieces of the mesh, to which no face leads: {count}, in {pieces} pieces.", counts
+        )
+    if far.any():
+        values = {"count": int(far.sum()), "blur": blur_of(surface)}
+        yield Sentence("Vertices too far away for a blur of {blur:.3g}: {count}. A longer one reaches them.", values)

@@ -1,0 +1,269 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blends between the frames of a path, such as 7.35: from the potentials of the frames about them, not by fading.
+
+The potentials of a barycenter are smooth functions of its weights, so those in between are nearly right, and a round or
+two at the finest level does the rest. A mixture of the densities would be a cross-fade. A shape itself has no
+potentials: beside it, blends start from the one neighbor that has.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
+from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
+from ..workers import frame_workers
+from .blending import solve_blends, surfaced_frame
+from .frame_cache import BakeCache, FrameCache
+from .layouts import Blend
+from .morph import VOXEL_SHARE, MorphStep, prepared_problem
+from .morph_problem import MorphFrame, MorphPart, MorphProblem
+from .morph_settings import MorphSettings
+from .parts import FaceLabels, matched, unparted
+from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
+from .volumes import fitting_workers
+
+# Share of the progress at which frames that were missing are there.
+_ABOUT_SHARE = 0.6
+# Rounds from two neighbors; where they are so far apart that these do not do, a solve from coarse to fine is cheaper.
+_MOST_ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place on a path.
+
+    Attributes
+    ----------
+    blend : Blend
+        What is there, for a sheet.
+    about : tuple of int
+        The frame that it is, or the two that it lies between.
+    share : float
+        How far it is from the first of these to the second; 0 at a frame.
+    """
+
+    blend: Blend
+    about: tuple[int, ...]
+    share: float
+
+
+def places_at(path: Sequence[Blend], numbers: Sequence[float]) -> list[Place]:
+    """Find the places with these frame numbers, side by side on a sheet of one row.
+
+    Parameters
+    ----------
+    path : sequence of Blend
+        The frames of a path, from 0.
+    numbers : sequence of float
+        Such as 7.35, which lies between the frames 7 and 8.
+
+    Raises
+    ------
+    InputError
+        Numbers that are not on the path or that are there twice, or none at all.
+    """
+    last = len(path) - 1
+    if not numbers:
+        raise InputError("Name at least one frame number, such as 7.35.")
+    for index, number in enumerate(numbers):
+        if not 0 <= number <= last:
+            raise InputError(
+                "Frame number {number:g} is not on the path, which has the frames 0-{last}.", number=number, last=last
+            )
+        if number in numbers[:index]:
+            raise InputError("Frame number {number:g} is there twice; name each number once.", number=number)
+    return [_place(path, number, column) for column, number in enumerate(numbers)]
+
+
+def _place(path: Sequence[Blend], number: float, column: int) -> Place:
+    about = tuple(range(math.floor(number), math.ceil(number) + 1))
+    share = number - about[0]
+    first, second = path[about[0]].weights, path[about[-1]].weights
+    weights = tuple((1.0 - share) * one + share * other for one, other in zip(first, second, strict=True))
+    return Place(Blend(weights, place=(float(column), 0.0)), about, share)
+
+
+def between_frames(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    path: Sequence[Blend],
+    numbers: Sequence[float],
+    settings: MorphSettings,
+    cache: FrameCache,
+    check: Callable[[], None] | None = None,
+    *,
+    labels: Sequence[FaceLabels] | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
+) -> Iterator[MorphStep]:
+    """Make the blends at some places of a path, from the frames about them.
+
+    Frames that the cache does not hold are computed and put there first. A place that is a frame gets that frame.
+
+    Parameters
+    ----------
+    shapes, names, settings, check, labels, workers
+        As for :func:`.morph.morph`.
+    path, numbers
+        As for :func:`places_at`, whose blends are made.
+    cache : FrameCache
+        With all frames of the path, or some, or none.
+    executor : concurrent.futures.Executor, optional
+        Where to compute frames that are missing; what lies between frames is always computed here.
+
+    Yields
+    ------
+    MorphStep
+        Progress, and every blend once, in the order of the numbers.
+
+    Raises
+    ------
+    InputError, ResourceError
+        Before the first frame, where the numbers, the inputs or the settings cannot work.
+    """
+    if workers is not None and workers < 1:
+        raise InputError("There must be at least one worker.")
+    places = places_at(path, numbers)
+    matching = unparted(len(shapes)) if labels is None else matched(labels, names)
+    store = cache.of(shapes, names, labels, settings)
+    runs = _runs_about(places, path)
+    missing = {index: run for index, run in enumerate(runs) if not store.holds(run)}
+    if not missing and all(len(place.about) == 1 for place in places):
+        frames = _stored_frames(store, runs)
+        yield from _steps(0.0, len(places), (_frame_itself(place, frames) for place in places))
+        return
+    side_by_side = min(workers or 1, max(len(missing), len(places)))
+    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side)
+    most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
+    yield from _complete(store, problem, missing, check, most, executor)
+    frames = _stored_frames(store, runs)
+    with frame_workers(most) as threads:
+        pending = [threads.submit(_frame_at, problem, place, frames, check) for place in places]
+        start = _ABOUT_SHARE if missing else VOXEL_SHARE
+        yield from _steps(start, len(places), (future.result() for future in pending))
+
+
+def _runs_about(places: Sequence[Place], path: Sequence[Blend]) -> list[Run]:
+    """Return the runs that hold the frames about some places, each once and in order."""
+    frames = sorted({index for place in places for index in place.about})
+    return list(dict.fromkeys(run for index in frames for run in runs_of(path, range(index, index + 1))))
+
+
+def _complete(
+    store: BakeCache,
+    problem: MorphProblem,
+    missing: dict[int, Run],
+    check: Callable[[], None] | None,
+    workers: int,
+    executor: Executor | None,
+) -> Iterator[MorphStep]:
+    """Compute the runs that the cache does not hold."""
+    if not missing:
+        return
+    keeping = replace(problem, keeps_potentials=True)
+    with ExitStack() as stack:
+        if executor is None:
+            pending = stack.enter_context(runs_in_threads(keeping, missing, check, workers))
+        else:
+            pending = stack.enter_context(runs_elsewhere(keeping, missing, executor))
+        for done, run in enumerate(as_solved(pending, check), start=1):
+            store.save(missing[run.index], run.frames)
+            fraction = VOXEL_SHARE + (_ABOUT_SHARE - VOXEL_SHARE) * done / len(missing)
+            counts = {"done": done, "total": len(missing)}
+            yield MorphStep(fraction, Sentence("Frames to start from, {done} of {total} runs", counts))
+
+
+def _stored_frames(store: BakeCache, runs: Sequence[Run]) -> dict[int, MorphFrame]:
+    return {frame.blend.frame: frame for run in runs for frame in store.load(run)}
+
+
+def _steps(start: float, total: int, frames: Iterator[MorphFrame]) -> Iterator[MorphStep]:
+    for done, frame in enumerate(frames, start=1):
+        message = Sentence("Blend {done} of {total}", {"done": done, "total": total})
+        yield MorphStep(start + (1.0 - start) * done / total, message, frame)
+
+
+def _frame_itself(place: Place, frames: dict[int, MorphFrame]) -> MorphFrame:
+    return replace(frames[place.about[0]], blend=place.blend)
+
+
+def _frame_at(
+    problem: MorphProblem, place: Place, frames: dict[int, MorphFrame], check: Callable[[], None] | None
+) -> MorphFrame:
+    """Return what is at a place: a frame, or a blend that starts from its neighbors."""
+    if len(place.about) == 1:
+        return _frame_itself(place, frames)
+    known = [frames[index] for index in place.about if _usable(frames[index], problem)]
+    found = _started(problem, place, known, check) if _agree(known) else None
+    if found is None:
+        (found,) = solve_blends(problem, [place.blend], check)
+    return replace(found, record=found.record | {"between": place.about})
+
+
+def _usable(frame: MorphFrame, problem: MorphProblem) -> bool:
+    """Whether a frame has potentials that can be of this problem; inputs have none."""
+    lattice, least = problem.lattice, problem.settings.sigma
+    return len(frame.potentials) == len(problem.parts) and all(
+        part.suit(lattice.shape, frame.blend.weights) and least <= part.sigma <= max(lattice.shape)
+        for part in frame.potentials
+    )
+
+
+def _agree(known: Sequence[MorphFrame]) -> bool:
+    """Whether there is something to start from, and all of it was solved with the same blur."""
+    return len({tuple(part.sigma for part in frame.potentials) for frame in known}) == 1
+
+
+def _started(
+    problem: MorphProblem, place: Place, known: Sequence[MorphFrame], check: Callable[[], None] | None
+) -> MorphFrame | None:
+    """Solve from the potentials of one or two neighbors; None where that does not end soon."""
+    solved, sigmas = [], [part.sigma for part in known[0].potentials]
+    for index, (part, limit) in enumerate(zip(problem.parts, problem.entropy_limits(place.blend), strict=True)):
+        starts = [frame.potentials[index].barycenter(frame.blend.weights) for frame in known]
+        inputs = _inputs(part, problem, sigmas[index])
+        try:
+            solved.append(_solve_from(starts, place, inputs, limit, problem.settings, check))
+        except KernelTooNarrowError:
+            return None
+        if not solved[-1].converged:
+            return None
+    return surfaced_frame(problem, place.blend, solved, sigmas)
+
+
+def _inputs(part: MorphPart, problem: MorphProblem, sigma: float) -> Inputs:
+    return part.inputs if sigma == part.inputs.domain.sigma else part.inputs.on(problem.lattice.grid(sigma))
+
+
+def _solve_from(
+    starts: Sequence[Barycenter],
+    place: Place,
+    inputs: Inputs,
+    limit: Literal["max"] | float | None,
+    settings: MorphSettings,
+    check: Callable[[], None] | None,
+) -> Barycenter:
+    """Solve one part from what is known of its neighbors: both, or one beside a shape, which has no potentials."""
+    options = {
+        "sharpness": settings.sharpness_at(place.blend.weights),
+        "entropy_limit": limit,
+        "reach": settings.reach,
+        "tolerance": settings.stopping_error,
+        # As in a bake: an automatic blur rather grows.
+        "numerics": "scaling" if settings.blur is None else "automatic",
+        "monitor": None if check is None else lambda *_: check(),
+    }
+    if len(starts) == 2:
+        rounds = min(_MOST_ROUNDS, settings.max_iterations)
+        return barycenter_between(*starts, place.share, inputs, max_iterations=rounds, **options)
+    return barycenter_beside(starts[0], place.blend.weights, inputs, max_iterations=settings.max_iterations, **options)

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A first glance at one blend of a morph, from coarse voxels: something to look at before a second has passed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from ...errors import InputError, ResourceError
+from ...geometry.mesh import TriangleMesh
+from .blending import sketch_blends
+from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
+from .morph_settings import MorphSettings
+from .parts import Matching, joined, voxelized_parts
+from .volumes import Lattice
+
+# Cells along the longest side, and how much finer a morph must be for a glance to be worth its time.
+_RESOLUTION, _FINER = 64, 1.25
+
+
+def glance(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    blend: Blend,
+    settings: MorphSettings,
+    matching: Matching,
+    check: Callable[[], None] | None = None,
+) -> MorphFrame | None:
+    """Show a blend as it is at a resolution that takes a fifth of a second.
+
+    Parameters
+    ----------
+    shapes, names, settings, check
+        As for :func:`.morph.morph`.
+    blend : Blend
+        Which one.
+    matching : Matching
+        The parts of the shapes that travel together.
+
+    Returns
+    -------
+    MorphFrame or None
+        Only to be looked at; None where the morph itself is hardly finer, where the blend is a shape as it is, or where
+        the shapes are too thin to be seen so coarsely.
+    """
+    if settings.resolution < _FINER * _RESOLUTION or blend.source is not None:
+        return None
+    coarse = replace(settings, resolution=_RESOLUTION, blur=None)
+    lattice = Lattice.around(shapes, coarse.resolution, coarse.sigma, 1, matching.count)
+    try:
+        volumes = []
+        for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
+            volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching))
+            if check is not None:
+                check()
+        problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, coarse)
+        frame = next(iter(sketch_blends(problem, [blend], check))).frame
+    except (InputError, ResourceError):
+        return None
+    return None if frame.mesh is None else frame

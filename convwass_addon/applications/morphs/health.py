@@ -1,0 +1,299 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the solver knows about a bake, in sentences that an artist can act on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from ...geometry.isosurface import bounding_box
+from ...geometry.thin_parts import LostPart, lost_parts
+from ...sentence import Sentence
+from .morph_settings import MorphSettings
+from .parts import NOTICES, part_notices
+
+Severity = Literal["INFO", "WARNING", "ERROR"]
+Value = str | int | float
+
+TEXTS: dict[str, str] = {
+    "TOO_COARSE": "Resolution {resolution} is too coarse for thin parts of {name} ({cells:.1f} cells): {better} keeps "
+    "them",
+    "LOST": "Parts are lost in {frames}, up to {share:.1%} of the shape: try resolution {better}",
+    "LOST_THIN": "Parts {thickness:.1f} cells thick and {length:.0f} long are lost in {frames}, up to {share:.1%} of "
+    "the shape: try resolution {better}",
+    "NOT_CONVERGED": "Less exact than asked for in {frames}, by up to {error:.1%}: try more blur",
+    "WALL": "Up to {share:.1%} of the shape touches the wall of the volume in {frames}: try less blur",
+    "WIDENED": "Blur was widened to {sigma:.1f} cells in {frames}, to reach from shape to shape",
+    **NOTICES,
+    "GOOD": "All meshes are as exact as asked for, and no parts are lost",
+}
+"""A template for every kind of note; the user interface translates it before the values are filled in."""
+
+SEVERITIES: dict[str, Severity] = {
+    "TOO_COARSE": "WARNING",
+    "LOST": "WARNING",
+    "LOST_THIN": "WARNING",
+    "NOT_CONVERGED": "ERROR",
+    "WALL": "WARNING",
+    "WIDENED": "INFO",
+    **dict.fromkeys(NOTICES, "INFO"),
+    "GOOD": "INFO",
+}
+
+# Parts at least so many cells thick survive a morph.
+_KEPT_CELLS = 2.0
+# Shares of the shape that are worth a word.
+_SHARE = 0.002
+_WALL_SHARE = 0.001
+# Blur beyond what was asked for, as a factor.
+_WIDER = 1.01
+# Resolutions that are proposed are multiples of the first and not above the second.
+_STEP, _FINEST = 8, 512
+# By how much finer a resolution must be to make a difference, and how much finer to try where nothing was measured.
+_LEAST_FINER, _MUCH_FINER = 1.25, 1.5
+# Rods and fins are so many times as long as thick, and hold this share of a shape; otherwise they are its edges.
+_SLENDER, _LEAST_SHARE = 2.0, 1e-3
+# What lies within so many cells of thick parts belongs to them.
+_REACH = 2.0
+# How thick parts are of which no cell is filled by a tenth.
+_FAINT_CELLS = 0.5
+
+
+@dataclass(frozen=True)
+class HealthNote:
+    """One thing to know about a bake.
+
+    Attributes
+    ----------
+    kind : str
+        A key of `TEXTS`.
+    values : dict
+        What its template is filled with.
+    """
+
+    kind: str
+    values: dict[str, Value]
+
+    @property
+    def severity(self) -> Severity:
+        """How bad it is."""
+        return SEVERITIES[self.kind]
+
+    @property
+    def sentence(self) -> Sentence:
+        """What to tell."""
+        return Sentence(TEXTS[self.kind], self.values)
+
+    @property
+    def text(self) -> str:
+        """Return the sentence in English; raises KeyError or ValueError for what is no note."""
+        return TEXTS[self.kind].format(**self.values)
+
+
+def health(
+    records: Sequence[Mapping[str, object]],
+    settings: Mapping[str, object],
+    names: Sequence[str],
+    numbers: Sequence[int] | None = None,
+) -> list[HealthNote]:
+    """Say what is wrong with a bake and what to do about it, the worst first.
+
+    Parameters
+    ----------
+    records : sequence of dict
+        The solver's figures of every frame, whole or as `health_figures` leaves them; figures that are missing are
+        taken as good.
+    settings : dict
+        What the bake was asked for: its ``resolution``, and ``blur`` where that was set.
+    names : sequence of str
+        Of the shapes.
+    numbers : sequence of int, optional
+        What to call the frames; 1, 2, ... by default.
+    """
+    figures = [{**record, **health_figures(record)} for record in records]
+    calls = _Frames(figures, list(numbers) if numbers is not None else list(range(1, len(figures) + 1)))
+    resolution = int(settings["resolution"])
+    notes = [
+        *_not_converged(calls),
+        *_too_coarse(figures, resolution, names),
+        *_lost(calls, resolution),
+        *_at_the_wall(calls),
+        *_widened(calls, settings, resolution),
+        *_notices(figures),
+    ]
+    return notes or [HealthNote("GOOD", {})]
+
+
+def health_figures(record: Mapping[str, object]) -> dict[str, float]:
+    """Return what `health` needs of the nested parts of a record, as single figures."""
+    result: dict[str, float] = {}
+    for name in ("lost", "thin"):
+        lost = record.get(name)
+        if not isinstance(lost, Mapping):
+            continue
+        result[f"{name}_share"] = float(lost["share"])
+        if lost["parts"]:
+            chosen = lost["parts"][0]
+            result[f"{name}_thickness"] = float(chosen["thickness"])
+            result[f"{name}_length"] = float(chosen["length"])
+    return result
+
+
+def wall_share(density: NDArray[np.floating]) -> float:
+    """Share of the mass of a density, (nx, ny, nz), in the outermost cells of its grid."""
+    return 1.0 - float(density[1:-1, 1:-1, 1:-1].sum() / density.sum())
+
+
+def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
+    """Measure the rods and fins of a shape that are too thin to survive a morph.
+
+    Parameters
+    ----------
+    occupancy : (nx, ny, nz)
+        Share of every cell that is inside, from 0 to 1.
+
+    Returns
+    -------
+    dict
+        Ready for JSON: their ``share`` of the shape, and ``parts``, thinnest first, with thickness and length in cells.
+    """
+    low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
+    filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
+    inside = np.pad(filled > 0.5, 1)
+    depth = distance_transform_edt(inside)
+    # A rod as thick as what is kept has its axis so deep.
+    deepest = (_KEPT_CELLS + 1.0) / 2.0
+    core = depth > deepest
+    if not core.any():
+        return _thin_all_over(filled)
+    thick = inside & (distance_transform_edt(~core) <= deepest + 0.5)
+    lost = lost_parts(filled, thick[1:-1, 1:-1, 1:-1], _REACH)
+    thin = [part for part in lost.parts if _is_too_thin(part)]
+    parts = [{"thickness": part.thickness, "length": part.length} for part in thin]
+    share = sum(part.share for part in thin)
+    if lost.scattered >= _LEAST_SHARE:
+        # Too little in any one cell to be followed.
+        parts.append({"thickness": _FAINT_CELLS, "length": 0.0})
+        share += lost.scattered
+    return {"share": float(share), "parts": tuple(sorted(parts, key=lambda part: part["thickness"]))}
+
+
+def _thin_all_over(filled: NDArray[np.float64]) -> dict[str, object]:
+    """Measure a shape of which nothing is thick: a sheet as thick as its volume divided by its shadow."""
+    shadows = [np.count_nonzero(filled.max(axis=axis) > 0.25) for axis in range(3)]
+    thickness = float(filled.sum()) / max(*shadows, 1)
+    if thickness >= _KEPT_CELLS:
+        return {"share": 0.0, "parts": ()}
+    length = float(np.ptp(np.argwhere(filled > 0.25), axis=0).max() + 1) if max(shadows) else 0.0
+    return {"share": 1.0, "parts": ({"thickness": thickness, "length": length},)}
+
+
+def _is_too_thin(part: LostPart) -> bool:
+    slender = part.length >= _SLENDER * part.thickness
+    return slender and part.thickness < _KEPT_CELLS and part.share >= _LEAST_SHARE
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """Figures of all frames, and what to call these."""
+
+    figures: list[dict[str, object]]
+    numbers: list[int]
+
+    def where(self, holds: Callable[[dict[str, object]], bool]) -> _Frames:
+        """Return those of which something holds."""
+        chosen = [index for index, figure in enumerate(self.figures) if holds(figure)]
+        return _Frames([self.figures[index] for index in chosen], [self.numbers[index] for index in chosen])
+
+    def most(self, name: str) -> float:
+        """Return the largest value of a figure."""
+        return max(_number(figure, name) for figure in self.figures)
+
+    def __str__(self) -> str:
+        return listed(self.numbers)
+
+
+def listed(numbers: Iterable[int]) -> str:
+    """Return frame numbers as short as can be: 3-7, 9."""
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    return ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
+
+
+def _number(figure: Mapping[str, object], name: str) -> float:
+    value = figure.get(name)
+    return float(value) if isinstance(value, (int, float)) and math.isfinite(value) else 0.0
+
+
+def finer(resolution: int, cells: float) -> int:
+    """Return the resolution at which something that is so many cells thick will be thick enough to survive."""
+    wanted = resolution * (max(_KEPT_CELLS / cells, _LEAST_FINER) if cells > 0.0 else _MUCH_FINER)
+    return min(math.ceil(wanted / _STEP) * _STEP, max(_FINEST, resolution))
+
+
+def _not_converged(frames: _Frames) -> list[HealthNote]:
+    slack = frames.where(lambda figure: figure.get("converged") is False)
+    if not slack.figures:
+        return []
+    return [HealthNote("NOT_CONVERGED", {"frames": str(slack), "error": slack.most("marginal_error")})]
+
+
+def _too_coarse(figures: Sequence[dict[str, object]], resolution: int, names: Sequence[str]) -> list[HealthNote]:
+    notes, said = [], set()
+    for figure in figures:
+        index, cells = figure.get("input"), _number(figure, "thin_thickness")
+        if not isinstance(index, int) or not 0 <= index < len(names) or index in said:
+            continue
+        if _number(figure, "thin_share") >= _LEAST_SHARE and 0.0 < cells < _KEPT_CELLS:
+            said.add(index)
+            values = {
+                "resolution": resolution,
+                "name": names[index],
+                "cells": cells,
+                "better": finer(resolution, cells),
+            }
+            notes.append(HealthNote("TOO_COARSE", values))
+    return notes
+
+
+def _lost(frames: _Frames, resolution: int) -> list[HealthNote]:
+    torn = frames.where(lambda figure: _number(figure, "lost_share") >= _SHARE)
+    if not torn.figures:
+        return []
+    worst = max(torn.figures, key=lambda figure: _number(figure, "lost_share"))
+    thickness, length = _number(worst, "lost_thickness"), _number(worst, "lost_length")
+    values = {"frames": str(torn), "share": torn.most("lost_share"), "better": finer(resolution, thickness)}
+    if thickness:
+        return [HealthNote("LOST_THIN", {**values, "thickness": thickness, "length": length})]
+    return [HealthNote("LOST", values)]
+
+
+def _at_the_wall(frames: _Frames) -> list[HealthNote]:
+    touching = frames.where(lambda figure: _number(figure, "wall") >= _WALL_SHARE)
+    if not touching.figures:
+        return []
+    return [HealthNote("WALL", {"frames": str(touching), "share": touching.most("wall")})]
+
+
+def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -> list[HealthNote]:
+    if settings.get("blur") is not None:
+        return []
+    asked = MorphSettings(resolution=resolution).sigma
+    wide = frames.where(lambda figure: _number(figure, "sigma") > _WIDER * asked)
+    return [HealthNote("WIDENED", {"frames": str(wide), "sigma": wide.most("sigma")})] if wide.figures else []
+
+
+def _notices(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
+    notices = dict.fromkeys(notice for figure in figures for notice in part_notices(figure))
+    return [HealthNote(notice.kind, {"name": notice.name}) for notice in notices]

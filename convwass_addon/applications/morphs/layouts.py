@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which blends of the shapes are made, and where each belongs: along a path, on a sheet, or alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import InputError
+
+
+@dataclass(frozen=True)
+class Blend:
+    """One mixture of the input shapes.
+
+    Attributes
+    ----------
+    weights : tuple of float
+        One per input, sum 1.
+    frame : int or None
+        Scene frame after the first one, in an animation; None on a sheet.
+    place : (float, float)
+        Column and row on a sheet, in steps; (0, 0) in an animation.
+    """
+
+    weights: tuple[float, ...]
+    frame: int | None = None
+    place: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def source(self) -> int | None:
+        """Index of the input that is shown as it is, because its weight is 1."""
+        return self.weights.index(1.0) if 1.0 in self.weights else None
+
+
+def path_blends(count: int, frames: int, step: int = 1) -> list[Blend]:
+    """Walk through `count` shapes in order, `frames` scene frames from each to the next.
+
+    The first shape stands at frame 0, the second at `frames`, and so on; between two of them there is a blend every
+    `step` frames.
+
+    Raises
+    ------
+    InputError
+        Fewer than two shapes or frames, or a step of no frame.
+    """
+    if count < 2:
+        raise InputError("A morph needs at least two shapes; select or name one more.")
+    if frames < 2:
+        raise InputError("There must be at least 2 frames from one shape to the next, got {frames}.", frames=frames)
+    if step < 1:
+        raise InputError("The step must be at least 1 frame, got {step}.", step=step)
+    blends = [Blend(_corner(count, 0), frame=0)]
+    for leg in range(count - 1):
+        for frame in [*range(step, frames, step), frames]:
+            t = frame / frames
+            weights = [0.0] * count
+            weights[leg], weights[leg + 1] = 1.0 - t, t
+            blends.append(Blend(tuple(weights), frame=leg * frames + frame))
+    return blends
+
+
+def grid_blends(count: int, steps: int) -> list[Blend]:
+    """Bilinear sheet of four shapes, `steps` by `steps`: top left, top right, bottom left, bottom right.
+
+    Raises
+    ------
+    InputError
+        Not four shapes, or fewer than two steps.
+    """
+    if count != 4:
+        raise InputError("The grid layout blends exactly four shapes, one per corner; there are {count}.", count=count)
+    _check_steps(steps)
+    blends = []
+    for row in range(steps):
+        for column in range(steps):
+            x, y = column / (steps - 1), row / (steps - 1)
+            weights = ((1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y)
+            blends.append(Blend(weights, place=(float(column), float(row))))
+    return blends
+
+
+def triangle_blends(count: int, steps: int) -> list[Blend]:
+    """Triangular sheet of three shapes with `steps` blends along each side: bottom left, bottom right, top.
+
+    Raises
+    ------
+    InputError
+        Not three shapes, or fewer than two steps.
+    """
+    if count != 3:
+        raise InputError(
+            "The triangle layout blends exactly three shapes, one per corner; there are {count}.", count=count
+        )
+    _check_steps(steps)
+    last = steps - 1
+    blends = []
+    for top in reversed(range(steps)):
+        for right in range(steps - top):
+            weights = ((last - top - right) / last, right / last, top / last)
+            blends.append(Blend(weights, place=(right + top / 2.0, float(last - top))))
+    return blends
+
+
+def single_blend(weights: Sequence[float], count: int) -> list[Blend]:
+    """One blend with the given weights, scaled to sum 1.
+
+    Raises
+    ------
+    InputError
+        Another number of weights than shapes, negative weights, or weights that are all zero.
+    """
+    values = np.asarray(weights, dtype=np.float64)
+    if values.shape != (count,):
+        raise InputError(
+            "There are {count} shapes but {given} weights; give one weight per shape.",
+            count=count,
+            given=int(values.size),
+        )
+    if not np.isfinite(values).all() or (values < 0).any():
+        raise InputError("Weights must be zero or positive numbers.")
+    if values.sum() <= 0:
+        raise InputError("All weights are zero; give at least one shape some weight.")
+    return [Blend(tuple(float(w) for w in values / values.sum()))]
+
+
+def _corner(count: int, index: int) -> tuple[float, ...]:
+    return tuple(float(i == index) for i in range(count))
+
+
+def _check_steps(steps: int) -> None:
+    if steps < 2:
+        raise InputError("A sheet needs at least 2 blends along each side, got {steps}.", steps=steps)

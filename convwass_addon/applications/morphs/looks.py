@@ -1,0 +1,238 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shapes look like, and what of it a blend gets: colors, materials and weights at the places it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+
+
+class Paint(Protocol):
+    """The color of a material all over a shape."""
+
+    def at(self, places: ClosestPoints) -> NDArray[np.float32]:
+        """Return RGBA in scene linear at places of the shape, (n, 4)."""
+
+
+@dataclass(frozen=True)
+class Plain:
+    """One color.
+
+    Attributes
+    ----------
+    color : (r, g, b, a)
+        Scene linear.
+    """
+
+    color: tuple[float, float, float, float]
+
+    def at(self, places: ClosestPoints) -> NDArray[np.float32]:
+        """Return the color for every place."""
+        return np.tile(np.array(self.color, dtype=np.float32), (len(places.triangles), 1))
+
+
+@dataclass(frozen=True)
+class Painted:
+    """Colors of the corners of triangles.
+
+    Attributes
+    ----------
+    corners : (m, 3, 4) float32
+        RGBA, scene linear.
+    """
+
+    corners: NDArray[np.float32]
+
+    def at(self, places: ClosestPoints) -> NDArray[np.float32]:
+        """Interpolate in the triangles."""
+        return places.interpolated(self.corners).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Textured:
+    """An image that is laid over the triangles.
+
+    Attributes
+    ----------
+    pixels : (h, w, 4) float32
+        RGBA, scene linear; the lowest row first.
+    uvs : (m, 3, 2) float32
+        Texture coordinates of the corners of triangles.
+    repeats : bool
+        Whether the image goes on beyond its edges as from the start, or as its last pixels.
+    """
+
+    pixels: NDArray[np.float32]
+    uvs: NDArray[np.float32]
+    repeats: bool = True
+
+    def at(self, places: ClosestPoints) -> NDArray[np.float32]:
+        """Look up the image, between the centers of pixels.
+
+        Coordinates are taken from the corners of one triangle: means over several would cross seams.
+        """
+        height, width = self.pixels.shape[:2]
+        where = places.interpolated(self.uvs) * (width, height) - 0.5
+        low = np.floor(where).astype(np.int64)
+        share = (where - low).astype(np.float32)
+        result = np.zeros((len(where), 4), np.float32)
+        for right in (0, 1):
+            for up in (0, 1):
+                column, row = low[:, 0] + right, low[:, 1] + up
+                if self.repeats:
+                    column, row = column % width, row % height
+                else:
+                    column, row = np.clip(column, 0, width - 1), np.clip(row, 0, height - 1)
+                weight = np.abs(1 - right - share[:, 0]) * np.abs(1 - up - share[:, 1])
+                result += weight[:, None] * self.pixels[row, column]
+        return result
+
+
+@dataclass(frozen=True)
+class Look:
+    """What one shape looks like.
+
+    Attributes
+    ----------
+    corners : (m, 3, 3) float64
+        Triangles, in the space that origins are in.
+    materials : (m,) int64
+        Material of every triangle.
+    paints : tuple of Paint
+        One per material.
+    faces : (m, 3) int64
+        Vertices of the triangles.
+    groups : mapping of str to (v,) float32
+        Weights of the vertices by the name of their group.
+    """
+
+    corners: NDArray[np.float64]
+    materials: NDArray[np.int64]
+    paints: tuple[Paint, ...]
+    faces: NDArray[np.int64]
+    groups: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+
+    @cached_property
+    def finder(self) -> ClosestPointFinder:
+        """Finds places on the shape; made when it is first asked for."""
+        return ClosestPointFinder(self.corners)
+
+    @property
+    def is_even(self) -> bool:
+        """Whether all places look the same."""
+        return len(self.paints) == 1 and isinstance(self.paints[0], Plain) and not self.groups
+
+    def at(self, points: NDArray) -> Seen:
+        """Look at the places closest to some points, (n, 3)."""
+        if self.is_even:
+            nowhere = ClosestPoints(np.zeros(len(points), np.int64), np.empty((0, 3)), np.empty(0))
+            return Seen(self.paints[0].at(nowhere), nowhere.triangles, {})
+        places = self.finder.find_about(points)
+        materials = self.materials[places.triangles]
+        colors = np.empty((len(points), 4), np.float32)
+        for index in np.unique(materials):
+            own = materials == index
+            there = ClosestPoints(places.triangles[own], places.shares[own], places.distances[own])
+            colors[own] = self.paints[index].at(there)
+        groups = {
+            name: places.interpolated(weights[self.faces][..., None])[:, 0].astype(np.float32)
+            for name, weights in self.groups.items()
+        }
+        return Seen(colors, materials, groups)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What there is at some places of a shape.
+
+    Attributes
+    ----------
+    colors : (n, 4) float32
+        RGBA, scene linear.
+    materials : (n,) int64
+        Which material.
+    groups : dict of str to (n,) float32
+        Weights of vertex groups.
+    """
+
+    colors: NDArray[np.float32]
+    materials: NDArray[np.int64]
+    groups: dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What the vertices of a blend bring from where they come from.
+
+    Attributes
+    ----------
+    weights : tuple of float
+        Share of every input.
+    inputs : dict of int to Seen
+        By the number of the input; those of weight 0 are left out.
+    """
+
+    weights: tuple[float, ...]
+    inputs: dict[int, Seen]
+
+    @property
+    def color(self) -> NDArray[np.float32]:
+        """Mean of the colors of the inputs, with the weights, (n, 4)."""
+        return sum(np.float32(self.weights[index]) * seen.colors for index, seen in self.inputs.items())
+
+    @property
+    def groups(self) -> dict[str, NDArray[np.float32]]:
+        """Means of the weights of vertex groups that all of these inputs have, (n,) each."""
+        names = set.intersection(*(set(seen.groups) for seen in self.inputs.values()))
+        first = next(iter(self.inputs.values()))
+        return {
+            name: sum(np.float32(self.weights[index]) * seen.groups[name] for index, seen in self.inputs.items())
+            for name in first.groups
+            if name in names
+        }
+
+
+def carried(
+    origins: NDArray[np.float32], faces: NDArray[np.int64], looks: Sequence[Look], weights: Sequence[float]
+) -> Carried:
+    """Look at where the vertices of a blend come from.
+
+    Colors are means over the faces about every vertex: edges of an image finer than the vertices would be jagged.
+
+    Parameters
+    ----------
+    origins : (k, n, 3) float32
+        As :func:`.origins.blend_origins` gives them.
+    faces : (m, 3) int64
+        Of the blend.
+    looks : sequence of Look
+        One per input.
+    weights : (k,)
+        Of the blend.
+    """
+    seen = {
+        index: _softened(look.at(own), faces)
+        for index, (own, look, weight) in enumerate(zip(origins, looks, weights, strict=True))
+        if weight > 0
+    }
+    return Carried(tuple(float(weight) for weight in weights), seen)
+
+
+def _softened(seen: Seen, faces: NDArray[np.int64]) -> Seen:
+    """Replace colors by their means over the faces about every vertex; of faces, by those over their corners."""
+    corners, count = faces.ravel(), len(seen.colors)
+    about = np.bincount(corners, minlength=count)
+    colors = seen.colors.copy()
+    for channel in range(colors.shape[1]):
+        of_faces = seen.colors[faces, channel].mean(axis=1)
+        sums = np.bincount(corners, np.repeat(of_faces, 3), count)
+        np.divide(sums, about, out=colors[:, channel], where=about > 0, casting="same_kind")
+    return replace(seen, colors=colors)

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Read the surface of a shape from its density, and say what it leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from ...errors import InputError
+from ...geometry.connectivity import Connectivity
+from ...geometry.isosurface import LevelSurface, bounding_box, surface_at_level, surface_enclosing
+from ...geometry.mending import mended_surface
+from ...geometry.thin_parts import locally_normalized, lost_parts
+from .morph_settings import MorphSettings
+
+# Cells over which a density is averaged before its surface is read: less than the grid can show of a shape, and enough
+# for crumbs and false handles of a cell's size to vanish. The enclosed volume is chosen afterwards.
+_READING_BLUR = 0.7
+_READING_REACH = 4.0
+# Below this share of the densest cell there is nothing.
+_NEGLIGIBLE = 1e-7
+# Mass that a blur carries out of a surface lies within so many of its standard deviations.
+_REACH = 3.0
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A surface read from a density.
+
+    Attributes
+    ----------
+    surface : LevelSurface
+        In cells.
+    record : dict
+        What it has, what was mended and what is not shown, ready for JSON.
+    """
+
+    surface: LevelSurface
+    record: dict[str, object]
+
+
+def own_surface(occupancy: NDArray[np.floating], settings: MorphSettings) -> LevelSurface:
+    """Surface of a shape as it can be read from its occupancy, in the way that blends are read."""
+    volume = float(occupancy.sum(dtype=np.float64))
+    prepared = _Prepared.of(occupancy, volume, settings)
+    return prepared.placed(surface_enclosing(prepared.density, volume))
+
+
+def connectivity_of(occupancy: NDArray[np.floating], settings: MorphSettings) -> Connectivity:
+    """Pieces, handles and bubbles of a shape as they can be read from its occupancy at this resolution."""
+    return Connectivity.of(own_surface(occupancy, settings))
+
+
+def read_surface(
+    density: NDArray[np.float64], volume: float, sigma: float, shapes: Sequence[Connectivity], settings: MorphSettings
+) -> Reading:
+    """Read the surface of a blend.
+
+    Parameters
+    ----------
+    density : (nx, ny, nz) float64
+        The barycenter.
+    volume : float
+        Cells that it should enclose.
+    sigma : float
+        The solver's blur in cells.
+    shapes : sequence of Connectivity
+        Of the shapes that are blended: a blend has no more pieces, handles and bubbles than the one that has most.
+    settings : MorphSettings
+        Which level, and whether to keep thin parts and to mend.
+    """
+    if settings.level == "half-max":
+        surface = surface_at_level(density, float(density.max()) / 2)
+        lost = lost_parts(density, density > surface.level, _REACH * sigma)
+        return Reading(surface, {"found": asdict(Connectivity.of(surface)), "lost": lost.record()})
+    prepared = _Prepared.of(density, volume, settings)
+    if settings.mend:
+        most = shapes[0]
+        for other in shapes[1:]:
+            most = most.or_more(other)
+        mending = mended_surface(prepared.density, volume, most)
+        surface, record = mending.surface, mending.record()
+    else:
+        surface = surface_enclosing(prepared.density, volume)
+        record = {"found": asdict(Connectivity.of(surface))}
+    lost = lost_parts(density[prepared.box], prepared.density > surface.level, _REACH * sigma).moved(prepared.low)
+    return Reading(prepared.placed(surface), {**record, "lost": lost.record()})
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    """What the surface of a density is taken of.
+
+    Attributes
+    ----------
+    density : (mx, my, mz) float32
+        Where there is any, in the unit given below.
+    box : tuple of slice
+        Of the density's grid.
+    unit : float
+        One, or the densest cell.
+    """
+
+    density: NDArray[np.float32]
+    box: tuple[slice, ...]
+    unit: float
+
+    @classmethod
+    def of(cls, density: NDArray[np.floating], volume: float, settings: MorphSettings) -> _Prepared:
+        # Sums of very large or very small densities may overflow or vanish, in single precision above all.
+        peak = float(density.max())
+        if not 0.0 < peak < np.inf:
+            raise InputError("A density without mass has no surface.")
+        low, high = bounding_box(density > _NEGLIGIBLE * peak)
+        margin = int(np.ceil(_READING_REACH * _READING_BLUR))
+        box = tuple(slice(max(a - margin, 0), b + margin) for a, b in zip(low, high, strict=True))
+        blurred = gaussian_filter((density[box] / peak).astype(np.float32), _READING_BLUR, truncate=_READING_REACH)
+        if settings.thin_parts:
+            return cls(locally_normalized(blurred, volume), box, 1.0)
+        return cls(blurred, box, peak)
+
+    @property
+    def low(self) -> NDArray[np.int64]:
+        return np.array([span.start for span in self.box])
+
+    def placed(self, surface: LevelSurface) -> LevelSurface:
+        """Return a surface of the density in the box as one of the grid."""
+        return LevelSurface(surface.mesh.moved(self.low), surface.level * self.unit)

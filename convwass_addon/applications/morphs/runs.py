@@ -1,0 +1,260 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Short runs of neighboring blends: what is handed to a thread, to another process, or to another machine."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from ...errors import Cancelled, InputError
+from ...geometry.mending import Connectivity
+from ..workers import frame_workers, one_blas_thread
+from .blending import Sketch, sketch_blends, solve_blends
+from .cluster import ClusterExecutor
+from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
+from .spare_threads import SpareThreads
+
+RUN_LENGTH = 4
+"""Blends that are solved one after the other, each started from the one before: enough for the first, cold one not to
+weigh much, and few enough for the first frames to be there soon."""
+
+Run = tuple[Blend, ...]
+Pending = dict["Future[list[MorphFrame]]", int]
+"""What is still being solved: the index of the run for each future."""
+
+# Seconds between two looks at whether the user wants to stop.
+_PATIENCE = 0.25
+
+
+@dataclass(frozen=True)
+class SolvedRun:
+    """A run that is finished.
+
+    Attributes
+    ----------
+    index : int
+        Which of the runs it is.
+    frames : list of MorphFrame
+        In the order of its blends.
+    """
+
+    index: int
+    frames: list[MorphFrame]
+
+
+@dataclass(frozen=True)
+class SketchedRuns:
+    """Runs that are being solved, their sketches first.
+
+    Attributes
+    ----------
+    sketches : dict
+        The order of the futures of sketches; all of them are begun before the first of `frames`.
+    frames : dict
+        What is being solved.
+    """
+
+    sketches: dict[Future[Sketch], int]
+    frames: Pending
+
+
+def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
+    """Cut blends into runs, always at the same places.
+
+    Parameters
+    ----------
+    blends : sequence of Blend
+        All of them.
+    wanted : range, optional
+        Indices of blends; only the runs that hold some of them are returned, and these are whole.
+
+    Raises
+    ------
+    InputError
+        Indices of blends that do not exist, or none at all.
+    """
+    if wanted is not None and not (len(wanted) and wanted[0] >= 0 and wanted[-1] < len(blends)):
+        raise InputError("The frames asked for must lie between 0 and {last}.", last=len(blends) - 1)
+    starts = range(0, len(blends), RUN_LENGTH)
+    if wanted is not None:
+        starts = starts[wanted[0] // RUN_LENGTH : wanted[-1] // RUN_LENGTH + 1]
+    return [tuple(blends[start : start + RUN_LENGTH]) for start in starts]
+
+
+@contextmanager
+def runs_in_threads(
+    problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
+) -> Iterator[Pending]:
+    """Solve runs in threads, which stop between two iterations once nobody waits for them any more.
+
+    The longest comes first, so that it is not left over when the others are done; these come in order, since what is
+    made of them begins with the first.
+    """
+    with _threads(check, workers) as (executor, check_both):
+        spare = SpareThreads(executor, len(runs), workers - 1)
+        longest = max(runs, key=lambda index: sum(map(problem.effort, runs[index])))
+        order = sorted(runs, key=lambda index: (index != longest, index))
+        yield {executor.submit(_solve, problem, runs[index], check_both, spare): index for index in order}
+
+
+def _solve(
+    problem: MorphProblem,
+    run: Run,
+    check: Callable[[], None],
+    spare: SpareThreads,
+    sketches: Sequence[Sketch] | None = None,
+) -> list[MorphFrame]:
+    spare.begin()
+    return solve_blends(problem, run, check, sketches, spare.hand_over)
+
+
+@contextmanager
+def sketched_runs_in_threads(
+    problem: MorphProblem,
+    runs: dict[int, Run],
+    sketched: Sequence[int],
+    check: Callable[[], None] | None,
+    workers: int,
+) -> Iterator[SketchedRuns]:
+    """Do the same for a problem with coarser levels, those of some runs before the finest of any.
+
+    Parameters
+    ----------
+    problem : MorphProblem
+        Without the connectivity of its shapes, which is read after the sketches.
+    runs : dict
+        All of them.
+    sketched : sequence of int
+        Indices of those that are sketched: the first blend of each, in this order, then the second of each, and so on,
+        so that the whole of a morph is seen early.
+    check, workers
+        As for :func:`runs_in_threads`.
+    """
+    with _threads(check, workers) as (executor, check_both):
+        spare = SpareThreads(executor, len(runs), workers - 1)
+        yield _begun(executor, problem, runs, sketched, check_both, spare)
+
+
+def _begun(
+    executor: Executor,
+    problem: MorphProblem,
+    runs: dict[int, Run],
+    sketched: Sequence[int],
+    check: Callable[[], None],
+    spare: SpareThreads,
+) -> SketchedRuns:
+    """Hand everything to an executor in the order in which it is to be done; nothing but what waits keeps a sketch."""
+    # Threads take up work in this order: where it waits for other work, another thread is at that.
+    chains = {index: sketch_blends(problem, runs[index], check) for index in sketched}
+    sketches: dict[int, list[Future[Sketch]]] = {index: [] for index in sketched}
+    for place in range(RUN_LENGTH):
+        for index in sketched:
+            if place < len(runs[index]):
+                sketches[index].append(executor.submit(_next_sketch, chains[index], sketches[index][-1:]))
+    connectivity = [executor.submit(problem.shape_connectivity, index) for index in range(len(problem.volumes))]
+    frames = {
+        executor.submit(_solve_sketched, problem, run, check, spare, connectivity, sketches.get(index)): index
+        for index, run in runs.items()
+    }
+    rounds = [own[place] for place in range(RUN_LENGTH) for own in sketches.values() if place < len(own)]
+    return SketchedRuns({future: number for number, future in enumerate(rounds)}, frames)
+
+
+def _next_sketch(chain: Iterator[Sketch], before: Sequence[Future[Sketch]]) -> Sketch:
+    """Take the next sketch of a run, once the one before is there."""
+    for one in before:
+        one.result()
+    return next(chain)
+
+
+def _solve_sketched(
+    problem: MorphProblem,
+    run: Run,
+    check: Callable[[], None],
+    spare: SpareThreads,
+    connectivity: Sequence[Future[Connectivity]],
+    sketches: Sequence[Future[Sketch]] | None,
+) -> list[MorphFrame]:
+    known = None if sketches is None else [sketch.result() for sketch in sketches]
+    whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity))
+    return _solve(whole, run, check, spare, known)
+
+
+@contextmanager
+def _threads(check: Callable[[], None] | None, workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
+    """Provide threads, and what they are to call often: it raises once the context ends."""
+    abandoned = threading.Event()
+
+    def check_both() -> None:
+        if abandoned.is_set():
+            raise Cancelled("Cancelled.")
+        if check is not None:
+            check()
+
+    with frame_workers(workers) as executor:
+        try:
+            yield executor, check_both
+        finally:
+            # Before the threads are waited for.
+            abandoned.set()
+
+
+@contextmanager
+def runs_elsewhere(problem: MorphProblem, runs: dict[int, Run], executor: Executor) -> Iterator[Pending]:
+    """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled."""
+    shared = executor.share(problem) if isinstance(executor, ClusterExecutor) else problem
+    pending: Pending = {}
+    try:
+        for index, run in runs.items():
+            pending[executor.submit(solve_apart, shared, run)] = index
+        yield pending
+    finally:
+        for future in pending:
+            future.cancel()
+
+
+def solve_apart(problem: MorphProblem, run: Run) -> list[MorphFrame]:
+    """Solve a run in a process that may not be ours: BLAS keeps to one thread meanwhile."""
+    with one_blas_thread():
+        return solve_blends(problem, run)
+
+
+def as_solved(pending: Pending, check: Callable[[], None] | None) -> Iterator[SolvedRun]:
+    """Take runs out of `pending` as they are finished, in any order.
+
+    Parameters
+    ----------
+    pending : dict
+        What `runs_in_threads` or `runs_elsewhere` provided.
+    check : callable, optional
+        Called several times a second; what it raises ends the waiting.
+
+    Raises
+    ------
+    Exception
+        What a run raised.
+    """
+    for index, future in _as_completed(pending, check):
+        yield SolvedRun(index, future.result())
+
+
+def as_sketched(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphFrame]:
+    """Take sketches out of `runs` as each is finished, and yield those that can be looked at."""
+    for _, future in _as_completed(runs.sketches, check):
+        frame = future.result().frame
+        if frame.mesh is not None or frame.blend.source is not None:
+            yield frame
+
+
+def _as_completed(pending: dict[Future, int], check: Callable[[], None] | None) -> Iterator[tuple[int, Future]]:
+    while pending:
+        done, _ = wait(pending, _PATIENCE, FIRST_COMPLETED)
+        if check is not None:
+            check()
+        for future in sorted(done, key=pending.__getitem__):
+            yield pending.pop(future), future

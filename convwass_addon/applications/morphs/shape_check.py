@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist should know about a shape before it is morphed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...errors import InputError
+from ...geometry.edges import topology
+from ...geometry.mesh import TriangleMesh
+from ...geometry.orientation import orient_outward
+from .volumes import Lattice, voxelized
+
+Verdict = Literal["SOUND", "FLIPPED", "HOLES", "NO_VOLUME"]
+
+# Cells along the longest side with which the volume is looked for: what a quick bake has.
+_RESOLUTION = 64
+_SIGMA = 1.0
+
+
+@dataclass(frozen=True)
+class ShapeFindings:
+    """What is wrong with a shape; a bake copes with all but a missing volume.
+
+    Attributes
+    ----------
+    has_volume : bool
+        Whether it encloses some.
+    open_edges : int
+        Edges with one face only, where vertices in one place count as one.
+    flipped_faces : int
+        Faces that look the wrong way.
+    """
+
+    has_volume: bool
+    open_edges: int
+    flipped_faces: int
+
+    @property
+    def worst(self) -> Verdict:
+        """What matters most."""
+        if not self.has_volume:
+            return "NO_VOLUME"
+        if self.open_edges:
+            return "HOLES"
+        return "FLIPPED" if self.flipped_faces else "SOUND"
+
+
+def check_shape(mesh: TriangleMesh) -> ShapeFindings:
+    """Look for what may go wrong with a shape in a morph; takes a fraction of a second.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        In any space; with one triangle at least.
+    """
+    welded = _welded(mesh)
+    outward = orient_outward(welded)
+    return ShapeFindings(
+        has_volume=_has_volume(mesh),
+        open_edges=topology(welded).open_edges,
+        flipped_faces=int((outward.faces != welded.faces).any(axis=1).sum()),
+    )
+
+
+def _welded(mesh: TriangleMesh) -> TriangleMesh:
+    """Join vertices that lie in one place: files of separate triangles have no holes for that."""
+    vertices, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    return TriangleMesh(vertices, index.reshape(-1)[mesh.faces])
+
+
+def _has_volume(mesh: TriangleMesh) -> bool:
+    if not np.ptp(mesh.bounds, axis=0).max() > 0.0:
+        return False
+    lattice = Lattice.around([mesh], _RESOLUTION, _SIGMA)
+    try:
+        voxelized(mesh, "", 0, lattice, thickness=0.0)
+    except InputError:
+        return False
+    return True

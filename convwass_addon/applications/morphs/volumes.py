@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes as distributions on one grid: each is voxelized about its own center of mass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry.centroid import centroid
+from ...geometry.mesh import TriangleMesh
+from ...geometry.occupancy import occupancy
+from ...geometry.orientation import orient_outward
+from ...geometry.thicken import shell_occupancy
+from ...transport import Grid
+from ..memory import available_memory, check_memory
+
+# Sides are multiples of this, so that the grid can be halved several times.
+_MULTIPLE = 8
+# A solid of fewer cells is no shape any more.
+_LEAST_CELLS = 20.0
+# Sheets are given at least this thickness, in cells: what survives a morph.
+_LEAST_THICKNESS = 2.0
+# Most bytes per cell at the peak, measured, of every shape and of every thread that solves: for all cells of the grid,
+# for those that the largest shape fills, and for every further part.
+_BYTES_PER_SHAPE, _BYTES_PER_SHAPE_FILLED, _BYTES_PER_SHAPE_PART = 18, 80, 4
+_BYTES_PER_WORKER, _BYTES_PER_WORKER_FILLED, _BYTES_PER_WORKER_PART = 90, 330, 12
+# Thin shapes fill little of the grid; what the solver keeps of them does not fall below this.
+_LEAST_FILLED = 0.03
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """The common grid of a morph, placed about the center of each shape.
+
+    The barycenter of shapes that are moved is the moved barycenter of the shapes, so only their extents about their
+    centers matter: shapes far apart in the scene cost no more than shapes in one place.
+
+    Attributes
+    ----------
+    shape : (int, int, int)
+        Cells per axis.
+    spacing : float
+        Size of a cell in scene units.
+    origin : (3,) float64
+        Low corner of the grid relative to a shape's center, scene units.
+    centers : (k, 3) float64
+        Centers of the shapes, scene units.
+    """
+
+    shape: tuple[int, int, int]
+    spacing: float
+    origin: NDArray[np.float64]
+    centers: NDArray[np.float64]
+
+    @classmethod
+    def around(
+        cls, shapes: Sequence[TriangleMesh], resolution: int, sigma: float, workers: int = 1, parts: int = 1
+    ) -> Lattice:
+        """Lay a grid of `resolution` cells along its longest side around all the shapes.
+
+        Parameters
+        ----------
+        shapes : sequence of TriangleMesh
+            All of them.
+        resolution : int
+            Cells along the longest side.
+        sigma : float
+            Blur in cells.
+        workers, parts : int
+            How many threads will solve, and how many parts the shapes have: both take memory.
+
+        Raises
+        ------
+        InputError
+            A resolution too small to hold a shape and its blur.
+        ResourceError
+            A grid that does not fit in memory.
+        """
+        margin = 2 + int(np.ceil(2.0 * sigma))
+        if resolution < 4 * margin:
+            raise InputError(
+                "Resolution {resolution} is too coarse; use at least {least}.", resolution=resolution, least=4 * margin
+            )
+        centers = np.stack([centroid(shape) for shape in shapes])
+        low = np.min([shape.bounds[0] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
+        high = np.max([shape.bounds[1] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
+        extent = high - low
+        spacing = float(extent.max()) / (resolution - 2 * margin)
+        cells = np.ceil(extent / spacing + 2 * margin)
+        cells = (np.ceil(cells / _MULTIPLE) * _MULTIPLE).astype(int)
+        origin = (low + high) / 2 - cells * spacing / 2
+        lattice = cls(tuple(int(n) for n in cells), spacing, origin, centers)
+        check_memory(lattice.memory(shapes, workers, parts), resolution, workers)
+        return lattice
+
+    def memory(self, shapes: Sequence[TriangleMesh], workers: int, parts: int) -> int:
+        """Bytes at the peak of a job with these shapes, threads that solve and parts of every shape."""
+        cells = float(np.prod(self.shape))
+        filled = max(abs(shape.volume) for shape in shapes) / (self.spacing**3 * cells)
+        filled = float(np.clip(filled, _LEAST_FILLED, 1.0))
+        of_shape = _BYTES_PER_SHAPE + _BYTES_PER_SHAPE_FILLED * filled + _BYTES_PER_SHAPE_PART * (parts - 1)
+        of_worker = _BYTES_PER_WORKER + _BYTES_PER_WORKER_FILLED * filled + _BYTES_PER_WORKER_PART * (parts - 1)
+        return int(cells * (len(shapes) * of_shape + workers * of_worker))
+
+    def to_cells(self, mesh: TriangleMesh, index: int) -> NDArray[np.float64]:
+        """Triangles of input `index` in cells, (m, 3, 3)."""
+        return (mesh.corners - self.centers[index] - self.origin) / self.spacing
+
+    def to_scene(self, mesh: TriangleMesh, weights: NDArray[np.float64]) -> TriangleMesh:
+        """Bring a surface in cells to the scene, at the weighted mean of the centers."""
+        return TriangleMesh(mesh.vertices * self.spacing + self.origin + weights @ self.centers, mesh.faces)
+
+    def grid(self, sigma: float) -> Grid:
+        """Return the transport domain with a kernel of `sigma` cells."""
+        return Grid(self.shape, sigma)
+
+
+def fitting_workers(lattice: Lattice, shapes: Sequence[TriangleMesh], parts: int, most: int) -> int:
+    """Return how many threads, up to `most`, can solve at once in the memory that there is; one at least."""
+    free = available_memory()
+    if free is None:
+        return most
+    return next((count for count in range(most, 1, -1) if lattice.memory(shapes, count, parts) <= free), 1)
+
+
+def voxelize(
+    shapes: Sequence[TriangleMesh], names: Sequence[str], lattice: Lattice, thickness: float
+) -> Iterator[NDArray[np.float32]]:
+    """Yield the occupancy of each shape on its grid, values in [0, 1].
+
+    Parameters
+    ----------
+    shapes, names
+        The inputs, and what messages call them.
+    lattice : Lattice
+        Where the cells are.
+    thickness : float
+        Thickness in scene units for shapes that enclose nothing; 0 refuses them.
+
+    Raises
+    ------
+    InputError
+        A shape that encloses nothing, or less than a few cells.
+    """
+    for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
+        yield voxelized(shape, name, index, lattice, thickness)
+
+
+def voxelized(shape: TriangleMesh, name: str, index: int, lattice: Lattice, thickness: float) -> NDArray[np.float32]:
+    """Return the occupancy of input `index` alone; see :func:`voxelize`."""
+    corners = lattice.to_cells(orient_outward(shape), index)
+    filled = occupancy(corners, lattice.shape)
+    if filled.sum() < _LEAST_CELLS and thickness > 0:
+        cells = max(thickness / lattice.spacing, _LEAST_THICKNESS)
+        filled = shell_occupancy(corners, lattice.shape, cells)
+    if filled.sum() < _LEAST_CELLS:
+        raise InputError(
+            "'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness (the "
+            "Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution.",
+            name=name,
+        )
+    return filled

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The point inside a body that lies behind a point of its surface: where a pin belongs that is set with one click."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.mesh import TriangleMesh
+from ...transport import Surface
+from ..workers import one_blas_thread
+from .skeleton_bodies import SkeletonBody, skeleton_body
+
+# Blur along the surface, in halves of the thickness behind the point, that brings the mean to the middle of a limb.
+_REACH = 2.0
+# In mean edge lengths: a narrower blur is one of edges, not of the surface.
+_LEAST_BLUR = 1.5
+# Where the mean is not deep inside, the blur is made wider by this, so often at most.
+_WIDER, _ROUNDS = 1.4, 6
+# So much of the wanted depth is deep enough.
+_SHALLOW = 0.4
+# In diagonals: a click this near to a part of the body is on it.
+_NEAR = 0.02
+
+
+@dataclass(frozen=True)
+class InnerPoint:
+    """A point inside a body.
+
+    Attributes
+    ----------
+    position : (3,) float64
+        Where it is.
+    depth : float
+        How far it is from the surface.
+    """
+
+    position: NDArray[np.float64]
+    depth: float
+
+
+def inner_point(mesh: TriangleMesh, point: ArrayLike, depth: float = 1.0) -> InnerPoint:
+    """Return the point inside a body behind a point of its surface.
+
+    A unit mass at the point is diffused along the surface, and its mean lies inside; where it does not, more diffusion
+    brings it there, or else the middle of what is straight behind the point is taken.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        The body.
+    point : (3,)
+        On the surface, or near to it.
+    depth : float
+        1 goes about to the middle of the limb that the point is on, less stays closer to the surface.
+
+    Raises
+    ------
+    InputError
+        The body encloses nothing, or the depth is not positive.
+    """
+    return InnerPointFinder(mesh).find(point, depth)
+
+
+@dataclass(frozen=True)
+class _Body:
+    """A body and what is looked up on it."""
+
+    body: SkeletonBody
+    surface: Surface
+    closest: ClosestPointFinder
+
+
+class InnerPointFinder:
+    """Finds points inside one body behind points of its surface; what one needs is kept for the next.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        The body.
+    """
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        self._mesh = mesh
+        self._bodies: list[_Body] = []
+
+    def find(self, point: ArrayLike, depth: float = 1.0) -> InnerPoint:
+        """Return the point inside; see :func:`inner_point`."""
+        if not (np.isfinite(depth) and depth > 0):
+            raise InputError("The depth of a pin must be a positive number.")
+        clicked = np.asarray(point, dtype=np.float64).reshape(3)
+        own = self._at(clicked)
+        body, surface = own.body, own.surface
+        found = own.closest.find(clicked[None])
+        corners, shares = body.surface.faces[found.triangles[0]], found.shares[0]
+        mass = np.zeros(surface.shape)
+        mass[corners] += shares / surface.weights[corners]
+        foot, normal = found.interpolated(body.surface.corners)[0], _normal(body.surface.corners[found.triangles[0]])
+        start = foot - 1e-6 * body.size * normal
+        thickness = min(body.inside.first_hit(start, -normal), body.size)
+        blur = max(depth * _REACH * 0.5 * thickness / surface.unit_length, _LEAST_BLUR * surface.mean_edge_length)
+        wanted = 0.5 * thickness * min(depth, 1.0)
+        for _ in range(_ROUNDS):
+            place = _mean(mass, surface, blur)
+            reached = float(body.inside.distances(place[None])[0])
+            if reached >= _SHALLOW * wanted and body.inside.contains(place[None])[0]:
+                return InnerPoint(place, reached)
+            blur *= _WIDER
+        # On a sheet no blur gets around the edge before it is all over the place.
+        place = body.inside.nearest(foot[None], wanted).positions[0]
+        return InnerPoint(place, float(body.inside.distances(place[None])[0]))
+
+    def _at(self, point: NDArray[np.float64]) -> _Body:
+        """Return the part of the body at a point: where parts do not touch, another may be nearer than the last one."""
+        for known in self._bodies:
+            if known.closest.find(point[None]).distances[0] <= _NEAR * known.body.size:
+                return known
+        body = skeleton_body(self._mesh, point[None], ("",))
+        surface = Surface(body.surface.vertices, body.surface.faces)
+        self._bodies.append(_Body(body, surface, ClosestPointFinder(body.surface.corners)))
+        return self._bodies[-1]
+
+
+def _mean(mass: NDArray[np.float64], surface: Surface, blur: float) -> NDArray[np.float64]:
+    """Where a mass has its mean after a blur, a standard deviation in units of the domain."""
+    kernel = surface.with_kernel(2.0 * blur**2)
+    with one_blas_thread():
+        heat = kernel.apply(mass) * kernel.weights
+    return heat @ surface.positions / heat.sum()
+
+
+def _normal(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    return normal / max(np.linalg.norm(normal), np.finfo(float).tiny)

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Skeletons that cannot be fitted, and what to pin so that they can."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...errors import InputError
+from .skeleton_graph import JointGraph
+from .skeleton_links import chains
+
+# Pins closer than this, in diagonals of the box around all of them, are in one place.
+_SAME_PLACE = 1e-4
+# Joints that a message names.
+_NAMED = 5
+
+
+def check_pins(graph: JointGraph) -> None:
+    """Refuse skeletons that say too little, or two things at once, about where they belong.
+
+    Raises
+    ------
+    InputError
+        No bones; parts without pins, or with one; pins in one place.
+    """
+    if not len(graph.edges):
+        raise InputError("The skeleton has no bones.")
+    if not graph.pinned.any():
+        raise InputError("No joint is pinned; pin the ends of the limbs where they belong.")
+    labels = skeleton_parts(graph)
+    for label in range(labels.max() + 1):
+        own = np.flatnonzero(labels == label)
+        pins = own[graph.pinned[own]]
+        if not len(pins):
+            raise InputError(
+                "No joint is pinned in the part of the skeleton with {names}; pin the ends of its limbs.",
+                names=named(graph, own),
+            )
+        if len(pins) == 1 and len(own) > 1:
+            raise InputError(
+                "Only {name} is pinned in its part of the skeleton; pin the ends of the other limbs, such as {names}.",
+                name=graph.names[pins[0]],
+                names=named(graph, _ends(graph, own)),
+            )
+    _check_places(graph)
+
+
+def check_loops(graph: JointGraph) -> None:
+    """Refuse loops whose two sides nothing tells apart: both would be laid out through the hole between them.
+
+    Parameters
+    ----------
+    graph : JointGraph
+        Without joints that no way between pins leads through.
+
+    Raises
+    ------
+    InputError
+        Two ways lead from one joint to another, or a way back to where it began, without a pin or a branch.
+    """
+    found = {}
+    for chain in chains(graph):
+        ends = tuple(sorted((int(chain[0]), int(chain[-1]))))
+        if ends[0] == ends[1] or (ends in found and max(len(chain), len(found[ends])) > 2):
+            loop = np.unique(np.concatenate([chain, found.get(ends, chain)]))
+            raise InputError(
+                "Nothing tells the sides of the loop with {names} apart; pin three of its joints, evenly spread.",
+                names=named(graph, loop),
+            )
+        found[ends] = chain
+
+
+def check_inside(graph: JointGraph, outside: NDArray[np.int64], places: NDArray[np.float64]) -> None:
+    """Refuse pins outside of the body.
+
+    Parameters
+    ----------
+    graph : JointGraph
+        The skeleton.
+    outside : (k,) int64
+        Pins that lie outside.
+    places : (k, 3)
+        The nearest places inside.
+
+    Raises
+    ------
+    InputError
+        There are any; with the place for the first one.
+    """
+    if not len(outside):
+        return
+    x, y, z = places[0]
+    raise InputError(
+        "{count} of the pins lie outside the body: {names}. Move them inside ({name} to {x:.4g}, {y:.4g}, {z:.4g}), or "
+        "let them be moved.",
+        count=len(outside),
+        names=named(graph, outside),
+        name=graph.names[outside[0]],
+        x=x,
+        y=y,
+        z=z,
+    )
+
+
+def skeleton_parts(graph: JointGraph) -> NDArray[np.int64]:
+    """Label the joints by the connected part they belong to, (v,)."""
+    count = len(graph.positions)
+    links = coo_array((np.ones(len(graph.edges), np.int8), graph.edges.T), shape=(count, count))
+    return connected_components(links, directed=False)[1]
+
+
+def named(graph: JointGraph, joints: NDArray[np.int64]) -> str:
+    """Names of some joints, the first of them where there are many."""
+    names = [graph.names[joint] for joint in joints]
+    return ", ".join(names[:_NAMED]) + (" ..." if len(names) > _NAMED else "")
+
+
+def _ends(graph: JointGraph, joints: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the free joints of one bone, or all free ones where there are none."""
+    free = joints[~graph.pinned[joints]]
+    tips = np.array([joint for joint in free if len(graph.neighbors[joint]) == 1], np.int64)
+    return tips if len(tips) else free
+
+
+def _check_places(graph: JointGraph) -> None:
+    pins = np.flatnonzero(graph.pinned)
+    points = graph.positions[pins]
+    near = _SAME_PLACE * float(np.linalg.norm(np.ptp(points, axis=0)))
+    for first, second in combinations(range(len(pins)), 2):
+        if np.linalg.norm(points[first] - points[second]) <= near:
+            raise InputError(
+                "{first} and {second} are pinned in the same place; move or unpin one of them.",
+                first=graph.names[pins[first]],
+                second=graph.names[pins[second]],
+            )

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lay out the free joints of a skeleton by Wasserstein propagation (Solomon et al. 2015, section 7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mean_value import mean_value_coordinates, positive_coordinates
+from ...transport import KernelTooNarrowError, Propagation, Surface, propagate
+from ...transport.sharpening import entropy
+from ..densities.density_solving import Check, monitor_of
+from ..workers import one_blas_thread
+from .skeleton_bodies import SkeletonBody
+from .skeleton_graph import JointGraph
+from .skeleton_links import Links, spread_along
+from .skeleton_settings import SkeletonSettings
+
+# A kernel that does not reach is made wider by this, so often at most.
+_WIDER, _WIDENINGS = 2.0, 4
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Joints at the means of their distributions.
+
+    Attributes
+    ----------
+    positions : (v, 3) float64
+        Spread along the chains by the lengths of the bones; pins where they were.
+    gamma : float
+        That it was solved with.
+    links : int
+        Parts that the bones were cut into.
+    solution : Propagation
+        Of the joints and the links.
+    """
+
+    positions: NDArray[np.float64]
+    gamma: float
+    links: int
+    solution: Propagation
+
+
+class LayoutProblem:
+    """A skeleton and the body's surface, prepared for solves with several kernels.
+
+    Parameters
+    ----------
+    graph : JointGraph
+        Every part of it with pins.
+    body : SkeletonBody
+        That the pins are in.
+    settings : SkeletonSettings
+        How.
+    """
+
+    def __init__(self, graph: JointGraph, body: SkeletonBody, settings: SkeletonSettings) -> None:
+        self._graph = graph
+        self._settings = settings
+        self._vertices = body.surface.vertices
+        self._surface = Surface(body.surface.vertices, body.surface.faces, settings.gamma)
+        self.lengths = bone_lengths(graph, settings)
+        self._links = Links.of(graph, self.lengths, settings.links)
+        self._pins = np.flatnonzero(graph.pinned)
+        points = graph.positions[self._pins]
+        coordinates = mean_value_coordinates(points, body.surface)
+        shares = positive_coordinates(coordinates, points, self._vertices).weights
+        areas = self._surface.weights
+        self._given = dict(zip(self._pins.tolist(), shares / np.where(areas > 0, areas, 1.0), strict=True))
+
+    def solved(self, gamma: float, check: Check | None = None) -> Layout:
+        """Lay it out with a kernel, or with a wider one where that does not reach."""
+        for _ in range(_WIDENINGS):
+            try:
+                return self._solved(gamma, check)
+            except KernelTooNarrowError:
+                gamma *= _WIDER
+        return self._solved(gamma, check)
+
+    def _solved(self, gamma: float, check: Check | None) -> Layout:
+        surface = self._surface.with_kernel(gamma)
+        with one_blas_thread():
+            solution = propagate(
+                self._links.edges,
+                self._links.weights,
+                self._given,
+                surface,
+                size=self._links.size,
+                entropy_limit=self._limit(surface),
+                tolerance=self._settings.tolerance,
+                max_iterations=self._settings.max_iterations,
+                monitor=monitor_of(check),
+            )
+        means = (solution.densities * surface.weights) @ self._vertices
+        means[self._pins] = self._graph.positions[self._pins]
+        positions = spread_along(self._graph, self._links, means, self.lengths)
+        return Layout(positions, gamma, len(self._links.edges), solution)
+
+    def _limit(self, surface: Surface) -> float | None:
+        if self._settings.slack is None:
+            return None
+        return max(entropy(density, surface.weights) for density in self._given.values()) + self._settings.slack
+
+
+def bone_lengths(graph: JointGraph, settings: SkeletonSettings) -> NDArray[np.float64]:
+    """Lengths that the bones are to have in proportion, (e,), none of them zero."""
+    lengths = graph.lengths
+    if settings.weights == "uniform" or not lengths.max() > 0:
+        return np.ones(len(lengths))
+    return np.maximum(lengths, 0.05 * lengths.mean())

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a rigger should know about the bones of a fitted skeleton."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...sentence import Sentence
+from .skeleton_bodies import SkeletonBody
+from .skeleton_graph import JointGraph
+from .skeleton_links import chains
+
+# Places along a bone that are looked at.
+_PLACES = np.linspace(0.0, 1.0, 9)[1:-1]
+# Bones that leave the body by less than this, in its diagonals, touch no skin that anybody sees.
+_VISIBLE = 0.01
+# A way this many times longer than its bones, beside the others, has its pins in the wrong places.
+_TOO_LONG = 4.0
+
+
+def bone_notices(
+    graph: JointGraph, positions: NDArray[np.float64], lengths: NDArray[np.float64], body: SkeletonBody
+) -> list[Sentence]:
+    """Return notices about bones that leave the body between their joints, and about pins that contradict the bones.
+
+    Parameters
+    ----------
+    graph : JointGraph
+        The skeleton.
+    positions : (v, 3)
+        Where its joints are now.
+    lengths : (e,)
+        Of its bones, in proportion, positive.
+    body : SkeletonBody
+        That it is in.
+    """
+    notices = []
+    leaving = _leaving(graph, positions, body)
+    if len(leaving):
+        names = [f"{graph.names[a]} - {graph.names[b]}" for a, b in graph.edges[leaving[:3]]]
+        shown = {"count": len(leaving), "names": ", ".join(names) + (" ..." if len(leaving) > 3 else "")}
+        notices.append(Sentence("Bones that leave the body between their joints: {count} ({names}).", shown))
+    for chain, times in _stretched(graph, positions, lengths):
+        way = {"first": graph.names[chain[0]], "last": graph.names[chain[-1]], "times": times}
+        notices.append(
+            Sentence(
+                "From {first} to {last} it is {times:.1f} times as far as the bones say; check what is pinned there.",
+                way,
+            )
+        )
+    return notices
+
+
+def _leaving(graph: JointGraph, positions: NDArray[np.float64], body: SkeletonBody) -> NDArray[np.int64]:
+    """Find the bones that visibly leave the body between their joints."""
+    tails, heads = positions[graph.edges[:, 0]], positions[graph.edges[:, 1]]
+    points = (tails[:, None] + _PLACES[:, None] * (heads - tails)[:, None]).reshape(-1, 3)
+    outside = ~body.inside.contains(points)
+    outside[outside] = body.inside.distances(points[outside]) > _VISIBLE * body.size
+    return np.flatnonzero(outside.reshape(-1, len(_PLACES)).any(axis=1))
+
+
+def _stretched(
+    graph: JointGraph, positions: NDArray[np.float64], lengths: NDArray[np.float64]
+) -> list[tuple[NDArray[np.int64], float]]:
+    """Find the ways that are much longer than their bones, beside the others, and how many times."""
+    bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
+    ways = chains(graph)
+    ratios = np.array(
+        [
+            np.linalg.norm(np.diff(positions[way], axis=0), axis=1).sum()
+            / sum(bones[min(a, b), max(a, b)] for a, b in pairwise(way.tolist()))
+            for way in ways
+        ]
+    )
+    usual = np.median(ratios)
+    return [(way, float(r / usual)) for way, r in zip(ways, ratios, strict=True) if r > _TOO_LONG * usual > 0]

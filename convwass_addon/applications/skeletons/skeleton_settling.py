@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settle a skeleton that has been laid out along the middle of the body's limbs.
+
+The objective is that of the propagation, the weighted sum of squared distances along the bones, with points instead of
+distributions and with ways through the body instead of ways along its surface.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from ...geometry.inner_balls import InnerBalls
+from ...geometry.solid_angles import Inside
+from .skeleton_graph import JointGraph
+from .skeleton_links import chains
+
+# How strongly a branching joint keeps to where it was laid out, against the pull of its bones.
+_LOYALTY = 0.25
+_ROUNDS = 10
+# Ways from ball to ball are evened out over the first of these shares of their length that keeps joints inside, on so
+# many points.
+_EVENING, _POINTS = (0.12, 0.06, 0.02), 400
+
+
+def settled(
+    graph: JointGraph, laid: NDArray[np.float64], lengths: NDArray[np.float64], balls: InnerBalls, inside: Inside
+) -> NDArray[np.float64]:
+    """Return the joints moved to the middle of the body, (v, 3).
+
+    Parameters
+    ----------
+    graph : JointGraph
+        The skeleton. Pins stay where they are in `laid`.
+    laid : (v, 3)
+        Where the joints were laid out.
+    lengths : (e,)
+        Of the bones, positive, in any unit: joints along a way are spread by them.
+    balls : InnerBalls
+        Of the body.
+    inside : Inside
+        Tells what lies in it.
+    """
+    bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
+    ways = [
+        _Way(chain, np.array([bones[min(a, b), max(a, b)] for a, b in pairwise(chain.tolist())]))
+        for chain in chains(graph)
+    ]
+    keys = np.unique([joint for way in ways for joint in (way.joints[0], way.joints[-1])])
+    places = _Places(graph, laid, balls, keys)
+    places.improve(ways)
+    positions = laid.copy()
+    for way in ways:
+        way.lay(positions, places, inside)
+    return positions
+
+
+class _Way:
+    """A chain of bones from one pinned or branching joint to another."""
+
+    def __init__(self, joints: NDArray[np.int64], lengths: NDArray[np.float64]) -> None:
+        self.joints = joints
+        self.reached = np.cumsum(lengths)
+
+    @property
+    def length(self) -> float:
+        """Of all its bones."""
+        return float(self.reached[-1])
+
+    def lay(self, positions: NDArray[np.float64], places: _Places, inside: Inside) -> None:
+        """Set the positions of its joints."""
+        first, last = self.joints[0], self.joints[-1]
+        curve = places.curve(first, last)
+        positions[first], positions[last] = curve[0], curve[-1]
+        for share in (*_EVENING, 0.0):
+            joints = self._along(_evened(curve, share))
+            if inside.contains(joints).all():
+                break
+        positions[self.joints[1:-1]] = joints
+
+    def _along(self, curve: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Spread its inner joints along a curve."""
+        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+        wanted = self.reached[:-1] / self.length * gone[-1]
+        return np.stack([np.interp(wanted, gone, axis) for axis in curve.T], axis=1)
+
+
+class _Places:
+    """Where the pinned and branching joints are among the balls; every pin is a place of its own behind them."""
+
+    def __init__(
+        self, graph: JointGraph, laid: NDArray[np.float64], balls: InnerBalls, keys: NDArray[np.int64]
+    ) -> None:
+        pins = [joint for joint in keys.tolist() if graph.pinned[joint]]
+        self._laid = laid
+        self.points = np.concatenate([balls.centers, laid[pins]])
+        self._links = _with_pins(balls, laid[pins])
+        self._hubs = [joint for joint in keys.tolist() if not graph.pinned[joint]]
+        self._node = {joint: len(balls.centers) + i for i, joint in enumerate(pins)}
+        for joint in self._hubs:
+            self._node[joint] = int(np.argmin(np.linalg.norm(balls.centers - laid[joint], axis=1) * balls.costs))
+        self._free = np.arange(len(self.points)) < len(balls.centers)
+        self._distances = {joint: self._from(joint) for joint in self._node}
+
+    def _from(self, joint: int) -> NDArray[np.float64]:
+        return dijkstra(self._links, indices=self._node[joint])
+
+    def improve(self, ways: list[_Way]) -> None:
+        """Move the branching joints, one after the other, to where the bones pull least."""
+        about = {hub: [way for way in ways if hub in (way.joints[0], way.joints[-1])] for hub in self._hubs}
+        scale = sum(way.length for way in ways) / sum(
+            self._distances[way.joints[0]][self._node[way.joints[-1]]] for way in ways
+        )
+        for _ in range(_ROUNDS):
+            moved = False
+            for hub, own in about.items():
+                away = np.square(self.points - self._laid[hub]).sum(axis=1)
+                pull = _LOYALTY * away * scale / (sum(way.length for way in own) / len(own))
+                for way in own:
+                    other = way.joints[0] if way.joints[-1] == hub else way.joints[-1]
+                    if other != hub:
+                        pull += np.square(self._distances[other]) * scale / way.length
+                best = int(np.argmin(np.where(self._free, pull, np.inf)))
+                if best != self._node[hub]:
+                    self._node[hub], moved = best, True
+                    self._distances[hub] = self._from(hub)
+            if not moved:
+                break
+
+    def curve(self, first: int, last: int) -> NDArray[np.float64]:
+        """Return the shortest way between two joints, (k, 3)."""
+        before = dijkstra(self._links, indices=self._node[first], return_predecessors=True)[1]
+        node, nodes = self._node[last], [self._node[last]]
+        while node != self._node[first]:
+            node = int(before[node])
+            nodes.append(node)
+        return self.points[nodes[::-1]]
+
+
+def _with_pins(balls: InnerBalls, pins: NDArray[np.float64]) -> csr_array:
+    """Add every pin to the links of the balls that hold it."""
+    links = balls.links.tocoo()
+    tails, heads, costs = [links.row], [links.col], [links.data]
+    count = len(balls.centers)
+    for index, pin in enumerate(pins):
+        near = balls.entrances(pin)
+        away = np.maximum(np.linalg.norm(balls.centers[near] - pin, axis=1), np.finfo(float).tiny) * balls.costs[near]
+        own = np.full(len(near), count + index)
+        tails += [own, near]
+        heads += [near, own]
+        costs += [away, away]
+    size = count + len(pins)
+    entries = np.concatenate(costs), (np.concatenate(tails), np.concatenate(heads))
+    return coo_array(entries, shape=(size, size)).tocsr()
+
+
+def _evened(way: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    """Even out a way from ball to ball over a share of its length; its ends stay."""
+    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    if not (gone[-1] > 0 and share > 0):
+        return way
+    places = np.linspace(0.0, gone[-1], _POINTS)
+    curve = np.stack([np.interp(places, gone, axis) for axis in way.T], axis=1)
+    # Continued beyond its ends by its reflection at them, so that they stay.
+    width = max(1, round(share * _POINTS))
+    before, after = 2 * curve[0] - curve[width:0:-1], 2 * curve[-1] - curve[-2 : -width - 2 : -1]
+    padded = np.concatenate([before, curve, after])
+    for _ in range(2):
+        padded = uniform_filter1d(padded, width | 1, axis=0, mode="nearest")
+    evened = padded[width:-width]
+    evened[0], evened[-1] = way[0], way[-1]
+    return evened

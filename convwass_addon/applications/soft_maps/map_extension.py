@@ -1,0 +1,244 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the rows of a soft map between coarse meshes to points for all vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import block_diag, csr_array
+
+from ...geometry.facing_points import FacingPointFinder
+from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
+from ...transport import SoftMap
+from .coarse_sides import CoarseSide, vertex_areas
+from .map_pieces import PieceMatch, faces_of
+from .map_sides import MapSide
+from .settled_maps import settled
+from .surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
+
+# Densities below this share of a row's largest are left out of what is kept.
+_NEXT_TO_NOTHING = 1e-3
+DOUBTFUL = 0.3
+"""Points of less confidence want looking at."""
+
+# More of a surface that is doubtful than this share of its area is told of.
+_MUCH = 0.3
+# A point spread over so much, or missed by so much on the way back, in sizes of the surface (the square root of its
+# area), has a confidence of 0.6.
+_VAGUE = 0.08
+
+
+class Parts:
+    """What couples of pieces contribute to a map, until all have.
+
+    Parameters
+    ----------
+    source, target : MapSide
+        The whole sides.
+    """
+
+    def __init__(self, source: MapSide, target: MapSide) -> None:
+        self.source, self.target = source, target
+        self.notices: list[Sentence] = []
+        self._records: list[dict[str, object]] = []
+        self._rows: list[csr_array] = []
+        sizes = [len(side.mesh.vertices) for side in (source, target)]
+        self._points = [_no_points(size) for size in sizes]
+        self._blends = [Blend(np.zeros((size, 3), np.int32), np.zeros((size, 3), np.float32)) for size in sizes]
+        self._counts = [0, 0]
+
+    @property
+    def forward(self) -> PointMap:
+        """The points of the target that are known so far."""
+        return self._points[0]
+
+    def add(
+        self,
+        match: PieceMatch,
+        source: CoarseSide,
+        target: CoarseSide,
+        solved: SoftMap,
+        back: NDArray[np.float32],
+        pairs: NDArray[np.int64],
+        is_mirrored: bool,
+        notices: tuple[Sentence, ...],
+    ) -> None:
+        """Add the map of one couple of pieces.
+
+        Parameters
+        ----------
+        match : PieceMatch
+            Which vertices they have.
+        source, target : CoarseSide
+            The coarse meshes.
+        solved : SoftMap
+            From the coarse source to the coarse target.
+        back : (n1, n0)
+            Densities of the way back, or in proportion to such.
+        pairs : (k, 2) int64
+            Coarse vertices that belong together.
+        is_mirrored : bool
+            Whether the map turns the surface over, as to a mirror image.
+        notices : tuple of Sentence
+            What the user should look at.
+        """
+        rows = unit_rows(solved.densities, target.masses)
+        ways = (
+            (0, rows, source, target, match.source),
+            (1, unit_rows(back, source.masses), target, source, match.target),
+        )
+        for way, own_rows, own, other, vertices in ways:
+            whole = (self.target, self.source)[way]
+            other_vertices = (match.target, match.source)[way]
+            found = _extended(
+                own_rows, own, other, pairs if way == 0 else pairs[:, ::-1], whole, other_vertices, is_mirrored
+            )
+            _place(self._points[way], found, vertices)
+            self._blends[way].columns[vertices] = own.blend.columns + self._counts[way]
+            self._blends[way].shares[vertices] = own.blend.shares
+        self._judge(0, match.source, source, target)
+        self._judge(1, match.target, target, source)
+        kept = np.where(rows < _NEXT_TO_NOTHING * rows.max(axis=1, keepdims=True), 0.0, rows)
+        self._rows.append(_scaled_to_share(kept, target.masses, self._share(match.target)))
+        self._counts[0] += len(source.vertices)
+        self._counts[1] += len(target.vertices)
+        self.notices.extend(notices)
+        self._records.append(
+            {
+                "source_vertices": len(source.vertices),
+                "target_vertices": len(target.vertices),
+                "sweeps": solved.iterations,
+                "change": float(solved.changes[-1]),
+                "converged": bool(solved.converged),
+                "numerics": solved.numerics,
+            }
+        )
+
+    def _judge(self, way: int, vertices: NDArray[np.int64], own: CoarseSide, other: CoarseSide) -> None:
+        """Tell confidence by how far points are spread, and by how far from its start the way there and back ends."""
+        here, there = (self.source, self.target)[way], (self.target, self.source)[way]
+        points, back = self._points[way], self._points[1 - way]
+        home = back.at(here.mesh, here.mesh.vertices)
+        missed = np.linalg.norm(points.at(there.mesh, home) - here.mesh.vertices, axis=1)[vertices]
+        wide = _beyond(points.spread[vertices], other.side.mesh)
+        lost = np.square(missed) / own.side.mesh.area
+        points.confidence[vertices] = np.exp(-0.5 * (wide + lost) / _VAGUE**2)
+
+    def _share(self, vertices: NDArray[np.int64]) -> float:
+        """Return the share of the target's area that some of its vertices have."""
+        areas = vertex_areas(self.target.mesh)
+        return float(areas[vertices].sum() / areas.sum())
+
+    def joined(self, record: Mapping[str, object]) -> SurfaceMap:
+        """Return the whole map."""
+        forward, backward = self._points
+        rows = _blocks(self._rows)
+        coarse = CoarseRows(
+            rows.indptr.astype(np.int64), rows.indices.astype(np.int32), rows.data.astype(np.float32), *self._blends
+        )
+        for side, points in ((self.source, forward), (self.target, backward)):
+            self.notices.extend(_doubts(side, points))
+        return SurfaceMap(forward, backward, coarse, {**record, "parts": self._records}, tuple(self.notices))
+
+
+def _doubts(side: MapSide, points: PointMap) -> Iterator[Sentence]:
+    """Say how many vertices of a side have no point, and how much of it has points of little confidence."""
+    areas = vertex_areas(side.mesh)
+    lost = ~points.found & (areas > 0)
+    if lost.any():
+        values = {"count": int(lost.sum()), "name": side.name}
+        yield Sentence("{count} vertices of {name} have no counterpart: mark a pair on each of their pieces.", values)
+    share = float(areas[points.found & (points.confidence < DOUBTFUL)].sum() / areas.sum())
+    if share > _MUCH:
+        yield Sentence(
+            "{share:.0%} of {name} is mapped with little confidence: look at it, and mark more pairs there.",
+            {"share": share, "name": side.name},
+        )
+
+
+def joined_map(parts: Parts, record: Mapping[str, object]) -> SurfaceMap:
+    """Return the map of all couples of pieces."""
+    if not record.get("pairs"):
+        parts.notices.append(
+            Sentence("Without pairs left and right cannot be told apart; mark two or three, off the middle.")
+        )
+    return parts.joined(record)
+
+
+def unit_rows(densities: NDArray[np.floating], masses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Scale rows, (n0, n1), to mass 1 with respect to areas, (n1,); rows of nothing become even."""
+    rows = np.asarray(densities, dtype=np.float64)
+    mass = (rows * masses).sum(axis=1, keepdims=True)
+    return np.where(mass > 0, rows / np.where(mass > 0, mass, 1.0), 1.0)
+
+
+def _no_points(count: int) -> PointMap:
+    return PointMap(
+        np.full(count, -1, np.int32),
+        np.zeros((count, 3), np.float32),
+        np.full(count, np.inf, np.float32),
+        np.zeros(count, np.float32),
+        np.zeros(count, np.float32),
+    )
+
+
+def _place(points: PointMap, found: PointMap, vertices: NDArray[np.int64]) -> None:
+    for name in ("faces", "barycentric", "spread", "entropy"):
+        getattr(points, name)[vertices] = getattr(found, name)
+
+
+def _extended(
+    rows: NDArray[np.float64],
+    own: CoarseSide,
+    other: CoarseSide,
+    pairs: NDArray[np.int64],
+    whole: MapSide,
+    vertices: NDArray[np.int64],
+    is_mirrored: bool,
+) -> PointMap:
+    """Return points of part of a whole mesh, that of some vertices, for all vertices of a coarse mesh's fine one."""
+    shares = rows * other.masses
+    images, normals = shares @ other.centers, shares @ other.normals
+    spread = np.sqrt(
+        np.maximum(
+            shares @ np.square(other.centers - images.mean(axis=0)).sum(axis=1)
+            - np.square(images - images.mean(axis=0)).sum(axis=1),
+            0.0,
+        )
+    )
+    entropy = -(shares * np.log(np.maximum(rows, 1e-30))).sum(axis=1)
+    images = settled(own.side.mesh, other.side.mesh, images, pairs, is_mirrored)
+    # Pairs are exact.
+    images[pairs[:, 0]] = other.side.mesh.vertices[pairs[:, 1]]
+    faces = faces_of(whole.mesh, vertices)
+    part = replace(whole.mesh, faces=whole.mesh.faces[faces])
+    finder = FacingPointFinder(part)
+    found = finder.find(own.blend.applied(images), own.blend.applied(normals))
+    return PointMap(
+        faces[found.triangles].astype(np.int32),
+        found.shares.astype(np.float32),
+        own.blend.applied(spread).astype(np.float32),
+        own.blend.applied(entropy).astype(np.float32),
+        np.zeros(len(own.blend.columns), np.float32),
+    )
+
+
+def _beyond(lengths: NDArray[np.floating], mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return the squares of lengths in the size of a surface, less that of a coarse mesh's edges."""
+    edges = np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2).mean()
+    return np.maximum(np.square(lengths) - edges**2, 0.0) / mesh.area
+
+
+def _scaled_to_share(rows: NDArray[np.float64], masses: NDArray[np.float64], share: float) -> csr_array:
+    """Make rows densities with respect to an area of which theirs is only a share."""
+    return csr_array(unit_rows(rows, masses) / share)
+
+
+def _blocks(rows: list[csr_array]) -> csr_array:
+    """Put matrices one behind the other along the diagonal."""
+    return csr_array(block_diag(rows, format="csr"))

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pairs of vertices that belong together: which of them make no sense."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
+
+from ...errors import InputError
+from ...geometry.edges import distinct_corners
+from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
+from .map_sides import MapSide
+
+# Pairs whose distances to most others differ by this factor from what is usual, and by so many times more than those of
+# the pair in the middle, are pointed out.
+_ODD_FACTOR, _ODD_TIMES = 1.8, 3.0
+# Fewer cannot be judged by each other.
+_FEWEST_JUDGED = 4
+
+
+def checked_pairs(pairs: ArrayLike, source: MapSide, target: MapSide) -> NDArray[np.int64]:
+    """Return pairs of vertices, (k, 2), each once.
+
+    Raises
+    ------
+    InputError
+        Numbers that are no vertices, vertices that no face uses, or a vertex in several pairs.
+    """
+    found = np.asarray(pairs)
+    if not found.size:
+        return np.empty((0, 2), np.int64)
+    if found.ndim != 2 or found.shape[1] != 2 or found.dtype.kind not in "iu":
+        raise InputError("Pairs are two vertex numbers each: one of the source, one of the target.")
+    found = np.unique(found.astype(np.int64), axis=0)
+    for side, vertices in ((source, found[:, 0]), (target, found[:, 1])):
+        _check_vertices(vertices, side)
+    return found
+
+
+def _check_vertices(vertices: NDArray[np.int64], side: MapSide) -> None:
+    count = len(side.mesh.vertices)
+    wrong = vertices[(vertices < 0) | (vertices >= count)]
+    if len(wrong):
+        raise InputError(
+            "There is no vertex {vertex}; {name} has {count} vertices.",
+            vertex=int(wrong[0]),
+            name=side.name,
+            count=count,
+        )
+    loose = np.setdiff1d(vertices, side.mesh.faces[distinct_corners(side.mesh.faces)])
+    if len(loose):
+        raise InputError(
+            "Vertex {vertex} of {name} belongs to no face; choose another one.", vertex=int(loose[0]), name=side.name
+        )
+    single, counts = np.unique(vertices, return_counts=True)
+    if (counts > 1).any():
+        raise InputError(
+            "Vertex {vertex} of {name} is in {count} pairs; keep one of them.",
+            vertex=int(single[counts.argmax()]),
+            name=side.name,
+            count=int(counts.max()),
+        )
+
+
+def odd_pairs(pairs: NDArray[np.int64], source: TriangleMesh, target: TriangleMesh) -> Iterator[int]:
+    """Yield the places of pairs, (k, 2), that contradict the others: their distances along edges do not fit."""
+    if len(pairs) < _FEWEST_JUDGED:
+        return
+    here, there = (
+        edge_distances(mesh, pairs[:, side])[:, pairs[:, side]] for side, mesh in enumerate((source, target))
+    )
+    apart = ~np.eye(len(pairs), dtype=bool)
+    reached = apart & np.isfinite(here) & np.isfinite(there) & (here > 0) & (there > 0)
+    ratios = np.full(here.shape, np.nan)
+    ratios[reached] = np.log(here[reached] / there[reached])
+    if not reached.any():
+        return
+    ratios -= np.nanmedian(ratios)
+    judged = np.flatnonzero(reached.sum(axis=1) >= _FEWEST_JUDGED - 1)
+    oddness = np.array([np.nanmedian(np.abs(ratios[place])) for place in judged])
+    if len(judged) < _FEWEST_JUDGED:
+        return
+    usual = np.median(oddness)
+    yield from (int(judged[i]) for i in np.flatnonzero(oddness > max(np.log(_ODD_FACTOR), _ODD_TIMES * usual)))
+
+
+def pair_notices(
+    pairs: NDArray[np.int64], source: TriangleMesh, target: TriangleMesh, named: NDArray[np.int64]
+) -> Iterator[Sentence]:
+    """Say what is wrong with pairs, (k, 2), of the vertices of two meshes, named as in `named`, (k, 2)."""
+    for place in odd_pairs(pairs, source, target):
+        values = {"source_vertex": int(named[place, 0]), "target_vertex": int(named[place, 1])}
+        yield Sentence(
+            "The pair of vertex {source_vertex} and vertex {target_vertex} contradicts the others; is it right?", values
+        )
+
+
+def edge_distances(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the distances along edges from some vertices to all, (k, n)."""
+    ends = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
+    ends = np.unique(np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1), axis=0)
+    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    lengths = np.maximum(lengths, np.finfo(float).tiny)
+    graph = coo_array((lengths, ends.T), shape=(len(mesh.vertices),) * 2).tocsr()
+    return dijkstra(graph, directed=False, indices=vertices)

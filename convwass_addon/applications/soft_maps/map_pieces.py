@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes of several pieces: which piece of one belongs to which of the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...geometry.edges import vertex_components
+from ...geometry.mesh import TriangleMesh
+from .coarse_sides import vertex_areas
+from .map_sides import MapSide
+
+# What counts how much between pieces: the logarithms of how many times larger one is and of how its three extents
+# differ, and how far apart they lie in lengths of the largest.
+_SIZE, _EXTENT, _PLACE = 1.0, 1.0, 1.5
+# Pieces that differ by more have nothing to do with each other.
+_WORST = 6.0
+# Extents are compared down to this share of the longest.
+_FLAT = 0.05
+
+
+@dataclass(frozen=True)
+class PieceMatch:
+    """Parts of two meshes that belong together; a map is solved for each such couple by itself.
+
+    Attributes
+    ----------
+    source, target : (k,) int64
+        The vertices of either side.
+    pairs : (p, 2) int64
+        The pairs that lie on them, by the whole meshes' vertices.
+    is_guessed : bool
+        Whether nobody has marked these pairs.
+    """
+
+    source: NDArray[np.int64]
+    target: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    is_guessed: bool = False
+
+
+def matched_pieces(source: MapSide, target: MapSide, pairs: NDArray[np.int64]) -> list[PieceMatch]:
+    """Join the pieces of two meshes: those that pairs, (k, 2), name, and the others where they look alike.
+
+    Pieces that several pairs tie to several others make one couple. Pieces that are in no couple have no counterpart.
+    """
+    labels = [vertex_components(side.mesh) for side in (source, target)]
+    counts = [int(own.max()) + 1 for own in labels]
+    couples = _couples([own[pairs[:, place]] for place, own in enumerate(labels)], counts, labels, (source, target))
+    matches = [
+        PieceMatch(
+            np.flatnonzero(np.isin(labels[0], here)),
+            np.flatnonzero(np.isin(labels[1], there)),
+            pairs[np.isin(labels[0][pairs[:, 0]], here)],
+        )
+        for here, there in couples
+    ]
+    # What has pairs first, and what is large: it helps with the others.
+    return sorted(matches, key=lambda match: (not len(match.pairs), -len(match.source)))
+
+
+def part_of(side: MapSide, vertices: NDArray[np.int64]) -> MapSide:
+    """Return the part of a side that has just these vertices, in their order; whole pieces."""
+    mesh = side.mesh
+    if len(vertices) == len(mesh.vertices):
+        return side
+    place = np.full(len(mesh.vertices), -1, np.int64)
+    place[vertices] = np.arange(len(vertices))
+    faces = place[mesh.faces]
+    part = TriangleMesh(mesh.vertices[vertices], faces[(faces >= 0).all(axis=1)])
+    return MapSide(part, side.name, {name: weights[vertices] for name, weights in side.groups.items()})
+
+
+def faces_of(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the triangles that `part_of` keeps, in its order."""
+    is_kept = np.zeros(len(mesh.vertices), bool)
+    is_kept[vertices] = True
+    return np.flatnonzero(is_kept[mesh.faces].all(axis=1))
+
+
+def _couples(
+    named: list[NDArray[np.int64]], counts: list[int], labels: list[NDArray[np.int64]], sides: tuple[MapSide, MapSide]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Yield the labels of pieces that belong together."""
+    if counts == [1, 1]:
+        yield np.zeros(1, np.int64), np.zeros(1, np.int64)
+        return
+    # A graph of the source's pieces and, behind them, the target's.
+    total = counts[0] + counts[1]
+    ends = (named[0], named[1] + counts[0])
+    groups = connected_components(coo_array((np.ones(len(ends[0])), ends), shape=(total, total)), directed=False)[1]
+    for group in np.unique(groups[np.unique(ends[0])]):
+        members = np.flatnonzero(groups == group)
+        yield members[members < counts[0]], members[members >= counts[0]] - counts[0]
+    free = [np.setdiff1d(np.arange(count), own) for count, own in zip(counts, named, strict=True)]
+    if not (len(free[0]) and len(free[1])):
+        return
+    looks = [
+        _looks(side.mesh, own, count)[chosen]
+        for side, own, count, chosen in zip(sides, labels, counts, free, strict=True)
+    ]
+    apart = np.abs(looks[0][:, None] - looks[1][None]).sum(axis=2)
+    for here, there in zip(*linear_sum_assignment(np.minimum(apart, _WORST)), strict=True):
+        if apart[here, there] < _WORST:
+            yield free[0][[here]], free[1][[there]]
+
+
+def _looks(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
+    """Return what tells the pieces of a mesh apart, (count, 7), as lengths that can be subtracted."""
+    areas = np.where(labels >= 0, vertex_areas(mesh), 0.0)
+    own = np.maximum(labels, 0)
+    sums = np.maximum(np.bincount(own, areas, count), np.finfo(float).tiny)
+    centers = np.stack([np.bincount(own, areas * x, count) / sums for x in mesh.vertices.T], axis=1)
+    used = labels >= 0
+    extents = np.stack([_extent(x[used], labels[used], count) for x in mesh.vertices.T], axis=1)
+    extents = np.sort(np.maximum(extents, _FLAT * extents.max(axis=1, keepdims=True)), axis=1)
+    # All is measured by the largest piece: small ones may be anywhere.
+    largest = int(sums.argmax())
+    size = max(float(extents[largest].max()), np.finfo(float).tiny)
+    return np.concatenate(
+        [
+            _SIZE * np.log(sums / sums[largest])[:, None],
+            _EXTENT * np.log(np.maximum(extents / size, 1e-9)) / 3.0,
+            _PLACE * (centers - centers[largest]) / size,
+        ],
+        axis=1,
+    )
+
+
+def _extent(values: NDArray[np.float64], labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
+    """Return how far the values of every piece reach, (count,)."""
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, labels, values)
+    np.maximum.at(high, labels, values)
+    return high - low

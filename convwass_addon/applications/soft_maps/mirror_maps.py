@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map of a mesh to its own mirror image: what is left goes right, in any pose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from ..densities.density_solving import Check
+from .map_pairs import checked_pairs
+from .map_sides import MapSide
+from .soft_map_settings import SoftMapSettings
+from .soft_maps import SoftMapStep, soft_map_steps
+from .surface_maps import PointMap, SurfaceMap
+
+
+def mirror_map_steps(
+    side: MapSide, pairs: ArrayLike, settings: SoftMapSettings | None = None, check: Check | None = None
+) -> Iterator[SoftMapStep]:
+    """Compute the map of a mesh to its mirror image, step by step.
+
+    Parameters
+    ----------
+    side : MapSide
+        The mesh, symmetric but for its pose. Painted groups take no part.
+    pairs : (k, 2) int
+        Vertices that mirror each other, in either order, and vertices in the middle with themselves.
+    settings : SoftMapSettings, optional
+        How.
+    check : callable, optional
+        Called now and then; what it raises ends the work.
+
+    Yields
+    ------
+    SoftMapStep
+        Progress, and with the last step the map: both of its point maps are the same.
+
+    Raises
+    ------
+    InputError
+        No two vertices that mirror each other, or a mesh or pairs that cannot be used.
+    """
+    mirrored = mirrored_pairs(pairs, side)
+    reflected = _reflected(side.mesh, mirrored)
+    plain = replace(side, groups={})
+    for step in soft_map_steps(plain, replace(plain, mesh=reflected), mirrored, settings, check):
+        yield step if step.found is None else replace(step, found=_both_ways(step.found))
+
+
+def mirrored_pairs(pairs: ArrayLike, side: MapSide) -> NDArray[np.int64]:
+    """Return pairs of a mesh's vertices and, of each, the other way around, (k, 2).
+
+    Raises
+    ------
+    InputError
+        No two vertices that mirror each other, numbers that are no vertices, or a vertex in several pairs.
+    """
+    found = np.asarray(pairs)
+    if found.size and found.ndim == 2:
+        found = np.concatenate([found, found[:, ::-1]])
+    found = checked_pairs(found, side, side)
+    if not (found[:, 0] != found[:, 1]).any():
+        raise InputError(
+            "A mirror map needs at least one pair of vertices that mirror each other; mark a left and a right one."
+        )
+    return found
+
+
+def _reflected(mesh: TriangleMesh, pairs: NDArray[np.int64]) -> TriangleMesh:
+    """Reflect a mesh in the plane between mirrored vertices, and turn its faces so that they look outward again.
+
+    With the reflected mesh as the target, left lies where right is, and the map keeps the surface's side.
+    """
+    ends = mesh.vertices[pairs]
+    middle = ends.mean(axis=(0, 1))
+    across = ends[:, 1] - ends[:, 0]
+    # The axis that most of them run along, in either direction.
+    axis = np.linalg.eigh(across.T @ across)[1][:, -1]
+    offset = (mesh.vertices - middle) @ axis
+    return TriangleMesh(mesh.vertices - 2.0 * offset[:, None] * axis, np.ascontiguousarray(mesh.faces[:, ::-1]))
+
+
+def _both_ways(found: SurfaceMap) -> SurfaceMap:
+    """Return the map by the corners of the mesh itself, which are those of its reflection in another order."""
+    forward = PointMap(
+        found.forward.faces,
+        np.ascontiguousarray(found.forward.barycentric[:, ::-1]),
+        found.forward.spread,
+        found.forward.entropy,
+        found.forward.confidence,
+    )
+    return replace(found, forward=forward, backward=forward)

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Laying one surface over another from the best of several starts, the right way round."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPoints
+from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
+from ...geometry.unit_shape import UnitShape, vertex_normals
+
+# Pairs that fix how one surface is turned against the other.
+_ENOUGH = 3
+# Mirrored, the source is laid by pairs only if it misses them by no more than this times as much as it does otherwise.
+_WORTH_TRYING = 1.6
+# A guess is taken for a mirrored one where so much of its area is turned over, for an unmirrored one where less is.
+_MOSTLY = 0.3
+# Mirroring must lower the energy to this share: shapes are hardly ever exactly as symmetric as they seem.
+_MIRRORING = 0.7
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """The source laid over the target.
+
+    Attributes
+    ----------
+    images : ClosestPoints
+        The point of the target on which each vertex of the source lies, and how far off it is.
+    energy : float
+        Strain and distance that are left; about 0.05 for a bent shape, and 0.5 for another animal.
+    start : str
+        "pairs", "guess" or "placed".
+    is_mirrored : bool
+        Whether left and right are exchanged.
+    """
+
+    images: ClosestPoints
+    energy: float
+    start: str
+    is_mirrored: bool
+
+
+@dataclass(frozen=True)
+class _Start:
+    name: str
+    is_mirrored: bool
+    points: NDArray[np.float64]
+    stages: tuple[Stage, ...]
+
+
+def overlaid(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64]) -> Overlay:
+    """Lay the source over the target.
+
+    Parameters
+    ----------
+    source, target : UnitShape
+    pairs : (k, 2) int64
+        Vertices that belong together.
+    guess : (n0,) int64
+        A vertex of the target for each of the source's, possibly far off.
+    """
+    shapes = {False: source, True: source.mirrored()}
+    best: dict[bool, tuple[float, Registration, str]] = {}
+    for start in _starts(shapes, target, pairs, guess):
+        found = Registration(shapes[start.is_mirrored], target, pairs, start.points)
+        for stage in start.stages:
+            found.advance(stage)
+        energy = found.energy()
+        if start.is_mirrored not in best or energy < best[start.is_mirrored][0]:
+            best[start.is_mirrored] = energy, found, start.name
+    is_mirrored = _is_mirrored({way: (energy, found) for way, (energy, found, _) in best.items()})
+    _, found, name = best[is_mirrored]
+    for stage in TO_THE_END:
+        found.advance(stage)
+    return Overlay(found.images(), found.energy(), name, is_mirrored)
+
+
+def _is_mirrored(best: dict[bool, tuple[float, Registration]]) -> bool:
+    """Tell whether the source is to be mirrored; where that seems so, after a closer look."""
+    if True not in best or best[False][0] < best[True][0]:
+        return False
+    for _, found in best.values():
+        found.advance(TO_THE_END[0])
+    return best[True][1].energy() < _MIRRORING * best[False][1].energy()
+
+
+def _starts(
+    shapes: dict[bool, UnitShape], target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64]
+) -> Iterator[_Start]:
+    """Name what is worth trying."""
+    turned = _turned_share(shapes[False], target, guess)
+    mirrored_too = True
+    if len(pairs) >= _ENOUGH:
+        laid = {way: _laid_by_pairs(shape, target, pairs) for way, shape in shapes.items()}
+        missed = {way: _missed(points, target, pairs) for way, points in laid.items()}
+        yield _Start("pairs", False, laid[False], BY_PAIRS)
+        mirrored_too = missed[True] <= _WORTH_TRYING * missed[False]
+        if mirrored_too:
+            yield _Start("pairs", True, laid[True], BY_PAIRS)
+    else:
+        here, there = pairs.T
+        offset = (target.vertices[there] - shapes[False].vertices[here]).mean(axis=0) if len(pairs) else np.zeros(3)
+        yield _Start("placed", False, shapes[False].vertices + offset, AS_PLACED)
+    if turned < 1.0 - _MOSTLY:
+        yield _Start("guess", False, target.vertices[guess], BY_GUESS)
+    if turned > _MOSTLY and mirrored_too:
+        yield _Start("guess", True, target.vertices[guess], BY_GUESS)
+
+
+def _turned_share(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]) -> float:
+    """Return the share of the guessed images' area that looks inward."""
+    images = target.vertices[guess]
+    a, b, c = (images[source.mesh.faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    facing = vertex_normals(target.vertices, target.mesh.faces)[guess][source.mesh.faces].sum(axis=1)
+    # Faces that a guess pulls long say the least.
+    lengths = np.linalg.norm(normals, axis=1)
+    weights = np.minimum(lengths, np.median(lengths))
+    total = weights.sum()
+    inward = np.einsum("md,md->m", normals, facing) < 0
+    return float(weights[inward].sum() / total) if total > 0 else 0.0
+
+
+def _laid_by_pairs(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Turn and move the source so that its pairs come nearest to their partners (S. Umeyama 1991)."""
+    here, there = source.vertices[pairs[:, 0]], target.vertices[pairs[:, 1]]
+    left, _, right = np.linalg.svd((there - there.mean(axis=0)).T @ (here - here.mean(axis=0)))
+    left[:, 2] *= np.sign(np.linalg.det(left @ right))
+    return (source.vertices - here.mean(axis=0)) @ (left @ right).T + there.mean(axis=0)
+
+
+def _missed(points: NDArray[np.float64], target: UnitShape, pairs: NDArray[np.int64]) -> float:
+    return float(np.sqrt(np.square(points[pairs[:, 0]] - target.vertices[pairs[:, 1]]).sum(axis=1).mean()))

@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Soft maps from one mesh to another, from a few pairs of vertices (Solomon et al. 2015, section 7).
+
+Each couple of pieces is solved on coarser meshes of about a thousand vertices and taken to all vertices from there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ...sentence import Sentence
+from ...transport import SoftMap, Surface
+from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
+from ..densities.density_solving import Check, monitor_of
+from ..workers import one_blas_thread
+from .coarse_sides import CoarseSide, coarse_side
+from .compatibility import comparison
+from .guessed_pairs import guessed_pairs
+from .map_extension import Parts, joined_map
+from .map_pairs import checked_pairs, pair_notices
+from .map_pieces import PieceMatch, matched_pieces, part_of
+from .map_sides import MapSide
+from .soft_map_settings import SoftMapSettings
+from .surface_maps import SurfaceMap
+
+# Small pieces get so many coarse vertices at least.
+_FEWEST_VERTICES = 60
+# What the work takes, as shares: reading and simplifying, telling points apart, solving; the rest is the way back.
+_COARSE, _TOLD_APART, _SOLVED = 0.25, 0.5, 0.85
+
+
+@dataclass(frozen=True)
+class SoftMapStep:
+    """One step of the job.
+
+    Attributes
+    ----------
+    fraction : float
+        Done share of the whole job.
+    message : Sentence
+        What is being done.
+    found : SurfaceMap or None
+        The map, at the last step.
+    """
+
+    fraction: float
+    message: Sentence
+    found: SurfaceMap | None = None
+
+
+def soft_map_steps(
+    source: MapSide,
+    target: MapSide,
+    pairs: ArrayLike,
+    settings: SoftMapSettings | None = None,
+    check: Check | None = None,
+) -> Iterator[SoftMapStep]:
+    """Compute the soft map between two meshes, step by step.
+
+    Parameters
+    ----------
+    source, target : MapSide
+        Of any topology, open or closed, in any number of pieces.
+    pairs : (k, 2) int
+        Vertices of the source and of the target that belong together; none are allowed, and rarely enough.
+    settings : SoftMapSettings, optional
+        How.
+    check : callable, optional
+        Called now and then; what it raises (:class:`.errors.Cancelled`) ends the work.
+
+    Yields
+    ------
+    SoftMapStep
+        Progress, and with the last step the map.
+
+    Raises
+    ------
+    InputError
+        Meshes or pairs that cannot be used.
+    """
+    settings = settings or SoftMapSettings()
+    begun = time.perf_counter()
+    yield SoftMapStep(0.0, Sentence("Reading the meshes"))
+    for side in (source, target):
+        _check_side(side)
+    couples_of = checked_pairs(pairs, source, target)
+    matches = matched_pieces(source, target, couples_of)
+    if not matches:
+        raise InputError(
+            "No piece of {source} looks like any of {target}; mark a pair on each.",
+            source=source.name,
+            target=target.name,
+        )
+    sizes = np.array([len(match.source) + len(match.target) for match in matches], float)
+    ends = np.concatenate([[0.0], np.cumsum(sizes) / sizes.sum()])
+    parts = Parts(source, target)
+    for number, match in enumerate(matches):
+        low, width = ends[number], ends[number + 1] - ends[number]
+        if not len(match.pairs):
+            match = replace(match, pairs=guessed_pairs(source, target, match, parts.forward), is_guessed=True)
+        for step in _match_steps(source, target, match, settings, check, parts):
+            yield SoftMapStep(low + width * step.fraction, step.message)
+    record = {"settings": settings.as_dict(), "pairs": len(couples_of), "seconds": time.perf_counter() - begun}
+    yield SoftMapStep(1.0, Sentence("The map is there"), joined_map(parts, record))
+
+
+def _check_side(side: MapSide) -> None:
+    if not len(side.mesh.faces) or not side.mesh.area > 0:
+        raise InputError("{name} has no faces with an area; choose an object with a surface.", name=side.name)
+    for name, weights in side.groups.items():
+        if np.shape(weights) != (len(side.mesh.vertices),) or not np.isfinite(weights).all():
+            raise InputError("The group {name} must have one number for every vertex.", name=name)
+
+
+def _match_steps(
+    source: MapSide,
+    target: MapSide,
+    match: PieceMatch,
+    settings: SoftMapSettings,
+    check: Check | None,
+    parts: Parts,
+) -> Iterator[SoftMapStep]:
+    """Solve one couple of pieces and add what is found to the parts of the whole map."""
+    sides, places = [], []
+    yield SoftMapStep(0.0, Sentence("Simplifying the meshes"))
+    for side, vertices, column in ((source, match.source, 0), (target, match.target, 1)):
+        part = part_of(side, vertices)
+        kept = np.searchsorted(vertices, match.pairs[:, column])
+        count = _vertex_count(side, part, settings)
+        with one_blas_thread():
+            sides.append(coarse_side(part, count, kept))
+        places.append(sides[-1].places(kept))
+        if check is not None:
+            check()
+    pairs = np.stack(places, axis=1)
+    yield SoftMapStep(_COARSE, Sentence("Comparing the shapes"))
+    with one_blas_thread():
+        compared = comparison(sides[0].side, sides[1].side, pairs, settings)
+    yield SoftMapStep(_TOLD_APART, Sentence("Solving the map"))
+    with one_blas_thread():
+        rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, check)
+    yield SoftMapStep(_SOLVED, Sentence("Taking the map to all vertices"))
+    judged = pairs[:0] if match.is_guessed else pairs
+    notices = tuple(pair_notices(judged, sides[0].side.mesh, sides[1].side.mesh, match.pairs))
+    with one_blas_thread():
+        parts.add(match, *sides, rows, back, pairs, compared.overlay.is_mirrored, notices)
+
+
+def _vertex_count(side: MapSide, part: MapSide, settings: SoftMapSettings) -> int:
+    """Give a part of a mesh the share of the coarse vertices that it has of the area."""
+    share = part.mesh.area / side.mesh.area
+    return max(_FEWEST_VERTICES, round(settings.vertices * share))
+
+
+def _solved(
+    source: CoarseSide,
+    target: CoarseSide,
+    costs: NDArray[np.float32],
+    pairs: NDArray[np.int64],
+    settings: SoftMapSettings,
+    check: Check | None,
+) -> tuple[SoftMap, NDArray[np.float32]]:
+    """Return the map of two coarse meshes, and the densities of the way back, (n1, n0)."""
+    here, there = (Surface(side.side.mesh.vertices, side.side.mesh.faces) for side in (source, target))
+    sweeps = SoftMapSweeps(
+        tau=settings.tau, sharpness=settings.sharpness, gamma_scale=settings.gamma_scale, fine=settings.sweeps
+    )
+    monitor = monitor_of(check)
+    if settings.symmetric:
+        both = symmetric_soft_map(costs, here, there, pairs=pairs, sweeps=sweeps, monitor=monitor)
+        return both.forward, both.backward.densities
+    found = soft_map_between(costs, here, there, pairs=pairs, sweeps=sweeps, monitor=monitor)
+    return found, found.densities.T

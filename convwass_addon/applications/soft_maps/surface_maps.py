@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps between two surfaces: points for all vertices, both ways, and the distributions that they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
+
+
+@dataclass(frozen=True)
+class PointMap:
+    """One point of another mesh for every vertex.
+
+    Attributes
+    ----------
+    faces : (n,) int32
+        The triangle of the other mesh in which the point lies; -1 where the vertex has none: it belongs to no
+        triangle, or to a piece without a partner.
+    barycentric : (n, 3) float32
+        Where in the triangle: not negative, of sum 1; zero where there is no point.
+    spread : (n,) float32
+        Standard deviation of what the point is the mean of, in scene units of the other mesh; infinite without a point.
+    entropy : (n,) float32
+        Of the same, in nats: 0 is spread evenly over all of the other mesh, and sharper ones are below it.
+    confidence : (n,) float32
+        From 0, no point at all, to 1, as sharp as it can be. It says where to look, and is no probability.
+    """
+
+    faces: NDArray[np.int32]
+    barycentric: NDArray[np.float32]
+    spread: NDArray[np.float32]
+    entropy: NDArray[np.float32]
+    confidence: NDArray[np.float32]
+
+    def __len__(self) -> int:
+        """How many vertices there are."""
+        return len(self.faces)
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Which vertices have a point, (n,)."""
+        return self.faces >= 0
+
+    def corners(self, other: TriangleMesh) -> NDArray[np.int64]:
+        """Return the vertices of the other mesh around each point, (n, 3); any where there is none."""
+        return other.faces[np.maximum(self.faces, 0)]
+
+    def at(self, other: TriangleMesh, values: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Interpolate values at the other mesh's vertices, (m,) or (m, d), at the points; 0 where there is none."""
+        return np.einsum("nk,nk...->n...", self.barycentric.astype(np.float64), values[self.corners(other)])
+
+    def positions(self, other: TriangleMesh) -> NDArray[np.float64]:
+        """Return the points on the other mesh, (n, 3); not a number where there is none."""
+        points = self.at(other, other.vertices)
+        points[~self.found] = np.nan
+        return points
+
+
+@dataclass(frozen=True)
+class Blend:
+    """Every vertex of a mesh as a mean of up to three vertices of a coarser one.
+
+    Attributes
+    ----------
+    columns : (n, 3) int32
+        Vertices of the coarser mesh.
+    shares : (n, 3) float32
+        How much of each: of sum 1, or 0 where the vertex belongs to nothing.
+    """
+
+    columns: NDArray[np.int32]
+    shares: NDArray[np.float32]
+
+    def applied(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Take values at the coarser vertices, (c,) or (c, d), to all vertices, (n,) or (n, d)."""
+        return np.einsum("nk,nk...->n...", self.shares.astype(np.float64), values[self.columns])
+
+
+@dataclass(frozen=True)
+class CoarseRows:
+    """The soft map on the coarser meshes, without what is next to nothing, and the way to all vertices.
+
+    Attributes
+    ----------
+    starts : (c + 1,) int64
+        Where each coarse source vertex's row begins in the two arrays below.
+    columns : (e,) int32
+        Coarse target vertices.
+    values : (e,) float32
+        Densities there, so that a row taken to all target vertices has mass 1 with respect to their shares of the area.
+    source : Blend
+        Source vertices as means of coarse ones.
+    target : Blend
+        Target vertices as means of coarse ones.
+    """
+
+    starts: NDArray[np.int64]
+    columns: NDArray[np.int32]
+    values: NDArray[np.float32]
+    source: Blend
+    target: Blend
+
+    def row(self, coarse_vertex: int, count: int) -> NDArray[np.float64]:
+        """Return the row of a coarse source vertex, (count,)."""
+        own = slice(self.starts[coarse_vertex], self.starts[coarse_vertex + 1])
+        row = np.zeros(count)
+        row[self.columns[own]] = self.values[own]
+        return row
+
+
+@dataclass(frozen=True)
+class SurfaceMap:
+    """A map between two meshes, both ways.
+
+    Attributes
+    ----------
+    forward : PointMap
+        A point of the target for every source vertex.
+    backward : PointMap
+        A point of the source for every target vertex.
+    coarse : CoarseRows
+        The distributions behind it.
+    record : mapping
+        How it was solved, ready for JSON.
+    notices : tuple of Sentence
+        What the user should look at.
+    """
+
+    forward: PointMap
+    backward: PointMap
+    coarse: CoarseRows
+    record: Mapping[str, object] = field(default_factory=dict)
+    notices: tuple[Sentence, ...] = ()
+
+
+def distribution_of(found: SurfaceMap, source_vertex: int) -> NDArray[np.float64]:
+    """Return the distribution of one source vertex over the target, a density at its vertices, (m,).
+
+    Its mass with respect to the target's areas, scaled to sum 1, is 1; it is zero for a vertex without image.
+
+    Raises
+    ------
+    InputError
+        No such vertex.
+    """
+    if not 0 <= source_vertex < len(found.forward):
+        raise InputError(
+            "There is no vertex {vertex}; the source has {count} vertices.",
+            vertex=source_vertex,
+            count=len(found.forward),
+        )
+    rows = found.coarse
+    count = int(rows.target.columns.max(initial=0)) + 1
+    count = max(count, int(rows.columns.max(initial=0)) + 1)
+    blend = rows.source
+    parts = zip(blend.columns[source_vertex], blend.shares[source_vertex], strict=True)
+    row = sum((float(share) * rows.row(int(vertex), count) for vertex, share in parts if share > 0), np.zeros(count))
+    return rows.target.applied(row)

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Weights, colours and other values of one mesh taken to another along a point map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from .surface_maps import PointMap
+
+# Weights below this are noise of the interpolation, and none.
+_LEAST_WEIGHT = 1e-4
+
+
+def transferred_values(points: PointMap, giver: TriangleMesh, values: ArrayLike) -> NDArray[np.float64]:
+    """Return what values at one mesh's vertices are at another's.
+
+    Parameters
+    ----------
+    points : PointMap
+        Of the mesh that receives: a point of the giver for each of its vertices.
+    giver : TriangleMesh
+        The mesh that gives.
+    values : (n,) or (n, d)
+        At its vertices.
+
+    Returns
+    -------
+    (m,) or (m, d) float64
+        Zero where there is no point.
+
+    Raises
+    ------
+    InputError
+        Not one value for every vertex, or a map that belongs to another mesh.
+    """
+    given = np.asarray(values, dtype=np.float64)
+    check_giver(points, giver)
+    if given.shape[:1] != (len(giver.vertices),):
+        raise InputError("What is transferred must have one value for every vertex.")
+    return points.at(giver, given)
+
+
+def transferred_corner_values(points: PointMap, values: ArrayLike) -> NDArray[np.float64]:
+    """Return what values at the corners of one mesh's triangles, (f, 3, d), are at another mesh's vertices, (m, d).
+
+    Zero where there is no point. Colours may jump from triangle to triangle of the giver; UVs are another matter, since
+    triangles of the receiver may lie across their seams (:mod:`.transfer_uvs`).
+
+    Raises
+    ------
+    InputError
+        Not three values for every triangle that the map names.
+    """
+    given = np.asarray(values, dtype=np.float64)
+    if given.ndim != 3 or given.shape[1] != 3 or len(given) <= points.faces.max(initial=-1):
+        raise InputError("What is transferred must have three values for every triangle.")
+    return np.einsum("nk,nkd->nd", points.barycentric.astype(np.float64), given[np.maximum(points.faces, 0)])
+
+
+def transferred_weights(
+    points: PointMap, giver: TriangleMesh, weights: ArrayLike, limit: int | None = None, normalize: bool = True
+) -> NDArray[np.float64]:
+    """Return weights of bones or groups for another mesh.
+
+    Parameters
+    ----------
+    points : PointMap
+        Of the mesh that receives.
+    giver : TriangleMesh
+        The mesh that gives.
+    weights : (g, n)
+        For every group the weight of every vertex, not negative.
+    limit : int, optional
+        Most groups that a vertex may be in: the largest weights stay, with the sum that all had.
+    normalize : bool
+        Whether the weights of every vertex that has any are to sum to 1, as those that bones deform by should.
+
+    Returns
+    -------
+    (g, m) float64
+        From 0 to 1.
+
+    Raises
+    ------
+    InputError
+        Not one weight for every group and vertex, negative weights, or a limit below 1.
+    """
+    given = np.asarray(weights, dtype=np.float64)
+    check_giver(points, giver)
+    if given.ndim != 2 or given.shape[1] != len(giver.vertices):
+        raise InputError("Weights must have one number for every group and vertex.")
+    if not (np.isfinite(given).all() and (given >= 0).all()):
+        raise InputError("Weights must be numbers that are not negative.")
+    if limit is not None and limit < 1:
+        raise InputError("The limit of groups per vertex must be at least 1.")
+    taken = np.stack([points.at(giver, row) for row in given]) if len(given) else np.zeros((0, len(points)))
+    taken[taken < _LEAST_WEIGHT] = 0.0
+    if limit is not None and limit < len(taken):
+        taken = _limited(taken, limit)
+    if normalize:
+        sums = taken.sum(axis=0)
+        taken /= np.where(sums > 0, sums, 1.0)
+    return np.minimum(taken, 1.0)
+
+
+def check_giver(points: PointMap, giver: TriangleMesh) -> None:
+    """Raise where a map names triangles that a mesh does not have.
+
+    Raises
+    ------
+    InputError
+        The mesh has changed.
+    """
+    if points.faces.max(initial=-1) >= len(giver.faces):
+        raise InputError("The map belongs to a mesh with more faces; compute it again.")
+
+
+def _limited(weights: NDArray[np.float64], limit: int) -> NDArray[np.float64]:
+    """Keep the largest weights of every vertex, (g, m), and their sum."""
+    # Of equal weights those of the first groups.
+    order = np.argsort(-weights, axis=0, kind="stable")
+    kept = weights.copy()
+    np.put_along_axis(kept, order[limit:], 0.0, axis=0)
+    sums = kept.sum(axis=0)
+    return kept * (weights.sum(axis=0) / np.where(sums > 0, sums, 1.0))

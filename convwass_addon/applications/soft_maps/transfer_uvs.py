@@ -1,0 +1,280 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""UV maps taken to another mesh along a point map, with their seams.
+
+Every face of the receiver lies on one side of every seam: the side where its middle is. Corners whose points are on the
+other side are moved to the nearest place on this one, so that no face reaches across the texture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ...errors import InputError
+from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
+from ...geometry.mesh import TriangleMesh
+from ...geometry.uv_charts import SharedEdges, chart_labels, uv_sizes
+from ...sentence import Sentence
+from .surface_maps import PointMap
+from .transfer import check_giver
+
+# A place in the texture that is farther from the face's middle than so many times what the distance on the surface
+# makes of it lies behind a seam.
+_DETOUR = 3.0
+# Triangles near a corner, and places on the way to it from its face's middle, that are tried for it.
+_NEAR, _ON_THE_WAY = 32, 8
+# Corners of neighbors that differ by less than this share of the edge between them are one.
+_WELDED = 0.5
+# With more faces than this share turned over the islands are too small for the receiver's faces.
+_MOST_FOLDED = 0.1
+
+
+@dataclass(frozen=True)
+class TransferredUvs:
+    """A UV map for a mesh.
+
+    Attributes
+    ----------
+    uvs : (f, 3, 2) float64
+        At the corners of every triangle; equal at all corners of a vertex in one polygon. Zero where there is no point.
+    seams : (s, 2) int64
+        Edges, by their vertices, at whose two sides the UVs differ.
+    notices : tuple of Sentence
+        What the user should look at.
+    """
+
+    uvs: NDArray[np.float64]
+    seams: NDArray[np.int64]
+    notices: tuple[Sentence, ...] = ()
+
+
+def transferred_uvs(
+    points: PointMap,
+    giver: TriangleMesh,
+    uvs: ArrayLike,
+    receiver: TriangleMesh,
+    polygons: ArrayLike | None = None,
+) -> TransferredUvs:
+    """Return the UV map of one mesh for another.
+
+    Parameters
+    ----------
+    points : PointMap
+        Of the mesh that receives.
+    giver : TriangleMesh
+        The mesh that gives.
+    uvs : (g, 3, 2)
+        At the corners of the giver's triangles.
+    receiver : TriangleMesh
+        The mesh that receives.
+    polygons : (f,) int, optional
+        The polygon that each of the receiver's triangles is part of: no seam runs through one. By default each is one.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not belong to the meshes, a UV map without area, or islands that are too small for the
+        receiver's faces.
+    """
+    given = np.asarray(uvs, dtype=np.float64)
+    check_giver(points, giver)
+    if given.shape != (len(giver.faces), 3, 2) or not np.isfinite(given).all():
+        raise InputError("A UV map must have two numbers for every corner of every face.")
+    if len(points) != len(receiver.vertices):
+        raise InputError("The map belongs to a mesh with other vertices; compute it again.")
+    if not _doubled_areas(given).any():
+        raise InputError("The UV map has no area; unwrap the mesh that gives it first.")
+    owners = np.arange(len(receiver.faces)) if polygons is None else np.asarray(polygons)
+    known = points.found[receiver.faces].all(axis=1)
+    # A polygon is known as a whole or not at all.
+    unknown = np.unique(owners[~known])
+    known = ~np.isin(owners, unknown)
+    if not known.any():
+        raise InputError("No face has all of its corners on the map; compute it again.")
+    sides = _Sides.of(giver, given)
+    found = np.zeros((len(receiver.faces), 3, 2))
+    is_own = np.ones((len(receiver.faces), 3), bool)
+    homes = np.zeros(len(receiver.faces), np.int64)
+    found[known], is_own[known], homes[known] = sides.corners(points, receiver.faces[known], owners[known])
+    shared = SharedEdges.of(receiver.faces)
+    welded = _welded(found, is_own, shared, receiver.faces, owners, known)
+    _check_folds(welded[known], given[homes[known]], receiver.corners[known])
+    notices = []
+    if not known.all():
+        values = {"count": int((~known).sum())}
+        notices.append(Sentence("{count} triangles have no counterpart and got no place in the UV map.", values))
+    return TransferredUvs(welded, _seams(welded, shared, known), tuple(notices))
+
+
+@dataclass(frozen=True)
+class _Sides:
+    """The giver's surface and texture, to find places on one side of all seams.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    uvs : (g, 3, 2) float64
+    charts : (g,) int64
+        Islands.
+    sizes : (g,) float64
+        How long a unit of length is in the texture.
+    finder : ClosestPointFinder
+    centers : cKDTree
+        Of the triangles' centers.
+    """
+
+    mesh: TriangleMesh
+    uvs: NDArray[np.float64]
+    charts: NDArray[np.int64]
+    sizes: NDArray[np.float64]
+    finder: ClosestPointFinder
+    centers: cKDTree
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, uvs: NDArray[np.float64]) -> _Sides:
+        sizes = uv_sizes(mesh.corners, uvs)
+        finder = ClosestPointFinder(mesh.corners)
+        return cls(mesh, uvs, chart_labels(mesh.faces, uvs), sizes, finder, cKDTree(mesh.corners.mean(axis=1)))
+
+    def corners(
+        self, points: PointMap, faces: NDArray[np.int64], owners: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]]:
+        """Return the UVs of triangles' corners, (f, 3, 2), which of them are the points' own, and the home triangles.
+
+        The home of a triangle is where the middle of its polygon lies.
+        """
+        images = points.at(self.mesh, self.mesh.vertices)[faces]
+        rank = np.unique(owners, return_inverse=True)[1]
+        counts = np.bincount(rank)[:, None]
+        means = images.mean(axis=1)
+        middles = np.stack([np.bincount(rank, part) for part in means.T], axis=1) / counts
+        home = self.finder.find_about(middles)
+        middle_uvs = home.interpolated(self.uvs)
+        middle_points = home.interpolated(self.mesh.corners)
+        # From here on corner by corner.
+        asked = _Asked(
+            np.repeat(home.triangles[rank], 3),
+            np.repeat(middle_points[rank], 3, axis=0),
+            np.repeat(middle_uvs[rank], 3, axis=0),
+            images.reshape(-1, 3),
+        )
+        own_faces = points.faces[faces].ravel()
+        shares = points.barycentric[faces].reshape(-1, 3).astype(np.float64)
+        found = np.einsum("nk,nkd->nd", shares, self.uvs[own_faces])
+        is_own = self._is_near(asked, own_faces, found, asked.images)
+        away = np.flatnonzero(~is_own)
+        if len(away):
+            found[away] = self._nearest(asked.some(away))
+        return found.reshape(-1, 3, 2), is_own.reshape(-1, 3), home.triangles[rank]
+
+    def _is_near(
+        self,
+        asked: _Asked,
+        faces: NDArray[np.int64],
+        uvs: NDArray[np.float64],
+        places: NDArray[np.float64],
+    ) -> NDArray[np.bool_]:
+        """Tell whether places on triangles are on the side of the seams where the homes are."""
+        size = np.maximum(self.sizes[asked.homes], self.sizes[faces])
+        reach = _DETOUR * size * np.linalg.norm(places - asked.middles, axis=1)
+        near = np.linalg.norm(uvs - asked.middle_uvs, axis=1) <= reach
+        return (near & (self.charts[faces] == self.charts[asked.homes])) | (faces == asked.homes)
+
+    def _nearest(self, asked: _Asked) -> NDArray[np.float64]:
+        """Return the UVs of the nearest places on the homes' side of the seams, (n, 2)."""
+        count = len(asked.homes)
+        near = self.centers.query(asked.images, min(_NEAR, len(self.mesh.faces)))[1].reshape(count, -1)
+        steps = (np.arange(_ON_THE_WAY) / _ON_THE_WAY)[:, None, None]
+        way = asked.middles + steps * (asked.images - asked.middles)
+        passed = self.finder.find_about(way.reshape(-1, 3)).triangles.reshape(_ON_THE_WAY, count).T
+        candidates = np.concatenate([asked.homes[:, None], passed, near], axis=1)
+        flat = candidates.ravel()
+        each = asked.some(np.repeat(np.arange(count), candidates.shape[1]))
+        closest = closest_in_triangles(self.mesh.corners[flat], each.images)
+        uvs = np.einsum("nk,nkd->nd", closest.shares, self.uvs[flat])
+        places = np.einsum("nk,nkd->nd", closest.shares, self.mesh.corners[flat])
+        allowed = self._is_near(each, flat, uvs, places)
+        distances = np.where(allowed, closest.distances, np.inf).reshape(candidates.shape)
+        best = np.arange(count) * candidates.shape[1] + distances.argmin(axis=1)
+        return uvs[best]
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Corners for which places are looked up.
+
+    Attributes
+    ----------
+    homes : (n,) int64
+        Triangles of the giver where the middles of their faces lie.
+    middles, middle_uvs : (n, 3), (n, 2) float64
+        These middles, on the surface and in the texture.
+    images : (n, 3) float64
+        The corners' own points.
+    """
+
+    homes: NDArray[np.int64]
+    middles: NDArray[np.float64]
+    middle_uvs: NDArray[np.float64]
+    images: NDArray[np.float64]
+
+    def some(self, chosen: NDArray[np.int64]) -> _Asked:
+        return _Asked(self.homes[chosen], self.middles[chosen], self.middle_uvs[chosen], self.images[chosen])
+
+
+def _welded(
+    uvs: NDArray[np.float64],
+    is_own: NDArray[np.bool_],
+    shared: SharedEdges,
+    faces: NDArray[np.int64],
+    owners: NDArray[np.int64],
+    known: NDArray[np.bool_],
+) -> NDArray[np.float64]:
+    """Make one of corners of neighbors that are nearly equal: where a point of its own is among them, that."""
+    ends = shared.values(uvs)
+    lengths = np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2).max(axis=1)
+    apart = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=2).max(axis=1)
+    same = owners[shared.faces[:, 0]] == owners[shared.faces[:, 1]]
+    joined = (same | (apart <= _WELDED * lengths)) & known[shared.faces].all(axis=1)
+    corners = 3 * shared.faces[joined][:, :, None] + shared.corners[joined]
+    pairs = np.concatenate([corners[:, :, 0], corners[:, :, 1]])
+    graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(faces.size,) * 2)
+    labels = connected_components(graph, directed=False)[1]
+    # Points of their own count a million times as much as those that were moved to a seam.
+    weights = np.where(is_own.ravel(), 1.0, 1e-6)
+    sums = np.bincount(labels, weights)
+    means = np.stack([np.bincount(labels, weights * part.ravel()) / sums for part in np.moveaxis(uvs, 2, 0)], axis=1)
+    return means[labels].reshape(uvs.shape)
+
+
+def _seams(uvs: NDArray[np.float64], shared: SharedEdges, known: NDArray[np.bool_]) -> NDArray[np.int64]:
+    ends = shared.values(uvs)
+    apart = np.abs(ends[:, 0] - ends[:, 1]).max(axis=(1, 2)) > 1e-6 * float(np.abs(uvs).max(initial=0.0))
+    return np.unique(shared.vertices[apart & known[shared.faces].all(axis=1)], axis=0)
+
+
+def _check_folds(uvs: NDArray[np.float64], homes: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
+    """Raise where too much of a surface is turned over in its UVs, against the triangles that they come from."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    turns = np.sign(_doubled_areas(uvs)) * np.sign(_doubled_areas(homes))
+    # A map to a mirror image turns all of them over.
+    side = 1.0 if (areas * turns).sum() >= 0 else -1.0
+    folded = float(areas[side * turns <= 0].sum() / max(areas.sum(), np.finfo(float).tiny))
+    if folded > _MOST_FOLDED:
+        raise InputError(
+            "{folded:.0%} of the surface would be folded in the UV map: its faces are too large for the islands. "
+            "Subdivide the mesh that receives it, or improve the map.",
+            folded=folded,
+        )
+
+
+def _doubled_areas(uvs: NDArray[np.float64]) -> NDArray[np.float64]:
+    first, second = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
+    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bind a body to an armature with the automatic weights of Blender's own operator."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...errors import InputError
+
+
+def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
+    """Parent a body to an armature with automatic weights.
+
+    Groups that are named like bones that deform get new weights; others stay as they are.
+
+    Parameters
+    ----------
+    body : bpy.types.Object
+        A mesh, in Object Mode.
+    rig : bpy.types.Object
+        An armature, in Object or Pose Mode.
+
+    Returns
+    -------
+    int
+        How many vertices have no weight of any bone: all of them where Blender has found no solution.
+
+    Raises
+    ------
+    InputError
+        Blender cannot parent the one to the other.
+    """
+    chosen = {"active_object": rig, "object": rig, "selected_objects": [rig, body]}
+    try:
+        with bpy.context.temp_override(**chosen, selected_editable_objects=[rig, body]):
+            bpy.ops.object.parent_set(type="ARMATURE_AUTO", keep_transform=False)
+    except RuntimeError as error:
+        raise InputError(
+            "{body} could not be bound to {rig}: {reason}",
+            body=body.name,
+            rig=rig.name,
+            reason=str(error).strip().removeprefix("Error: "),
+        ) from error
+    return unweighted(body, rig)
+
+
+def unweighted(body: bpy.types.Object, rig: bpy.types.Object) -> int:
+    """Count the vertices of a body without weight of any bone that deforms."""
+    deforming = {bone.name for bone in rig.data.bones if bone.use_deform}
+    groups = {group.index for group in body.vertex_groups if group.name in deforming}
+    return sum(
+        not any(own.group in groups and own.weight > 0.0 for own in vertex.groups) for vertex in body.data.vertices
+    )

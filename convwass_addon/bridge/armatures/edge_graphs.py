@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes of edges as joints and the lines between them, and joints that were moved as vertices again."""
+
+from __future__ import annotations
+
+import bmesh
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.skeletons.skeleton_graph import JointGraph
+from ...errors import InputError
+from ..mesh_checks import readable_mesh
+from .rig_graphs import RigGraph, world_matrix
+
+PINNED = "Pinned"
+"""The attribute of pinned vertices."""
+
+
+def edge_graph(obj: bpy.types.Object) -> RigGraph:
+    """Return the joints of a mesh of edges as it stands in the scene, without modifiers.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh without faces; vertices without edges are no joints.
+
+    Raises
+    ------
+    InputError
+        Not a mesh, one with faces, or one without edges.
+    """
+    mesh = readable_mesh(obj)
+    if len(mesh.polygons):
+        raise InputError(
+            "{object} has faces; a skeleton is an armature, or a mesh of edges without faces.", object=obj.name
+        )
+    if not len(mesh.edges):
+        raise InputError("{object} has no edges; a skeleton is an armature, or a mesh of edges.", object=obj.name)
+    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", edges)
+    joints, compact = np.unique(edges, return_inverse=True)
+    matrix = world_matrix(obj)
+    points = _points(mesh)[joints] @ matrix[:3, :3].T + matrix[:3, 3]
+    names = tuple(str(vertex) for vertex in joints)
+    selected = np.empty(len(mesh.vertices), dtype=bool)
+    mesh.vertices.foreach_get("select", selected)
+    return RigGraph(
+        graph=JointGraph.from_arrays(points, compact.reshape(-1, 2), pinned_vertices(mesh)[joints], names),
+        ends=tuple((name,) for name in names),
+        selected=selected[joints] & mesh.is_editmode,
+        matrix=matrix,
+        parts=(str(len(mesh.vertices)),),
+    )
+
+
+def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np.float64]) -> None:
+    """Move the joints of a mesh of edges.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The mesh, in Edit Mode or not.
+    rig : RigGraph
+        Its joints as they were read.
+    positions : (v, 3)
+        Where they belong, world space.
+
+    Raises
+    ------
+    InputError
+        There are other vertices than when the joints were read.
+    """
+    mesh = readable_mesh(obj)
+    if rig.parts != (str(len(mesh.vertices)),):
+        raise InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+    inverse = np.linalg.inv(rig.matrix)
+    points = _points(mesh)
+    points[[int(name) for name in rig.graph.names]] = positions @ inverse[:3, :3].T + inverse[:3, 3]
+    if not mesh.is_editmode:
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(points, dtype=np.float32).ravel())
+        mesh.update()
+        return
+    edited = bmesh.from_edit_mesh(mesh)
+    for vertex, point in zip(edited.verts, points, strict=True):
+        vertex.co = point
+    bmesh.update_edit_mesh(mesh)
+
+
+def pin_vertices(obj: bpy.types.Object, vertices: list[int], pinned: bool) -> None:
+    """Pin vertices of a mesh, or let go of them, in Edit Mode or not.
+
+    Raises
+    ------
+    InputError
+        The name of the attribute is taken.
+    """
+    mesh = obj.data
+    _require_own(mesh)
+    if mesh.is_editmode:
+        edited = bmesh.from_edit_mesh(mesh)
+        edited.verts.ensure_lookup_table()
+        layer = edited.verts.layers.bool.get(PINNED) or edited.verts.layers.bool.new(PINNED)
+        edited.verts.ensure_lookup_table()
+        for vertex in vertices:
+            edited.verts[vertex][layer] = pinned
+        bmesh.update_edit_mesh(mesh)
+        return
+    values = pinned_vertices(mesh)
+    values[vertices] = pinned
+    attribute = mesh.attributes.get(PINNED) or mesh.attributes.new(PINNED, "BOOLEAN", "POINT")
+    attribute.data.foreach_set("value", values)
+
+
+def _points(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def pinned_vertices(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Return which vertices of a mesh are pinned, as they are in Edit Mode where it is being edited."""
+    if mesh.is_editmode:
+        edited = bmesh.from_edit_mesh(mesh)
+        layer = edited.verts.layers.bool.get(PINNED)
+        return np.array([layer is not None and vertex[layer] for vertex in edited.verts], dtype=bool)
+    values = np.zeros(len(mesh.vertices), dtype=bool)
+    attribute = mesh.attributes.get(PINNED)
+    # One of the user's own may have the name.
+    if attribute is not None and (attribute.data_type, attribute.domain) == ("BOOLEAN", "POINT"):
+        attribute.data.foreach_get("value", values)
+    return values
+
+
+def _require_own(mesh: bpy.types.Mesh) -> None:
+    attribute = mesh.attributes.get(PINNED)
+    if attribute is not None and (attribute.data_type, attribute.domain) != ("BOOLEAN", "POINT"):
+        raise InputError(
+            "{name} is an attribute of other values already, and not of pinned joints; rename that first.", name=PINNED
+        )

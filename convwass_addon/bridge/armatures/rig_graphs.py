@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The joints of a rig, whether it is an armature or a mesh of edges, and what of Blender they stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.skeletons.skeleton_graph import JointGraph
+from ...errors import InputError
+from ..objects import FLATTENED
+
+
+@dataclass(frozen=True)
+class RigGraph:
+    """The joints of a rig.
+
+    Attributes
+    ----------
+    graph : JointGraph
+        Joints and lines between them, world space.
+    ends : tuple of tuple of str
+        What of the rig is in each joint: ends of bones, such as "Arm.L.head", or the number of a vertex. The first one
+        is the joint's name.
+    selected : (v,) bool
+        Joints that are selected in Edit Mode.
+    matrix : (4, 4) float64
+        From the rig's space to that of the world.
+    parts : tuple of str
+        What tells whether the rig is the same later: names of bones, or the number of vertices.
+    clashes : tuple of (str, str)
+        Ends that were apart, and were both pinned in one place since.
+    """
+
+    graph: JointGraph
+    ends: tuple[tuple[str, ...], ...]
+    selected: NDArray[np.bool_]
+    matrix: NDArray[np.float64]
+    parts: tuple[str, ...]
+    clashes: tuple[tuple[str, str], ...] = ()
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {end: joint for joint, own in enumerate(self.ends) for end in own}
+
+    def joint(self, name: str) -> int:
+        """Return the number of a joint that is called by any of its ends; raises InputError where there is none."""
+        if name not in self._numbers:
+            raise InputError(
+                "There is no joint {name}; joints are called after bones, such as {example}.",
+                name=name,
+                example=self.graph.names[0],
+            )
+        return self._numbers[name]
+
+    def require_pins_apart(self) -> None:
+        """Refuse two pins in one place, which would make one joint of two; raises InputError."""
+        for first, second in self.clashes:
+            raise InputError(
+                "{first} and {second} are pinned in the same place; move or unpin one of them.",
+                first=first,
+                second=second,
+            )
+
+    def pinned_at(self, names: Iterable[str], places: Mapping[str, NDArray[np.float64]]) -> RigGraph:
+        """Return the same rig with more pins, some of them in other places, world space."""
+        positions, pinned = self.graph.positions.copy(), self.graph.pinned.copy()
+        for name in (*names, *places):
+            pinned[self.joint(name)] = True
+        for name, place in places.items():
+            positions[self.joint(name)] = place
+        # Their bones are as long as they were.
+        return replace(self, graph=replace(self.graph, positions=positions, pinned=pinned))
+
+
+def world_matrix(obj: bpy.types.Object) -> NDArray[np.float64]:
+    """Return the (4, 4) matrix from a rig's space to that of the world.
+
+    Raises
+    ------
+    InputError
+        It flattens the rig, or is not made of numbers.
+    """
+    matrix = np.array(obj.matrix_world, dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise InputError(
+            "{object}: its location, rotation or scale is not a number (NaN or infinite).", object=obj.name
+        )
+    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    if scales[-1] <= FLATTENED * scales[0]:
+        raise InputError("{object} has a scale of zero; give it another scale in Item > Transform.", object=obj.name)
+    return matrix

@@ -1,0 +1,201 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A body and a rig from files, in one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ...errors import InputError
+from ..imports import BLEND, READERS, Source, import_objects
+from ..workshop import reason
+
+
+@dataclass(frozen=True)
+class BodyAndRig:
+    """What is fitted into what.
+
+    Attributes
+    ----------
+    body : bpy.types.Object
+        A mesh.
+    rig : bpy.types.Object
+        An armature, or a mesh of edges.
+    """
+
+    body: bpy.types.Object
+    rig: bpy.types.Object
+
+
+def open_body_and_rig(body: Source, rig: Source) -> BodyAndRig:
+    """Open a body and a rig.
+
+    The first .blend is opened as it is, without running what scripts it may hold; what comes from other files is added
+    to it, or to an empty scene. Without a name, the only one that there is of its kind is taken.
+
+    Raises
+    ------
+    InputError
+        Files or objects that cannot be used.
+    """
+    for source in (body, rig):
+        _require_file(source)
+    opened = next((source.path for source in (body, rig) if _is_blend(source)), None)
+    if opened is None:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    else:
+        _open(opened)
+    found_body = _found_body(body, opened)
+    return BodyAndRig(found_body, _found_rig(rig, opened, found_body))
+
+
+def _is_blend(source: Source) -> bool:
+    return source.path.suffix.lower() == BLEND
+
+
+def _require_file(source: Source) -> None:
+    """Refuse what cannot be opened; raises InputError."""
+    file = source.path.expanduser().absolute()
+    if file.is_dir():
+        raise InputError("{file} is a folder; name a file in it.", file=str(file))
+    if not file.exists():
+        raise InputError("{file} does not exist; check the spelling and the folder.", file=str(file))
+    if file.suffix.lower() not in (*READERS, BLEND):
+        raise InputError(
+            "{file} is of an unknown format; these can be read: {formats}.",
+            file=file.name,
+            formats=" ".join((*READERS, BLEND)),
+        )
+
+
+def _open(path: Path) -> None:
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.expanduser().absolute()), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        raise InputError(
+            "{file} could not be read; it is damaged, or not a file of Blender.", file=path.name
+        ) from error
+
+
+def _is_open(source: Source, opened: Path | None) -> bool:
+    return _is_blend(source) and opened is not None and source.path.resolve() == opened.resolve()
+
+
+def _found_body(source: Source, opened: Path | None) -> bpy.types.Object:
+    if not _is_open(source, opened):
+        (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
+        return obj
+    meshes = [obj for obj in bpy.context.scene.objects if obj.type == "MESH"]
+    if source.object_name is not None:
+        return _named(source, bpy.context.scene.objects)
+    solid = [obj for obj in meshes if obj.data.polygons or obj.modifiers]
+    if len(solid) != 1:
+        raise InputError(
+            "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+            file=source.path.name,
+            count=len(solid),
+            available=_names(solid),
+        )
+    return solid[0]
+
+
+def _found_rig(source: Source, opened: Path | None, body: bpy.types.Object) -> bpy.types.Object:
+    if _is_open(source, opened):
+        objects = list(bpy.context.scene.objects)
+        return _named(source, objects) if source.object_name else _only_rig(source, objects)
+    objects = _appended(source) if _is_blend(source) else _read(source)
+    try:
+        # One that was named came alone, maybe under another name.
+        rig = objects[0] if source.object_name else _only_rig(source, objects)
+    except InputError:
+        bpy.data.batch_remove(objects)
+        raise
+    kept = {rig, body}
+    parent = rig.parent
+    while parent is not None:
+        kept.add(parent)
+        if parent.name not in bpy.context.scene.objects:
+            # Blender saves no object for being a parent alone.
+            bpy.context.scene.collection.objects.link(parent)
+        parent = parent.parent
+    bpy.data.batch_remove([obj for obj in objects if obj not in kept])
+    return rig
+
+
+def _named(source: Source, objects: Iterable[bpy.types.Object]) -> bpy.types.Object:
+    found = next((obj for obj in objects if obj.name == source.object_name), None)
+    if found is None:
+        raise InputError(
+            "{file} has no object {name!r}; it holds {listed}.",
+            file=source.path.name,
+            name=source.object_name,
+            listed=_names(objects),
+        )
+    return found
+
+
+def _only_rig(source: Source, objects: Iterable[bpy.types.Object]) -> bpy.types.Object:
+    """Return the only armature, or else the only mesh of edges; raises InputError where there is not one."""
+    armatures = [obj for obj in objects if obj.type == "ARMATURE"]
+    rigs = armatures or [obj for obj in objects if obj.type == "MESH" and obj.data.edges and not obj.data.polygons]
+    if not rigs:
+        raise InputError(
+            "{file} holds no armature and no mesh of edges; name a file with a skeleton.", file=source.path.name
+        )
+    if len(rigs) > 1:
+        raise InputError(
+            "{file} holds {count} skeletons; say which, as {file}:NAME, of {available}.",
+            file=source.path.name,
+            count=len(rigs),
+            available=_names(rigs),
+        )
+    return rigs[0]
+
+
+def _names(objects: Iterable[bpy.types.Object]) -> str:
+    return ", ".join(sorted(obj.name for obj in objects)) or "-"
+
+
+def _read(source: Source) -> list[bpy.types.Object]:
+    """Read a file into the scene and return what it brought."""
+    if source.object_name:
+        raise InputError(
+            "{file}: objects can be named in {suffix} files only; leave the name out.",
+            file=source.path.name,
+            suffix=BLEND,
+        )
+    before = set(bpy.data.objects)
+    try:
+        READERS[source.path.suffix.lower()](str(source.path.expanduser().absolute()))
+    except RuntimeError as error:
+        raise InputError(
+            "{file} could not be read; is it damaged? Blender says: {reason}",
+            file=source.path.name,
+            reason=reason(error),
+        ) from error
+    return [obj for obj in bpy.data.objects if obj not in before]
+
+
+def _appended(source: Source) -> list[bpy.types.Object]:
+    """Append the objects of a .blend to the scene, or the one that is named, as they are."""
+    file = source.path.expanduser().absolute()
+    try:
+        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
+            names = [name for name in available.objects if source.object_name in (None, name)]
+            listed = ", ".join(sorted(available.objects)) or "-"
+            wanted.objects = list(names)
+    except OSError as error:
+        raise InputError(
+            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
+        ) from error
+    if source.object_name and not names:
+        raise InputError(
+            "{file} has no object {name!r}; it holds {listed}.", file=file.name, name=source.object_name, listed=listed
+        )
+    for obj in wanted.objects:
+        bpy.context.scene.collection.objects.link(obj)
+    return list(wanted.objects)

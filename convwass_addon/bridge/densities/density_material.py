@@ -1,0 +1,175 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that show a density: a heat map, and growths that cover a surface where there is much of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from ..heat_map import fill_ramp
+from ..node_math import math_node
+from .density_nodes import NAME
+
+ROUGHNESS = 0.55
+
+
+@dataclass(frozen=True)
+class _Growth:
+    """What covers a surface.
+
+    Attributes
+    ----------
+    dark, light : (r, g, b)
+        Between these it varies, scene linear.
+    roughness, sheen : float
+        As of a Principled BSDF.
+    grain : float
+        Grains along the object's own unit length.
+    height : float
+        How strongly grains show in the shading.
+    ragged : float
+        How far the edge wanders; at 0 it follows the density.
+    """
+
+    dark: tuple[float, float, float]
+    light: tuple[float, float, float]
+    roughness: float
+    sheen: float
+    grain: float
+    height: float
+    ragged: float
+
+
+GROWTHS = {
+    "MOSS": _Growth((0.018, 0.05, 0.008), (0.13, 0.24, 0.03), 0.95, 0.15, 45.0, 0.9, 0.9),
+    "FROST": _Growth((0.55, 0.7, 0.85), (0.95, 0.98, 1.0), 0.35, 0.1, 70.0, 0.5, 0.8),
+}
+"""What can grow."""
+
+
+def heat_material(name: str = NAME) -> bpy.types.Material:
+    """Return the material that shows a density by the colors of a heat map; made if the file has none for this name.
+
+    Parameters
+    ----------
+    name : str
+        Of the attribute, from 0 to 1.
+    """
+    title = f"{name} Heat Map"
+    material = bpy.data.materials.get(title)
+    if material is not None:
+        return material
+    material, principled = _new(title)
+    tree = material.node_tree
+    principled.inputs["Roughness"].default_value = ROUGHNESS
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    ramp.location = (-350.0, 0.0)
+    fill_ramp(ramp.color_ramp)
+    tree.links.new(_attribute(tree, name), ramp.inputs["Fac"])
+    tree.links.new(ramp.outputs["Color"], principled.inputs["Base Color"])
+    return material
+
+
+def growth_material(
+    name: str = NAME,
+    kind: str = "MOSS",
+    color: tuple[float, float, float, float] = (0.35, 0.3, 0.27, 1.0),
+    *,
+    threshold: float = 0.25,
+) -> bpy.types.Material:
+    """Make a material of something that grows where there is much of a density, with a ragged edge.
+
+    Parameters
+    ----------
+    name : str
+        Of the attribute, from 0 to 1.
+    kind : str
+        One of `GROWTHS`.
+    color : (r, g, b, a)
+        Base color of what it grows on, scene linear.
+    threshold : float
+        Density at which half of the surface is covered.
+    """
+    growth = GROWTHS[kind]
+    material, bare = _new(f"{name} {kind.title()}")
+    tree = material.node_tree
+    bare.inputs["Base Color"].default_value = color
+    bare.inputs["Roughness"].default_value = ROUGHNESS
+    grains = _noise(tree, growth.grain, 6.0)
+    cover = _cover(tree, _attribute(tree, name), _noise(tree, growth.grain / 8.0, 5.0), growth.ragged, threshold)
+    grown = _grown(tree, growth, grains, cover)
+    mixed = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(cover, mixed.inputs[0])
+    tree.links.new(bare.outputs["BSDF"], mixed.inputs[1])
+    tree.links.new(grown.outputs["BSDF"], mixed.inputs[2])
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    tree.links.new(mixed.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def _new(title: str) -> tuple[bpy.types.Material, bpy.types.Node]:
+    """Make a material with a single shader, and return both."""
+    material = bpy.data.materials.new(title)
+    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    output.location = (400.0, 0.0)
+    tree.links.new(principled.outputs["BSDF"], output.inputs["Surface"])
+    return material, principled
+
+
+def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_type, node.attribute_name = "GEOMETRY", name
+    node.location = (-900.0, 0.0)
+    return node.outputs["Fac"]
+
+
+def _noise(tree: bpy.types.NodeTree, scale: float, detail: float) -> bpy.types.NodeSocket:
+    """Return noise that stays with the object, from 0 to 1."""
+    place = tree.nodes.new("ShaderNodeTexCoord")
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = scale, detail
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    return noise.outputs["Fac"] if "Fac" in noise.outputs else noise.outputs["Factor"]
+
+
+def _cover(
+    tree: bpy.types.NodeTree,
+    density: bpy.types.NodeSocket,
+    noise: bpy.types.NodeSocket,
+    ragged: float,
+    threshold: float,
+) -> bpy.types.NodeSocket:
+    """Return how much of the surface is covered: a step at the threshold, shifted by noise where there is a density."""
+    shift = math_node(tree, "MULTIPLY_ADD", noise, 4.0 * ragged, 1.0 - 2.0 * ragged)
+    step = tree.nodes.new("ShaderNodeMapRange")
+    step.interpolation_type = "SMOOTHSTEP"
+    step.inputs["From Min"].default_value, step.inputs["From Max"].default_value = 0.7 * threshold, 1.3 * threshold
+    tree.links.new(math_node(tree, "MULTIPLY", density, shift), step.inputs["Value"])
+    return step.outputs["Result"]
+
+
+def _grown(
+    tree: bpy.types.NodeTree, growth: _Growth, grains: bpy.types.NodeSocket, cover: bpy.types.NodeSocket
+) -> bpy.types.Node:
+    """Return the shader of the growth itself: it stands out, and its grains are lit one by one."""
+    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    shader.location = (0.0, -700.0)
+    shader.inputs["Roughness"].default_value = growth.roughness
+    shader.inputs["Sheen Weight"].default_value = growth.sheen
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    for element, color, place in zip(ramp.color_ramp.elements, (growth.dark, growth.light), (0.35, 0.7), strict=True):
+        element.color, element.position = (*color, 1.0), place
+    tree.links.new(grains, ramp.inputs["Fac"])
+    tree.links.new(ramp.outputs["Color"], shader.inputs["Base Color"])
+    bump = tree.nodes.new("ShaderNodeBump")
+    bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = growth.height, 0.02
+    tree.links.new(math_node(tree, "MULTIPLY_ADD", grains, 1.0, cover), bump.inputs["Height"])
+    tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])
+    return shader

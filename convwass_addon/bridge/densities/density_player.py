@@ -1,0 +1,221 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A density that moves over a surface as one animated attribute, played by geometry nodes alone.
+
+The frames are attributes of the mesh. A modifier mixes the two next to its *Density* value into the attribute that
+materials, later modifiers and hair read. The file needs no add-on to play, in the viewport as in renders.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from bpy_extras.anim_utils import action_get_channelbag_for_slot
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ..mesh_checks import writable_mesh
+from ..morphs.player import EASINGS
+from ..node_inputs import NodeInput, node_input
+from .density_attributes import remove_color, remove_frames, require_free, write_frames
+from .density_nodes import DENSITY_KEY, NAME, SCALE, VALUE, density_tree, fill
+from .density_store import StoredDensity, forget_density, store_density, stored_or_new
+
+
+@dataclass(frozen=True)
+class DensityKey:
+    """At a scene frame, which need not be whole, the density has come to a value from 0 to 1."""
+
+    frame: float
+    value: float
+
+
+def animate_density(
+    obj: bpy.types.Object,
+    densities: ArrayLike,
+    times: ArrayLike,
+    name: str = NAME,
+    *,
+    keys: Sequence[DensityKey] = (),
+    easing: str = "LINEAR",
+    description: StoredDensity | None = None,
+) -> bpy.types.NodesModifier:
+    """Store the frames of a density and let the first modifier of an object play them as one attribute.
+
+    The largest value of all frames becomes 1, as masks want it; set the modifier's `SCALE` to the stored scale for
+    densities of mass 1. A density of the same name is replaced: its modifier stays, with its keys unless new ones are
+    given. Objects that share the mesh and play the density play the new one.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object in any mode but Edit Mode.
+    densities : (f, n) array_like
+        At least two frames, one value per vertex, not negative. Values less than 1/131072 of the largest become 0.
+    times : (f,) array_like
+        When each frame is exact, ascending; between them frames are mixed linearly. Brought to 0 ... 1.
+    name : str
+        Of the attribute that is written, on points.
+    keys : sequence of DensityKey
+        The animation. None are set where it is empty.
+    easing : str
+        One of `EASINGS`: how the value goes from key to key.
+    description : StoredDensity, optional
+        What the object shall remember; times and scale are filled in here.
+
+    Returns
+    -------
+    bpy.types.NodesModifier
+
+    Raises
+    ------
+    InputError
+        Not a mesh, in Edit Mode, linked, or a name that something else on the mesh has.
+    """
+    mesh = writable_mesh(obj)
+    frames = _checked_frames(densities, len(mesh.vertices))
+    places = _checked_times(times, len(frames))
+    require_free(obj, name)
+    peak = float(frames.max())
+    known = description or stored_or_new(obj, name)
+    write_frames(mesh, name, frames / peak if peak > 0.0 else frames)
+    modifier = _play(obj, name, places)
+    store_density(obj, name, replace(known, times=places.tolist(), scale=peak if peak > 0.0 else 1.0))
+    if keys:
+        _key(density_value(obj, name), keys, easing)
+    mesh.update()
+    return modifier
+
+
+def remove_density(obj: bpy.types.Object, name: str = NAME) -> None:
+    """Remove a density with its modifier, its keys and its frames; what other objects play stays.
+
+    Raises
+    ------
+    InputError
+        As `animate_density`, or nothing of this name is played.
+    """
+    mesh = writable_mesh(obj)
+    modifier = density_modifier(obj, name)
+    _unkey(density_value(obj, name))
+    tree = modifier.node_group
+    obj.modifiers.remove(modifier)
+    if not tree.users:
+        bpy.data.node_groups.remove(tree)
+    if not _players(mesh, name):
+        remove_frames(mesh, name)
+        remove_color(mesh, name)
+    forget_density(obj, name)
+    mesh.update()
+
+
+def density_modifier(obj: bpy.types.Object, name: str = NAME) -> bpy.types.NodesModifier:
+    """Return the modifier that plays a density.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    found = next((modifier for modifier in obj.modifiers if _plays(modifier, name)), None)
+    if found is None:
+        raise InputError("{object} plays no density {name}; animate it first.", object=obj.name, name=name)
+    return found
+
+
+def density_value(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
+    """Return the value of a density to animate; draw it with ``layout.prop(value.owner, value.path)``."""
+    return node_input(density_modifier(obj, name), VALUE)
+
+
+def density_scale(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
+    """Return the number that the attribute is multiplied by; the stored scale makes densities of mass 1 of masks."""
+    return node_input(density_modifier(obj, name), SCALE)
+
+
+def played_densities(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the densities that an object plays, in the order of its modifiers."""
+    trees = (modifier.node_group for modifier in obj.modifiers if modifier.type == "NODES")
+    return [tree[DENSITY_KEY] for tree in trees if tree and isinstance(tree.get(DENSITY_KEY), str)]
+
+
+def _checked_frames(densities: ArrayLike, count: int) -> NDArray[np.float64]:
+    frames = np.asarray(densities, dtype=np.float64)
+    if frames.ndim != 2 or len(frames) < 2 or frames.shape[1] != count:
+        raise ValueError(f"densities of shape {frames.shape} for two frames or more of {count} vertices")
+    if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
+        raise ValueError("densities are negative or no numbers")
+    return frames
+
+
+def _checked_times(times: ArrayLike, count: int) -> NDArray[np.float64]:
+    """Return times from 0 to 1."""
+    places = np.asarray(times, dtype=np.float64)
+    if places.shape != (count,) or not np.isfinite(places).all() or not (np.diff(places) > 0.0).all():
+        raise ValueError(f"times are not {count} ascending numbers")
+    return (places - places[0]) / (places[-1] - places[0])
+
+
+def _play(obj: bpy.types.Object, name: str, times: NDArray[np.float64]) -> bpy.types.NodesModifier:
+    """Let all objects that play this density of this mesh play these frames, and `obj` in any case."""
+    players = _players(obj.data, name)
+    if not any(player.id_data == obj for player in players):
+        modifier = obj.modifiers.new(f"Play {name}", "NODES")
+        obj.modifiers.move(len(obj.modifiers) - 1, 0)
+        # References to modifiers do not survive a move.
+        modifier = obj.modifiers[0]
+        modifier.node_group = players[0].node_group if players else density_tree(name, times)
+        players = _players(obj.data, name)
+    tree = density_modifier(obj, name).node_group
+    # Copies of the object with a mesh of their own keep their frames, and so their times.
+    if tree.users > sum(player.node_group == tree for player in players):
+        tree = tree.copy()
+    fill(tree, name, times)
+    for player in players:
+        player.node_group = tree
+    return density_modifier(obj, name)
+
+
+def _players(mesh: bpy.types.Mesh, name: str) -> list[bpy.types.NodesModifier]:
+    objects = [obj for obj in bpy.data.objects if obj.data == mesh and obj.is_editable]
+    return [modifier for obj in objects for modifier in obj.modifiers if _plays(modifier, name)]
+
+
+def _plays(modifier: bpy.types.Modifier, name: str) -> bool:
+    return modifier.type == "NODES" and bool(modifier.node_group) and modifier.node_group.get(DENSITY_KEY) == name
+
+
+def _key(value: NodeInput, keys: Sequence[DensityKey], easing: str) -> None:
+    _unkey(value)
+    for key in keys:
+        value.set(float(key.value))
+        value.owner.keyframe_insert(value.path, frame=key.frame)
+    curve = _channels(value).fcurves.find(value.data_path)
+    for point in curve.keyframe_points:
+        point.interpolation = EASINGS[easing]
+        point.easing = "EASE_IN_OUT"
+    curve.update()
+
+
+def _unkey(value: NodeInput) -> None:
+    """Remove the keys of a value; what other channels the object has stays."""
+    bag = _channels(value)
+    curve = bag.fcurves.find(value.data_path) if bag else None
+    if curve:
+        bag.fcurves.remove(curve)
+        data = value.modifier.id_data.animation_data
+        action = data.action
+        if not bag.fcurves:
+            data.action = None
+            if not action.users:
+                bpy.data.actions.remove(action)
+
+
+def _channels(value: NodeInput) -> bpy.types.ActionChannelbag | None:
+    data = value.modifier.id_data.animation_data
+    if not (data and data.action and data.action_slot):
+        return None
+    return action_get_channelbag_for_slot(data.action, data.action_slot)

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an object remembers of the densities that were baked on it, and how that is read back."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+
+import bpy
+
+from ...errors import InputError
+
+SCHEMA = 1
+
+DENSITIES_KEY = "convwass_densities"
+"""Custom property of an object: JSON of a `StoredDensity` for every name, and the schema number."""
+
+MOST_CHARACTERS = 4_000_000
+"""Longer texts are not read."""
+
+
+@dataclass(frozen=True)
+class StoredDensity:
+    """A baked density as its object remembers it.
+
+    Attributes
+    ----------
+    inputs : list of str
+        Names of the vertex groups that it was made from.
+    settings : dict
+        What the bake was asked for; numbers, texts, booleans, None and lists of these.
+    records : list of dict
+        The solver's figures for each frame, single values only.
+    times : list of float
+        The place of each stored frame from 0 to 1, ascending; empty where nothing is played.
+    scale : float
+        What the played attribute is multiplied by for densities of mass 1.
+    outputs : dict
+        What else was written, by kind: names of groups, of color attributes, paths of images.
+    """
+
+    inputs: list[str] = field(default_factory=list)
+    settings: dict[str, object] = field(default_factory=dict)
+    records: list[dict[str, object]] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    scale: float = 1.0
+    outputs: dict[str, list[str]] = field(default_factory=dict)
+
+
+def store_density(obj: bpy.types.Object, name: str, density: StoredDensity) -> None:
+    """Write the description of a density onto its object; those of other densities stay."""
+    known = {other: stored_density(obj, other) for other in _readable_names(obj)}
+    _write(obj, {**known, name: density})
+
+
+def forget_density(obj: bpy.types.Object, name: str) -> None:
+    """Remove the description of a density."""
+    known = {other: stored_density(obj, other) for other in _readable_names(obj) if other != name}
+    if known:
+        _write(obj, known)
+    elif DENSITIES_KEY in obj:
+        del obj[DENSITIES_KEY]
+
+
+def density_names(obj: bpy.types.Object) -> list[str]:
+    """Return the names of all densities that an object remembers; none where the description is damaged."""
+    return _readable_names(obj)
+
+
+def stored_density(obj: bpy.types.Object, name: str) -> StoredDensity:
+    """Read and check what `store_density` wrote.
+
+    Raises
+    ------
+    InputError
+        There is nothing of this name, or it is damaged or from a newer version.
+    """
+    try:
+        table = _table(obj)
+        if name in table:
+            return _checked(table[name])
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise InputError(
+            "What {object} remembers of its densities is damaged ({reason}); bake them again.",
+            object=obj.name,
+            reason=str(error),
+        ) from error
+    raise InputError("{object} has no baked density {name}; bake it first.", object=obj.name, name=name)
+
+
+def stored_or_new(obj: bpy.types.Object, name: str) -> StoredDensity:
+    """Return what an object remembers of a density; an empty description where that is nothing or damaged."""
+    try:
+        return stored_density(obj, name)
+    except InputError:
+        return StoredDensity()
+
+
+def _write(obj: bpy.types.Object, densities: dict[str, StoredDensity]) -> None:
+    data = {"schema": SCHEMA, "densities": {name: vars(density) for name, density in densities.items()}}
+    obj[DENSITIES_KEY] = json.dumps(data, allow_nan=False)
+
+
+def _readable_names(obj: bpy.types.Object) -> list[str]:
+    names = []
+    try:
+        table = _table(obj)
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return names
+    for name, data in table.items():
+        try:
+            _checked(data)
+        except (ValueError, TypeError, KeyError):
+            continue
+        names.append(name)
+    return names
+
+
+def _table(obj: bpy.types.Object) -> dict[str, object]:
+    text = obj.get(DENSITIES_KEY)
+    if text is None:
+        return {}
+    if not isinstance(text, str):
+        raise TypeError("not a text")
+    if len(text) > MOST_CHARACTERS:
+        raise ValueError(f"{len(text)} characters")
+    data = json.loads(text, parse_constant=_no_number)
+    if not isinstance(data, dict):
+        raise TypeError("not a table")
+    if data["schema"] != SCHEMA:
+        raise ValueError(f"schema {data['schema']!r}, while this version reads {SCHEMA}")
+    if not isinstance(data["densities"], dict):
+        raise TypeError("densities are not a table")
+    return data["densities"]
+
+
+def _checked(data: object) -> StoredDensity:
+    """Return the description, or raise an error that says what is wrong with it."""
+    if not isinstance(data, dict):
+        raise TypeError("not a table")
+    density = StoredDensity(**{name: data[name] for name in StoredDensity.__dataclass_fields__})
+    if not _is_list_of(density.inputs, str):
+        raise TypeError("inputs are not a list of names")
+    if not (isinstance(density.settings, dict) and all(map(_is_plain, density.settings.values()))):
+        raise TypeError("a setting is neither a number, a text nor a list of these")
+    if not _is_list_of(density.records, dict):
+        raise TypeError("records are not a list of tables")
+    if not _is_list_of(density.times, (int, float)) or density.times != sorted(density.times):
+        raise TypeError("times are not an ascending list of numbers")
+    if isinstance(density.scale, bool) or not isinstance(density.scale, (int, float)) or not density.scale > 0:
+        raise TypeError("scale is not a positive number")
+    if not (isinstance(density.outputs, dict) and all(_is_list_of(own, str) for own in density.outputs.values())):
+        raise TypeError("outputs are not lists of names")
+    return density
+
+
+def _is_plain(value: object) -> bool:
+    items = value if isinstance(value, list) else [value]
+    return all(item is None or isinstance(item, (str, bool, int, float)) for item in items)
+
+
+def _is_list_of(value: object, kind: type | tuple[type, ...]) -> bool:
+    return isinstance(value, list) and all(isinstance(item, kind) and not isinstance(item, bool) for item in value)
+
+
+def _no_number(text: str) -> None:
+    raise ValueError(f"{text} where a number belongs")

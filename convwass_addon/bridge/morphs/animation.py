@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A short video of a morph, with a camera that slowly walks around it."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...errors import InputError
+from ..framing import View, broad_view, orbit
+from ..studio import Studio, checked_output, opening, silent, world_points
+from ..video import write_video
+from .stored import frame_objects
+
+ELEVATION = math.radians(18.0)
+POINTS_PER_SHAPE = 1500
+"""How many vertices of a shape the camera is fitted to."""
+PAUSE = 0.4
+"""Seconds for which the first and the last shape are held."""
+
+
+def render_animation(
+    collection: bpy.types.Collection,
+    path: str | Path,
+    *,
+    resolution: tuple[int, int] = (480, 360),
+    samples: int = 8,
+    step: int = 1,
+    frames_per_second: int = 24,
+    turn: float = math.radians(26.0),
+    progress: Callable[[float, str], None] = silent,
+) -> Path:
+    """Write a morph along a path as an MP4 video (H.264).
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        The morph. Neither it nor the scene is changed.
+    path : str or Path
+        The MP4 to write; replaced if it exists.
+    resolution : (int, int)
+        Width and height in pixels, both even.
+    samples : int
+        Light paths per pixel.
+    step : int
+        Every how many frames of the morph one is shown; the last is always shown.
+    frames_per_second : int
+        Speed of the video.
+    turn : float
+        Radians by which the camera walks around the shapes.
+    progress : callable
+        Takes the finished fraction and a message, before each frame; what it raises stops the work,
+        and nothing is written.
+
+    Returns
+    -------
+    Path
+        The file, absolute.
+
+    Raises
+    ------
+    InputError
+        No folder to write into, a name without ``.mp4``, an odd width or height, or a collection that holds no
+        morph along a path.
+    ConvwassError
+        Blender cannot render, or was built without video output.
+    """
+    target = checked_output(path, ".mp4")
+    if any(side % 2 for side in resolution):
+        raise InputError(
+            "A video's width and height must be even numbers, not {width} x {height}.",
+            width=resolution[0],
+            height=resolution[1],
+        )
+    objects = frame_objects(collection)
+    frames = _frames(objects, step)
+    if not frames:
+        raise InputError(
+            "{name} holds no morph along a path; for a sheet make a contact sheet instead.", name=collection.name
+        )
+    with Studio() as studio, tempfile.TemporaryDirectory(prefix="convwass-") as folder:
+        copies = [studio.show(obj) for obj in objects]
+        points = [_sample(obj) for obj in objects]
+        view = broad_view(points, ELEVATION)
+        depth = studio.build(points, view)
+        studio.set_quality(resolution, samples)
+        views = [View(view.azimuth + angle, view.elevation) for angle in _swing(turn, len(frames))]
+        poses = orbit(np.concatenate(points), views, opening(resolution))
+        pictures = [Path(folder) / f"{index:05d}.png" for index in range(len(frames))]
+        for index, (frame, pose) in enumerate(zip(frames, poses, strict=True)):
+            progress(index / (len(frames) + 1), f"Rendering frame {index + 1} of {len(frames)}")
+            for obj, copy in zip(objects, copies, strict=True):
+                copy.hide_render = _is_hidden(obj, frame)
+            studio.look(pose, depth)
+            studio.render(pictures[index])
+        progress(len(frames) / (len(frames) + 1), "Writing the video")
+        pause = round(PAUSE * frames_per_second)
+        shown = [*pause * pictures[:1], *pictures, *pause * pictures[-1:]]
+        write_video(shown, target, resolution, frames_per_second)
+    progress(1.0, f"Wrote {target.name}")
+    return target
+
+
+def _frames(objects: Sequence[bpy.types.Object], step: int) -> list[int]:
+    """Return the scene frames to show; none where nothing is animated."""
+    actions = {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
+    if not actions:
+        return []
+    # The first and the last shape have their keys at the two ends of the morph, and hold from there on.
+    first = round(min(action.frame_range[0] for action in actions))
+    last = round(max(action.frame_range[1] for action in actions))
+    return [*range(first, last, step), last]
+
+
+def _swing(turn: float, count: int) -> np.ndarray:
+    """Return the camera's angles, (count,), about 0; it sets off and arrives gently."""
+    return -turn / 2.0 * np.cos(np.linspace(0.0, math.pi, count))
+
+
+def _is_hidden(obj: bpy.types.Object, frame: int) -> bool:
+    """Tell whether a frame object is hidden in a frame.
+
+    Its keys are asked themselves: scenes that no window shows do not play the visibility of objects hidden elsewhere.
+    """
+    data = obj.animation_data
+    if not (data and data.action):
+        return obj.hide_render
+    curve = data.action.layers[0].strips[0].channelbag(data.action_slot).fcurves.find("hide_render")
+    return curve.evaluate(frame) > 0.5 if curve else obj.hide_render
+
+
+def _sample(obj: bpy.types.Object) -> np.ndarray:
+    """Return enough vertices of a shape to fit the camera to, world space, (n, 3)."""
+    points = world_points(obj)
+    return points[:: 1 + len(points) // POINTS_PER_SHAPE]

@@ -1,0 +1,362 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a morph into the scene, one finished frame after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...applications.morphs.health import health
+from ...applications.morphs.layouts import Blend
+from ...applications.morphs.morph_problem import MorphFrame
+from ...errors import ConvwassError, InputError
+from ...geometry.alignment import RigidMove
+from ..handles import Handle, found
+from ..keyframes import FrameRange, key_visibility
+from ..objects import frozen_copy, write_mesh
+from .changes import signature, store_signatures
+from .disk_output import remove_disk_outputs
+from .materials import MATERIAL_NAME, input_color, is_carrying, morph_material
+from .stand_ins import remove_stand_ins
+from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, frame_objects, store, store_health, summary
+
+SHEET_SPACING = 1.3
+"""Distance between neighbors in a sheet, in sizes of the largest input."""
+
+
+@dataclass(frozen=True)
+class _Input:
+    """What a bake keeps of an input, so that it may change or vanish while frames are being computed."""
+
+    obj: Handle
+    name: str
+    color: tuple[float, float, float, float]
+    mesh: Handle
+    size: float
+    foot: np.ndarray
+    """Middle of the underside of its bounds, world space, (3,)."""
+
+
+@dataclass(frozen=True)
+class _Finished:
+    obj: Handle
+    record: dict[str, object]
+
+
+class MorphBake:
+    """A morph that is being written: `begin`, then `add` for each frame, then `finish` or `discard`.
+
+    Until `finish`, nothing outside the morph's own collection changes. Undo between two calls is noticed, not suffered.
+    """
+
+    @classmethod
+    def begin(
+        cls,
+        scene: bpy.types.Scene,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: dict[str, object],
+        first_frame: int,
+        moves: Sequence[RigidMove] | None = None,
+    ) -> MorphBake:
+        """Make the collection, and copies of the inputs as they are now.
+
+        Parameters
+        ----------
+        scene : bpy.types.Scene
+            The context's scene; the new collection goes to its top level.
+        inputs : sequence of bpy.types.Object
+            The shapes; hidden ones too.
+        blends : sequence of Blend
+            All frames that may be added.
+        settings : dict
+            What the user asked for, to be stored: numbers, texts, booleans, None and lists of these.
+        first_frame : int
+            Scene frame of the blend whose frame is 0.
+        moves : sequence of RigidMove, optional
+            How the copies of the inputs are moved, one per input.
+
+        Raises
+        ------
+        InputError
+            A first frame that Blender does not have, or an input without faces; nothing is left behind then.
+        """
+        if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
+            raise InputError(
+                "The first frame must be from {first} to {last}, not {first_frame}.",
+                first=FIRST_FRAMES[0],
+                last=FIRST_FRAMES[1],
+                first_frame=first_frame,
+            )
+        shapes = _frozen_inputs(inputs, moves or [None] * len(inputs))
+        joint = " to " if blends[0].frame is not None else " and "
+        collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
+        scene.collection.children.link(collection)
+        bake = cls(scene, collection, shapes, blends, StoredMorph([s.name for s in shapes], settings, first_frame, []))
+        store(collection, bake._stored)
+        store_signatures(collection, [signature(obj) for obj in inputs])
+        return bake
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        collection: bpy.types.Collection,
+        shapes: list[_Input],
+        blends: Sequence[Blend],
+        stored: StoredMorph,
+    ) -> None:
+        self._scene = Handle.of("scenes", scene)
+        self._collection = Handle.of("collections", collection)
+        self._inputs = shapes
+        self._blends = tuple(blends)
+        self._stored = stored
+        self._finished: dict[int, _Finished] = {}
+        self._previews: dict[int, Handle] = {}
+        self._action: Handle | None = None
+        self._brings_material = MATERIAL_NAME not in bpy.data.materials
+
+    @property
+    def frozen(self) -> list[bpy.types.Mesh]:
+        """Copies of the inputs, one each, where frames show them; no frame may have used them yet."""
+        return [self._living(shape.mesh) for shape in self._inputs]
+
+    def add(self, frame: MorphFrame) -> bpy.types.Object:
+        """Make the object of a finished frame, out of that of its preview if there is one.
+
+        In a path it is visible in its frame alone, the first one also before and the last one also after the path. In
+        a sheet it stands in its column (along +X) and row (downwards), shifted so that inputs that stand apart in
+        the scene do not skew the sheet. A single blend stays where the barycenter is.
+
+        Raises
+        ------
+        ConvwassError
+            The collection has been removed, by undo for example.
+        """
+        self._living(self._collection)
+        index = self._blends.index(frame.blend)
+        previewed = self._previews.pop(index, None)
+        obj = None if previewed is None else previewed.find()
+        if obj is None:
+            obj = self._shown_object(frame, index)
+        elif frame.mesh is not None:
+            write_mesh(obj.data, frame.mesh)
+        self._finished[index] = _Finished(Handle.of("objects", obj), frame.record)
+        return obj
+
+    def preview(self, frame: MorphFrame) -> None:
+        """Show what a frame that is not finished will look like, better every time.
+
+        `add` takes its place, `finish` removes what is left.
+
+        Raises
+        ------
+        ConvwassError
+            The collection has been removed, by undo for example.
+        """
+        index = self._blends.index(frame.blend)
+        before = self._previews.get(index)
+        obj = None if before is None else before.find()
+        if obj is None:
+            self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
+        elif frame.mesh is not None:
+            write_mesh(obj.data, frame.mesh)
+
+    def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
+        """Make an object at its place and with its keyframes."""
+        collection = self._living(self._collection)
+        name = f"Morph {index + 1:04d}"
+        if frame.mesh is None:
+            data = self._living(self._inputs[frame.blend.source].mesh)
+        else:
+            data = bpy.data.meshes.new(name)
+            write_mesh(data, frame.mesh)
+        if not any(data.materials):
+            data.materials.clear()
+            data.materials.append(morph_material())
+        obj = bpy.data.objects.new(name, data)
+        collection.objects.link(obj)
+        obj.color = np.average([shape.color for shape in self._inputs], axis=0, weights=frame.blend.weights)
+        obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
+        obj[INDEX_KEY] = index
+        if frame.blend.frame is not None:
+            key_visibility(obj, self._living_action(collection.name), [self._shown(index, range(len(self._blends)))])
+        elif len(self._blends) > 1:
+            obj.location = self._sheet_location(frame.blend)
+        return obj
+
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Store the settings, set the scene's frame range, and return the collection.
+
+        After an early stop the finished frames are a morph of their own: each is visible until the next one that there
+        is, the last one to the end.
+
+        Parameters
+        ----------
+        hide_inputs : bool
+            Hide the inputs in viewport and render, since the morph shows them.
+
+        Raises
+        ------
+        ConvwassError
+            No frame has been finished (everything is discarded then), or the collection has been removed.
+        """
+        collection, scene = self._living(self._collection), self._living(self._scene)
+        self._drop_previews()
+        frames = {index: obj for index, done in self._finished.items() if (obj := done.obj.find()) is not None}
+        if not frames:
+            self.discard()
+            raise ConvwassError("No frame was finished, so there is no morph to keep.")
+        if self._blends[0].frame is not None:
+            for index, obj in frames.items():
+                key_visibility(obj, self._living_action(collection.name), [self._shown(index, frames)])
+            scene.frame_end = self._scene_frame(max(frames, key=self._scene_frame))
+            scene.frame_start = self._stored.first_frame
+            scene.frame_set(scene.frame_start)
+        bpy.context.view_layer.update()
+        records = [
+            {"weights": list(self._blends[index].weights), **summary(self._finished[index].record)}
+            for index in sorted(frames)
+        ]
+        store(collection, StoredMorph(self._stored.inputs, self._stored.settings, self._stored.first_frame, records))
+        numbers = [
+            index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
+        ]
+        figures = [self._finished[index].record for index in sorted(frames)]
+        store_health(collection, health(figures, self._stored.settings, self._stored.inputs, numbers))
+        self._drop_unused()
+        if hide_inputs:
+            _hide(found([shape.obj for shape in self._inputs]), scene)
+        return collection
+
+    def discard(self) -> None:
+        """Remove all that this bake has made and that is still there."""
+        collection = self._collection.find()
+        if collection:
+            remove_bake(collection)
+        self._drop_previews()
+        _remove_objects(found([done.obj for done in self._finished.values()]))
+        self._drop_unused()
+
+    def _living(self, handle: Handle) -> bpy.types.ID:
+        """Return what a handle stands for, or say that the bake has lost its ground."""
+        block = handle.find()
+        if block is None:
+            raise ConvwassError("The morph was undone or deleted while it was being baked; bake it again.")
+        return block
+
+    def _living_action(self, name: str) -> bpy.types.Action:
+        """Return the action of all visibility keys; made at the first call."""
+        if self._action is None:
+            self._action = Handle.of("actions", bpy.data.actions.new(name))
+        return self._living(self._action)
+
+    def _scene_frame(self, index: int) -> int:
+        return self._stored.first_frame + self._blends[index].frame
+
+    def _shown(self, index: int, indices: Sequence[int] | dict[int, object]) -> FrameRange:
+        """Return when a frame object is visible if those of `indices` are all there are."""
+        own, others = self._scene_frame(index), [self._scene_frame(other) for other in indices]
+        first = None if own == min(others) else own
+        following = min((other for other in others if other > own), default=None)
+        return FrameRange(first, None if following is None else following - 1)
+
+    def _sheet_location(self, blend: Blend) -> np.ndarray:
+        """Return where a frame of a sheet goes, (3,)."""
+        step = SHEET_SPACING * max(shape.size for shape in self._inputs)
+        column, row = blend.place
+        feet = np.array([shape.foot for shape in self._inputs])
+        return feet[0] - np.asarray(blend.weights) @ feet + step * np.array([column, 0.0, -row])
+
+    def _drop_previews(self) -> None:
+        """Remove what was shown in the place of frames that are not finished."""
+        objects = found(list(self._previews.values()))
+        for obj in objects:
+            if obj.animation_data and obj.animation_data.action:
+                # The action lives on with the frames that are finished.
+                obj.animation_data.action.slots.remove(obj.animation_data.action_slot)
+        _remove_objects(objects)
+        self._previews.clear()
+
+    def _drop_unused(self) -> None:
+        """Remove what was prepared for frames and that none uses."""
+        spare = found([shape.mesh for shape in self._inputs] + ([self._action] if self._action else []))
+        if self._brings_material and MATERIAL_NAME in bpy.data.materials:
+            spare.append(bpy.data.materials[MATERIAL_NAME])
+        bpy.data.batch_remove([block for block in spare if block.users == 0])
+
+
+def remove_bake(collection: bpy.types.Collection) -> None:
+    """Remove a morph with its frames; whatever else was put into its collection moves up one level."""
+    remove_stand_ins(collection)
+    roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
+    parents = [parent for parent in roots if collection in set(parent.children)]
+    frames = frame_objects(collection)
+    worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
+    _remove_objects(frames)
+    remove_disk_outputs(collection)
+    bpy.data.batch_remove([material for material in worn if material.users == 0])
+    for parent in parents:
+        for obj in set(collection.objects) - set(parent.objects):
+            parent.objects.link(obj)
+        for child in set(collection.children) - set(parent.children):
+            parent.children.link(child)
+    bpy.data.collections.remove(collection)
+
+
+def remove_frames(collection: bpy.types.Collection) -> None:
+    """Remove a morph's frames and keep everything else of it: something other shows them now."""
+    _remove_objects(frame_objects(collection))
+
+
+def _remove_objects(objects: list[bpy.types.Object]) -> None:
+    """Remove frame objects, and their meshes and actions where nothing else uses them."""
+    data = {obj.data for obj in objects if obj.data}
+    data |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
+    bpy.data.batch_remove(objects)
+    bpy.data.batch_remove([block for block in data if block.users == 0])
+
+
+def _frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[_Input]:
+    """Copy the inputs as they are; none where one of them cannot be copied."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shapes, meshes = [], []
+    try:
+        for obj, move in zip(inputs, moves, strict=True):
+            meshes.append(frozen_copy(obj, depsgraph))
+            if move is not None:
+                meshes[-1].transform(Matrix(move.matrix))
+            shapes.append(_described(obj, meshes[-1]))
+    except InputError:
+        bpy.data.batch_remove(meshes)
+        raise
+    return shapes
+
+
+def _described(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> _Input:
+    """Note what a bake needs to know of an input and its world-space copy."""
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
+    middle = (low + high) / 2.0
+    return _Input(
+        obj=Handle.of("objects", obj),
+        name=obj.name,
+        color=input_color(obj),
+        mesh=Handle.of("meshes", mesh),
+        size=float((high - low).max()),
+        foot=np.array([middle[0], middle[1], low[2]], dtype=np.float64),
+    )
+
+
+def _hide(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> None:
+    """Hide objects in renders, and with the eye of every view layer that has them."""
+    for obj in objects:
+        obj.hide_render = True
+        for layer in scene.view_layers:
+            if obj.name in layer.objects:
+                obj.hide_set(True, view_layer=layer)

@@ -1,0 +1,262 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A sheet of blends as a pad: an empty is dragged inside a square or a triangle, and one object shows the blend there.
+
+Geometry nodes read the empty's place, so that a file needs no add-on for it, and keys on the empty animate the blend.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
+from ...errors import InputError
+from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
+from .frame_colors import colored, colored_materials, seen_materials
+from .stand_ins import adopt, homes, require_none, set_shown
+from .stored import WEIGHTS_KEY, frame_objects, stored_morph
+
+SIDE = 1.5
+"""Length of a side of the pad, in sizes of the largest shape."""
+
+GAP = 0.5
+"""Distance between the pad and what it shows, in sizes of the largest shape."""
+
+TEXT = 0.07
+"""Height of the names at the corners, in sides of the pad."""
+
+COPY = 0.22
+"""Size of the shapes at the corners, in sides of the pad."""
+
+
+@dataclass(frozen=True)
+class BlendPad:
+    """What `make_blend_pad` makes.
+
+    Attributes
+    ----------
+    pad : bpy.types.Object
+        The drawn lattice; one vertex per blend. All but `result` hang on it.
+    handle : bpy.types.Object
+        The empty to drag.
+    result : bpy.types.Object
+        Shows the blend.
+    """
+
+    pad: bpy.types.Object
+    handle: bpy.types.Object
+    result: bpy.types.Object
+
+
+@dataclass(frozen=True)
+class _Sheet:
+    """A sheet of blends and the pad it becomes."""
+
+    names: list[str]
+    """Of the inputs."""
+    frames: list[bpy.types.Object]
+    blends: list[Blend]
+    """One per frame object."""
+    corners: list[int]
+    """The frame of each input itself."""
+    feet: np.ndarray
+    """Middle of the underside of each input, local space of its frame, (k, 3)."""
+    size: float
+    """Of the largest input."""
+    points: np.ndarray
+    """Where each blend is on the pad, in its local space, (n, 3); the origin is in the middle of the corners."""
+
+    @property
+    def side(self) -> float:
+        return SIDE * self.size
+
+    def is_below(self, number: int) -> bool:
+        """Tell whether a blend is at the lower edge of the pad."""
+        return bool(self.points[number, 2] < 0.0)
+
+    @property
+    def weights(self) -> np.ndarray:
+        return np.array([blend.weights for blend in self.blends])
+
+
+def make_blend_pad(collection: bpy.types.Collection) -> BlendPad:
+    """Make a pad of a sheet of four or three shapes, and hide the sheet's own objects.
+
+    The blend that is nearest to the empty is seen, standing where the first shape stands; the pad is to its left,
+    upright like the sheet. Outside of the pad the nearest blend of its rim is seen.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        A finished sheet in the layout grid or triangle.
+
+    Raises
+    ------
+    InputError
+        No such sheet, one that was stopped early, or something that shows it already.
+    """
+    require_none(collection)
+    sheet = _read_sheet(collection)
+    home = bpy.data.collections.new(collection.name.replace("Morph", "Blend Pad", 1))
+    for parent in homes(collection):
+        parent.children.link(home)
+    pad = _linked(home, _pad(sheet))
+    # Its right edge and its lower one.
+    corner = np.array([sheet.points[:, 0].max(), 0.0, sheet.points[:, 2].min()])
+    pad.location = sheet.feet[0] - (GAP + 0.5) * np.array([sheet.size, 0.0, 0.0]) - corner
+    handle = _linked(home, _handle(sheet, pad))
+    for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
+        _linked(home, drawn)
+    result = _linked(home, _result(sheet, pad, handle))
+    result.location = sheet.feet[0]
+    trees = [obj.modifiers[MODIFIER].node_group for obj in home.objects if MODIFIER in obj.modifiers]
+    made = [material for tree in trees for material in colored_materials(tree)]
+    adopt(collection, [home, *home.objects, *trees, *made])
+    set_shown(collection, False)
+    return BlendPad(pad, handle, result)
+
+
+def _linked(home: bpy.types.Collection, obj: bpy.types.Object) -> bpy.types.Object:
+    home.objects.link(obj)
+    return obj
+
+
+def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
+    """Find out which blends the frame objects are, and how large the shapes are."""
+    frames, names = frame_objects(collection), stored_morph(collection).inputs
+    blends = _layout(np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) if frames else np.empty((0, 0)))
+    if blends is None:
+        raise InputError(
+            "{name} is no whole sheet of four shapes in a grid or three in a triangle; bake one with that layout, "
+            "to its end.",
+            name=collection.name,
+        )
+    corners = [next(place for place, blend in enumerate(blends) if blend.source == i) for i in range(len(names))]
+    bounds = [_bounds(frames[corner]) for corner in corners]
+    feet = np.array([[*((low + high) / 2.0)[:2], low[2]] for low, high in bounds])
+    size = max(float((high - low).max()) for low, high in bounds)
+    last = max(blend.place[1] for blend in blends)
+    places = np.array([blend.place for blend in blends]) / last
+    rise = 1.0 if len(names) == 4 else math.sqrt(0.75)
+    points = SIDE * size * np.stack([places[:, 0], np.zeros(len(blends)), -rise * places[:, 1]], axis=1)
+    return _Sheet(names, frames, blends, corners, feet, size, points - points[corners].mean(axis=0))
+
+
+def _layout(weights: np.ndarray) -> list[Blend] | None:
+    """Return the blends of the sheet that has these weights (n, k) in this order, or None where there is none."""
+    count, shapes = weights.shape
+    if shapes == 4:
+        steps = math.isqrt(count)
+        blends = grid_blends(4, steps) if steps >= 2 else []
+    elif shapes == 3:
+        steps = (math.isqrt(8 * count + 1) - 1) // 2
+        blends = triangle_blends(3, steps) if steps >= 2 else []
+    else:
+        return None
+    expected = np.array([blend.weights for blend in blends])
+    return blends if expected.shape == weights.shape and np.allclose(expected, weights, atol=1e-6) else None
+
+
+def _bounds(obj: bpy.types.Object) -> np.ndarray:
+    """Return the lower and upper corner of a mesh, local space, (2, 3)."""
+    points = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", points)
+    points = points.reshape(-1, 3).astype(np.float64)
+    return np.array([points.min(axis=0), points.max(axis=0)])
+
+
+def _pad(sheet: _Sheet) -> bpy.types.Object:
+    """Draw the lattice of the blends: every one joined to its neighbors."""
+    spans = np.linalg.norm(sheet.points[:, None] - sheet.points[None], axis=2)
+    step = spans[spans > 0].min()
+    edges = np.argwhere(np.triu((spans > 0) & (spans < 1.01 * step)))
+    mesh = bpy.data.meshes.new("Blend Pad")
+    mesh.from_pydata(sheet.points.tolist(), edges.tolist(), [])
+    return _only_drawn(bpy.data.objects.new(mesh.name, mesh))
+
+
+def _handle(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
+    """Make the empty, in the middle; it cannot be dragged out of the pad's bounds."""
+    handle = bpy.data.objects.new("Blend Handle", None)
+    handle.empty_display_type, handle.empty_display_size = "SPHERE", 0.06 * sheet.side
+    handle.show_in_front, handle.parent = True, pad
+    handle.lock_location[1] = True
+    limit = handle.constraints.new("LIMIT_LOCATION")
+    limit.owner_space, limit.use_transform_limit = "LOCAL", True
+    for axis, low, high in zip("xyz", sheet.points.min(axis=0), sheet.points.max(axis=0), strict=True):
+        for end, value in (("min", low), ("max", high)):
+            setattr(limit, f"use_{end}_{axis}", True)
+            setattr(limit, f"{end}_{axis}", value)
+    return handle
+
+
+def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:
+    """Write the names of the inputs at their corners: above the upper ones, below the lower ones."""
+    texts = []
+    for name, corner in zip(sheet.names, sheet.corners, strict=True):
+        font = bpy.data.curves.new(name, "FONT")
+        font.body, font.size, font.align_x = name, TEXT * sheet.side, "CENTER"
+        # Not the object is moved but its text: Blender draws a line from every child to its parent.
+        shift = -1.9 * TEXT if sheet.is_below(corner) else 1.1 * TEXT
+        font.offset_x, font.offset_y = sheet.points[corner, 0], sheet.points[corner, 2] + shift * sheet.side
+        text = _only_drawn(bpy.data.objects.new(f"{name} Label", font), pad)
+        text.rotation_euler.x = math.pi / 2.0
+        texts.append(text)
+    return texts
+
+
+def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
+    """Put small copies of the inputs beyond their names."""
+    tree = frame_group("Blend Corners")
+    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    scale = COPY * sheet.side / sheet.size
+    corners = [sheet.frames[corner] for corner in sheet.corners]
+    for place, (corner, foot) in enumerate(zip(sheet.corners, sheet.feet, strict=True)):
+        shift = -(2.6 * TEXT + COPY) if sheet.is_below(corner) else 2.4 * TEXT
+        number = tree.nodes.new("FunctionNodeInputInt")
+        number.integer = place
+        small = tree.nodes.new("GeometryNodeTransform")
+        small.inputs["Scale"].default_value = (scale, scale, scale)
+        lifted = sheet.points[corner] + np.array([0.0, 0.0, shift * sheet.side])
+        small.inputs["Translation"].default_value = lifted - scale * foot
+        tree.links.new(object_info(tree, corners[place]).outputs["Geometry"], small.inputs["Geometry"])
+        shown = colored(tree, small.outputs["Geometry"], number.outputs["Integer"], corners)
+        tree.links.new(shown, join.inputs["Geometry"])
+    output(tree, join.outputs["Geometry"], 1)
+    return _only_drawn(table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners)), pad)
+
+
+def _only_drawn(obj: bpy.types.Object, pad: bpy.types.Object | None = None) -> bpy.types.Object:
+    """Keep an object out of renders; one that hangs on the pad is not selected by a click either."""
+    obj.hide_render = True
+    if pad is not None:
+        obj.parent, obj.hide_select = pad, True
+    return obj
+
+
+def _result(sheet: _Sheet, pad: bpy.types.Object, handle: bpy.types.Object) -> bpy.types.Object:
+    """Make the object that shows the blend at the empty, with its foot at its origin."""
+    tree = frame_group("Blend")
+    drawn = object_info(tree, pad)
+    index = nearest(tree, drawn.outputs["Geometry"], _place_on(tree, drawn, handle))
+    meshes = [object_info(tree, obj).outputs["Geometry"] for obj in sheet.frames]
+    moved = tree.nodes.new("GeometryNodeTransform")
+    tree.links.new(pick(tree, "GEOMETRY", index, meshes), moved.inputs["Geometry"])
+    shifts = [tuple(-foot) for foot in sheet.weights @ sheet.feet]
+    tree.links.new(pick(tree, "VECTOR", index, shifts), moved.inputs["Translation"])
+    output(tree, colored(tree, moved.outputs["Geometry"], index, sheet.frames), 1)
+    return table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, sheet.frames))
+
+
+def _place_on(tree: bpy.types.NodeTree, pad: bpy.types.Node, handle: bpy.types.Object) -> bpy.types.NodeSocket:
+    """Return where the empty is in the local space of the pad, about which there is a node already."""
+    inverse = tree.nodes.new("FunctionNodeInvertMatrix")
+    tree.links.new(pad.outputs["Transform"], inverse.inputs["Matrix"])
+    place = tree.nodes.new("FunctionNodeTransformPoint")
+    tree.links.new(object_info(tree, handle).outputs["Location"], place.inputs["Vector"])
+    tree.links.new(inverse.outputs["Matrix"], place.inputs["Transform"])
+    return place.outputs["Vector"]

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A morph as one object that reads an Alembic or USD file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Literal
+
+import bpy
+
+from ...errors import ConvwassError
+from ..workshop import reason, workshop
+from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
+from .exports import COLORS, FORMATS, export_frames
+from .materials import attribute_material
+
+_MATERIAL_NAME = "Convwass Cache"
+
+
+def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alembic", "usd"]) -> DiskOutput:
+    """Write a morph to a file, and make an object that shows it by a Mesh Sequence Cache.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        A baked morph with its frames; they stay.
+    folder : Path
+        An existing folder; a file of the same name in it is replaced.
+    kind : "alembic" or "usd"
+        What to write.
+
+    Raises
+    ------
+    InputError, ConvwassError
+        As :func:`.exports.export_frames`, or Blender cannot read the file back.
+    """
+    name = bpy.path.clean_name(collection.name)
+    file = folder / (name + FORMATS[kind].suffixes[0])
+    # Never into a file that Blender may be reading.
+    with TemporaryDirectory(dir=folder) as drafts:
+        (draft,) = export_frames(collection, Path(drafts) / file.name, kind)
+        draft.replace(file)
+    shown = _read_back(file, kind)
+    shown.name = f"{collection.name} Cache"
+    shown[OUTPUT_KEY] = "cache"
+    collection.objects.link(shown)
+    shown.data.materials.clear()
+    shown.data.materials.append(attribute_material(_MATERIAL_NAME, COLORS))
+    next(
+        modifier for modifier in shown.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"
+    ).cache_file.filepath = for_blender(file)
+    return DiskOutput(shown, (file,))
+
+
+def _read_back(file: Path, kind: str) -> bpy.types.Object:
+    """Return the one animated mesh of a file, in no collection."""
+    existing = set(bpy.data.objects)
+    with workshop():
+        try:
+            if kind == "alembic":
+                bpy.ops.wm.alembic_import(filepath=str(file), as_background_job=False, set_frame_range=False)
+            else:
+                bpy.ops.wm.usd_import(filepath=str(file), set_frame_range=False)
+        except RuntimeError as error:
+            raise ConvwassError(
+                "{file} could not be read back: {reason}", file=str(file), reason=reason(error)
+            ) from error
+        made = [obj for obj in bpy.data.objects if obj not in existing]
+        cached = [obj for obj in made if any(m.type == "MESH_SEQUENCE_CACHE" for m in obj.modifiers)]
+        if not cached:
+            bpy.data.batch_remove(made)
+            raise ConvwassError(
+                "{file} holds no mesh that changes over time; is the morph longer than one frame?", file=str(file)
+            )
+        shown = cached[0]
+        place = shown.matrix_world.copy()
+        shown.parent = None
+        shown.matrix_world = place
+        for constraint in list(shown.constraints):
+            shown.constraints.remove(constraint)
+        for user in list(shown.users_collection):
+            user.objects.unlink(shown)
+        bpy.data.batch_remove([obj for obj in made if obj != shown])
+    return shown

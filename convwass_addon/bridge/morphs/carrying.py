@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What frames bring along from the inputs: looks, vertex groups and velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...applications.morphs.layouts import Blend
+from ...applications.morphs.looks import carried
+from ...applications.morphs.morph import MorphStep
+from ...applications.morphs.morph_problem import MorphFrame
+from ...applications.morphs.origins import velocities
+from ..handles import Handle, found
+from .looks import COLOR, SOURCE_WEIGHT, read_look, write_carried, write_own_look, write_velocity
+from .materials import carrying_material
+
+
+class Carrying:
+    """Looks at the inputs of one bake, and writes to its frames. All but :meth:`looked_up` is for the main thread.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        Its frame rate makes velocities of steps.
+    inputs : sequence of bpy.types.Object
+        The shapes.
+    frozen : sequence of bpy.types.Mesh
+        Copies of them where the bake has them. Those that have no material and a color attribute get the material of
+        the frames, so that nothing changes color when the morph begins.
+    blends : sequence of Blend
+        What the bake makes.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        inputs: Sequence[bpy.types.Object],
+        frozen: Sequence[bpy.types.Mesh],
+        blends: Sequence[Blend],
+    ) -> None:
+        self._looks = [
+            read_look(mesh, tuple(obj.color), [group.name for group in obj.vertex_groups])
+            for obj, mesh in zip(inputs, frozen, strict=True)
+        ]
+        per_second = scene.render.fps / scene.render.fps_base
+        self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
+        self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]
+        self._beside = _beside_shapes(blends)
+        self._passing: dict[Blend, list[_Passing]] = {}
+        firsts = [next((own for own in mesh.materials if own), None) for mesh in frozen]
+        name = "Morph " + " and ".join(obj.name for obj in inputs)
+        material = carrying_material(name, COLOR, SOURCE_WEIGHT, firsts)
+        self._material = Handle.of("materials", material)
+        for index, mesh in enumerate(frozen):
+            if write_own_look(mesh, index, len(frozen)):
+                mesh.materials.clear()
+                mesh.materials.append(material)
+
+    def looked_up(self, steps: Iterator[MorphStep]) -> Iterator[MorphStep]:
+        """Hand steps on, with what their frames look like; in any thread."""
+        for step in steps:
+            frame = step.frame
+            if frame is None or frame.origins is None:
+                yield step
+            else:
+                yield replace(step, carried=carried(frame.origins, frame.mesh.faces, self._looks, frame.blend.weights))
+
+    def write(self, mesh: bpy.types.Mesh, step: MorphStep) -> None:
+        """Write what a finished frame carries to its mesh, and give it the material that shows it."""
+        frame: MorphFrame = step.frame
+        if frame.mesh is None or frame.origins is None:
+            return
+        if frame.blend in self._rates:
+            velocity = velocities(frame.origins, self._rates[frame.blend])
+            write_velocity(mesh, velocity)
+            for shape in self._beside.get(frame.blend, ()):
+                self._pass(shape, _Passing(frame.origins[shape.source], velocity))
+        material = self._material.find()
+        if step.carried is not None and material is not None:
+            write_carried(mesh, step.carried)
+            mesh.materials.clear()
+            mesh.materials.append(material)
+
+    def _pass(self, shape: Blend, passing: _Passing) -> None:
+        """Let an input that a path goes through move as fast as, in the mean, the blends on both sides of it."""
+        both = self._passing.setdefault(shape, [])
+        both.append(passing)
+        mesh = self._frozen[shape.source].find()
+        if len(both) == 2 and mesh is not None:
+            points = np.empty(3 * len(mesh.vertices), np.float32)
+            mesh.vertices.foreach_get("co", points)
+            write_velocity(mesh, np.mean([side.at(points.reshape(-1, 3)) for side in both], axis=0))
+            both.clear()
+
+    def drop_unused(self) -> None:
+        """Remove the material if no frame wears it."""
+        bpy.data.batch_remove([block for block in found([self._material]) if block.users == 0])
+
+
+@dataclass(frozen=True)
+class _Passing:
+    """Velocities at points of an input, of the matter of a blend near it."""
+
+    points: np.ndarray
+    velocity: np.ndarray
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        return self.velocity[cKDTree(self.points).query(points)[1]]
+
+
+def _beside_shapes(blends: Sequence[Blend]) -> dict[Blend, list[Blend]]:
+    """Return for every blend of a path the inputs before and after it that the path goes through."""
+    path = [blend for blend in blends if blend.frame is not None]
+    beside: dict[Blend, list[Blend]] = {}
+    for before, here, after in zip(path, path[1:], path[2:], strict=False):
+        if here.source is not None:
+            for blend in (before, after):
+                beside.setdefault(blend, []).append(here)
+    return beside
+
+
+def rates_of(blends: Sequence[Blend]) -> dict[Blend, np.ndarray]:
+    """Change of the weights of every blend of a path per frame, (k,), from those on both sides of it.
+
+    What is not in an animation, and its ends, where it stands still, have none.
+    """
+    path = [blend for blend in blends if blend.frame is not None]
+    return {
+        here: (np.array(after.weights) - np.array(before.weights)) / (after.frame - before.frame)
+        for before, here, after in zip(path, path[1:], path[2:], strict=False)
+    }

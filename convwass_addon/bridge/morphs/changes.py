@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the shapes of a morph are still those that it was baked from, told from what is quick to look at."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import bpy
+
+from ...errors import ConvwassError
+from .stored import stored_morph
+
+SIGNATURES_KEY = "convwass_signatures"
+"""Custom property of a morph's collection: JSON of one signature per input."""
+
+# Single precision, and a scene that is saved and opened again.
+_TOLERANCE = 1e-5
+
+
+def store_signatures(collection: bpy.types.Collection, signatures: list[list[float]]) -> None:
+    """Write the signatures of a morph's inputs onto its collection."""
+    finite = [[number if math.isfinite(number) else 0.0 for number in one] for one in signatures]
+    collection[SIGNATURES_KEY] = json.dumps(finite)
+
+
+def signature(obj: bpy.types.Object) -> list[float]:
+    """Return numbers that change where an object is moved, reshaped or given other modifiers.
+
+    They are at hand without evaluating anything, so that a panel may compare them: counts of its own mesh, bounds as
+    modifiers leave them, and its place. An edit that keeps all of these goes unnoticed.
+    """
+    counts = [len(obj.data.vertices), len(obj.data.polygons)] if obj.type == "MESH" else [0, 0]
+    bounds = [coordinate for corner in (obj.bound_box[0], obj.bound_box[6]) for coordinate in corner]
+    place = [number for row in obj.matrix_world for number in row]
+    return [float(number) for number in (*counts, len(obj.modifiers), *bounds, *place)]
+
+
+def changed_inputs(collection: bpy.types.Collection) -> list[str]:
+    """Return the names of a morph's inputs that are gone or are no longer as they were; none where nothing is known."""
+    try:
+        known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
+        names = stored_morph(collection).inputs
+    except (ValueError, TypeError, ConvwassError):
+        # A damaged description is told of where it is used.
+        return []
+    if not isinstance(known, list) or len(known) != len(names):
+        return []
+    return [name for name, before in dict(zip(names, known, strict=True)).items() if not _is_as_before(name, before)]
+
+
+def _is_as_before(name: str, before: object) -> bool:
+    obj = bpy.data.objects.get(name)
+    if obj is None:
+        return False
+    now = signature(obj)
+    if not (isinstance(before, list) and len(before) == len(now)):
+        return True
+    if not all(isinstance(number, (int, float)) for number in before):
+        return True
+    return all(math.isclose(a, b, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE) for a, b in zip(now, before, strict=True))

@@ -1,0 +1,244 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a morph in the formats of other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...errors import ConvwassError, InputError
+from ..files import checked_target
+from ..keyframes import is_shown
+from ..sequence import mesh_sequence, remove_sequence
+from ..workshop import reason, workshop
+from .looks import VELOCITY, seen_colors, write_velocity
+from .materials import plain_copy, wears_color_attribute, wears_object_color
+from .stored import frame_objects
+
+COLORS = "displayColor"
+"""Name of the colors in files that hold an animation: USD's own."""
+
+
+@dataclass(frozen=True)
+class _Format:
+    suffixes: tuple[str, ...]
+    """Accepted endings; the first one is given to names without."""
+    animated: bool
+    """One file holds the whole animation; otherwise there is one file per frame."""
+    write: Callable[[str], set[str]]
+    """Writes all that is in the context's scene."""
+    write_colors: Callable[[bpy.types.Mesh, np.ndarray], None] | None = None
+    """Puts colors, one per vertex, onto a mesh as the format takes them; of those that are animated."""
+
+
+def export_frames(collection: bpy.types.Collection, path: Path, file_format: str) -> list[Path]:
+    """Write the frames of a morph for other programs.
+
+    OBJ, PLY, STL and glTF have no means to swap meshes over time that other programs understand, so they get one file
+    per frame, numbered from 0001 in the order of the frames (glTF as .glb), with materials; those that take their base
+    color from the object get that color. USD and Alembic get a single file over the frame range of the context's scene,
+    with one mesh whose topology changes; the frames' colors are its displayColor, and how fast their points move its
+    velocities. A sheet is a still in them.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        A baked morph.
+    path : Path
+        A file, whose ending may be left out, or an existing folder, in which files are named like the collection.
+    file_format : str
+        One of `FORMATS`.
+
+    Returns
+    -------
+    list of Path
+        The files, absolute. Existing ones have been replaced.
+
+    Raises
+    ------
+    InputError
+        An unknown format, a folder that does not exist, or a collection without frames.
+    ConvwassError
+        Blender could not write a file.
+    """
+    if file_format not in FORMATS:
+        raise InputError(
+            "There is no export format {file_format!r}; choose one of {formats}.",
+            file_format=file_format,
+            formats=", ".join(FORMATS),
+        )
+    chosen = FORMATS[file_format]
+    target = checked_target(_with_suffix(path, chosen, collection.name))
+    frames = frame_objects(collection)
+    if not frames:
+        raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
+    bpy.context.view_layer.update()
+    if chosen.animated:
+        _export_animation(frames, target, chosen)
+        return [target]
+    files = [target.with_stem(f"{target.stem}_{number:04d}") for number in range(1, len(frames) + 1)]
+    for obj, file in zip(frames, files, strict=True):
+        _export_still(obj, file, chosen)
+    return files
+
+
+def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
+    """Return the path of a file with an ending that belongs to the format."""
+    target = Path(path).expanduser()
+    if target.is_dir():
+        target /= bpy.path.clean_name(name)
+    if target.suffix.lower() in chosen.suffixes:
+        return target
+    known = {".blend", *(suffix for other in FORMATS.values() for suffix in other.suffixes)}
+    # Other dots belong to the name: "walk.v2" becomes "walk.v2.obj".
+    stem = target.stem if target.suffix.lower() in known else target.name
+    return target.with_name(stem + chosen.suffixes[0])
+
+
+def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
+    """Write one frame object, whether or not it is visible now."""
+    with workshop() as scene:
+        # A stand-in, since the object itself is hidden in all frames but one.
+        still = bpy.data.objects.new(file.stem, obj.data)
+        try:
+            still.matrix_world = obj.matrix_world
+            still.color = obj.color
+            scene.collection.objects.link(still)
+            with _plain_materials([still]):
+                _write(file, chosen)
+        finally:
+            bpy.data.objects.remove(still)
+
+
+def _export_animation(frames: list[bpy.types.Object], file: Path, chosen: _Format) -> None:
+    """Write the frame objects as one mesh over the frame range of the context's scene."""
+    original = bpy.context.scene
+    first, last = original.frame_start, original.frame_end
+    if not any(obj.animation_data for obj in frames):
+        first = last = original.frame_current
+    shown = [tuple(obj for obj in frames if is_shown(obj, frame)) for frame in range(first, last + 1)]
+    with workshop() as scene, _colored_copies(frames, chosen.write_colors) as copies:
+        scene.frame_start, scene.frame_end = first, last
+        scene.render.fps, scene.render.fps_base = original.render.fps, original.render.fps_base
+        sequence = mesh_sequence(
+            bpy.path.clean_name(file.stem), [tuple(copies[obj] for obj in group) for group in shown], first
+        )
+        try:
+            scene.collection.objects.link(sequence)
+            scene.frame_set(first)
+            _write(file, chosen)
+        finally:
+            remove_sequence(sequence)
+
+
+@contextmanager
+def _colored_copies(
+    objects: list[bpy.types.Object], write_colors: Callable[[bpy.types.Mesh, np.ndarray], None]
+) -> Iterator[dict[bpy.types.Object, bpy.types.Object]]:
+    """Give copies with their color on the vertices; a file cannot change a mesh's materials over time."""
+    copies = {}
+    try:
+        for obj in objects:
+            mesh = obj.data.copy()
+            copies[obj] = bpy.data.objects.new(obj.name, mesh)
+            copies[obj].matrix_world = obj.matrix_world
+            colors = seen_colors(mesh, obj.color)
+            mesh.materials.clear()
+            # By name: until Blender 5, what is left moves where the one that is removed was.
+            for name in [attribute.name for attribute in mesh.color_attributes]:
+                mesh.color_attributes.remove(mesh.color_attributes[name])
+            write_colors(mesh, colors)
+        _still_where_none_moves([copy.data for copy in copies.values()])
+        yield copies
+    finally:
+        bpy.data.batch_remove([*copies.values(), *(copy.data for copy in copies.values())])
+
+
+def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
+    """Give meshes without velocity one of zero, where others have one: files have it at all frames or at none."""
+    moving = [mesh for mesh in meshes if VELOCITY in mesh.attributes]
+    for mesh in meshes if moving else ():
+        if mesh not in moving:
+            write_velocity(mesh, np.zeros((len(mesh.vertices), 3)))
+
+
+def _write(file: Path, chosen: _Format) -> None:
+    try:
+        finished = "FINISHED" in chosen.write(str(file))
+    except RuntimeError as error:
+        raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
+    if not finished or not file.is_file():
+        raise ConvwassError("{file} could not be written.", file=str(file))
+
+
+@contextmanager
+def _plain_materials(objects: list[bpy.types.Object]) -> Iterator[None]:
+    """Give objects materials of their own color for a while, where they share one that reads colors elsewhere."""
+    slots = [
+        slot
+        for obj in objects
+        for slot in obj.material_slots
+        if wears_object_color(slot.material) or wears_color_attribute(slot.material)
+    ]
+    copies = [plain_copy(slot.material, tuple(slot.id_data.color)) for slot in slots]
+    for slot, copy in zip(slots, copies, strict=True):
+        slot.link = "OBJECT"
+        slot.material = copy
+    try:
+        yield
+    finally:
+        for slot in slots:
+            slot.material = None
+            slot.link = "DATA"
+        bpy.data.batch_remove(copies)
+
+
+def _write_point_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
+    attribute = mesh.color_attributes.new(COLORS, "FLOAT_COLOR", "POINT")
+    attribute.data.foreach_set("color", colors.ravel())
+
+
+def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
+    """Blender's exporter for Alembic knows colors of this kind only."""
+    vertices = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    attribute = mesh.color_attributes.new(COLORS, "BYTE_COLOR", "CORNER")
+    attribute.data.foreach_set("color", np.ascontiguousarray(colors.reshape(-1, 4)[vertices], dtype=np.float32).ravel())
+
+
+def _write_gltf(file: str) -> set[str]:
+    return bpy.ops.export_scene.gltf(
+        filepath=file, export_format="GLB", use_active_scene=True, export_animations=False, export_extras=False
+    )
+
+
+def _write_usd(file: str) -> set[str]:
+    return bpy.ops.wm.usd_export(
+        filepath=file, export_animation=True, evaluation_mode="RENDER", convert_world_material=False
+    )
+
+
+def _write_alembic(file: str) -> set[str]:
+    scene = bpy.context.scene
+    return bpy.ops.wm.alembic_export(
+        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER", vcolors=True
+    )
+
+
+FORMATS: dict[str, _Format] = {
+    "obj": _Format((".obj",), animated=False, write=lambda file: bpy.ops.wm.obj_export(filepath=file)),
+    "ply": _Format((".ply",), animated=False, write=lambda file: bpy.ops.wm.ply_export(filepath=file)),
+    "stl": _Format((".stl",), animated=False, write=lambda file: bpy.ops.wm.stl_export(filepath=file)),
+    "gltf": _Format((".glb",), animated=False, write=_write_gltf),
+    "usd": _Format(
+        (".usdc", ".usd", ".usda", ".usdz"), animated=True, write=_write_usd, write_colors=_write_point_colors
+    ),
+    "alembic": _Format((".abc",), animated=True, write=_write_alembic, write_colors=_write_corner_colors),
+}
+"""The formats that `export_frames` writes."""

@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The colors of frame objects on one object that shows the meshes of all of them, as an attribute of what is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+from ..sequence import pick
+from .materials import wears_object_color
+
+COLOR = "morph_color"
+"""Attribute of the points: the color of the frame object that they come from, scene linear RGBA."""
+
+ORIGINAL_KEY = "convwass_original"
+"""Custom property of a material that shows that attribute: the material that shows the object's color."""
+
+
+def colored(
+    tree: bpy.types.NodeTree,
+    geometry: bpy.types.NodeSocket,
+    index: bpy.types.NodeSocket,
+    frames: Sequence[bpy.types.Object],
+) -> bpy.types.NodeSocket:
+    """Let materials that take their base color from the object take it from the frame object instead.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Where the nodes go.
+    geometry : bpy.types.NodeSocket
+        The mesh of the frame object number `index`.
+    index : bpy.types.NodeSocket
+        A whole number.
+    frames : sequence of bpy.types.Object
+        All frame objects.
+
+    Returns
+    -------
+    bpy.types.NodeSocket
+        The geometry with the attribute `COLOR`, and copies of those materials that show it. The geometry itself where
+        there is no such material.
+    """
+    worn = [slot.material for obj in frames for slot in obj.material_slots]
+    materials = [material for material in dict.fromkeys(worn) if wears_object_color(material)]
+    if not materials:
+        return geometry
+    stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    stored.data_type, stored.domain = "FLOAT_COLOR", "POINT"
+    stored.inputs["Name"].default_value = COLOR
+    tree.links.new(geometry, stored.inputs["Geometry"])
+    tree.links.new(pick(tree, "RGBA", index, [tuple(obj.color) for obj in frames]), stored.inputs["Value"])
+    result = stored.outputs["Geometry"]
+    for material in materials:
+        replaced = tree.nodes.new("GeometryNodeReplaceMaterial")
+        replaced.inputs["Old"].default_value = material
+        replaced.inputs["New"].default_value = _colored_material(material)
+        tree.links.new(result, replaced.inputs["Geometry"])
+        result = replaced.outputs["Geometry"]
+    return result
+
+
+def colored_materials(tree: bpy.types.NodeTree) -> list[bpy.types.Material]:
+    """Return the materials that `colored` has made for a node group."""
+    nodes = (node for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
+    return [node.inputs["New"].default_value for node in nodes if node.inputs["New"].default_value]
+
+
+def seen_materials(tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object]) -> list[bpy.types.Material]:
+    """Return all materials that a node group shows of the frame objects, each once."""
+    nodes = (node for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
+    copies = {node.inputs["Old"].default_value: node.inputs["New"].default_value for node in nodes}
+    worn = (slot.material for obj in frames for slot in obj.material_slots if slot.material)
+    return list(dict.fromkeys(copies.get(material, material) for material in worn))
+
+
+def _colored_material(material: bpy.types.Material) -> bpy.types.Material:
+    """Return a material that shows the attribute wherever another one shows the object's color.
+
+    All that shows frame objects shares it, as the frame objects share the other one.
+    """
+    in_use = (other for other in bpy.data.materials if other.get(ORIGINAL_KEY) == material and other.users)
+    return next(in_use, None) or _colored_copy(material)
+
+
+def _colored_copy(material: bpy.types.Material) -> bpy.types.Material:
+    copy = material.copy()
+    copy.name = f"{material.name} Player"
+    copy[ORIGINAL_KEY] = material
+    tree = copy.node_tree
+    attribute = tree.nodes.new("ShaderNodeAttribute")
+    attribute.attribute_type, attribute.attribute_name = "GEOMETRY", COLOR
+    for node in [node for node in tree.nodes if node.type == "OBJECT_INFO"]:
+        attribute.location = node.location
+        for link in list(node.outputs["Color"].links):
+            tree.links.new(attribute.outputs["Color"], link.to_socket)
+    return copy

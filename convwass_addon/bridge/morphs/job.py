@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A morph from objects of the scene to objects of the scene: reads, hands arrays over, writes what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+
+import bpy
+
+from ...applications.morphs.between_frames import between_frames
+from ...applications.morphs.frame_cache import FrameCache
+from ...applications.morphs.layouts import Blend
+from ...applications.morphs.morph import MorphStep, morph
+from ...applications.morphs.morph_settings import MorphSettings
+from ...applications.morphs.parts import FaceLabels, matched, part_notices
+from ...errors import InputError
+from ...geometry.alignment import aligned
+from ...sentence import Sentence
+from ..objects import labeled_mesh, triangle_mesh
+from .bake import MorphBake
+from .carrying import Carrying
+
+
+class MorphJob:
+    """One bake. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        Where the morph goes.
+    depsgraph : bpy.types.Depsgraph
+        For the inputs as modifiers leave them.
+    inputs : sequence of bpy.types.Object
+        The shapes, in order.
+    blends : sequence of Blend
+        What to make of them.
+    settings : MorphSettings
+        How.
+    options : dict
+        What else to store with the morph, so that it can be repeated: the layout and its numbers. `alignment` and
+        `scaling`, as for :func:`.alignment.aligned`, are heeded here.
+    first_frame : int
+        Scene frame of the first shape in a path.
+
+    Raises
+    ------
+    InputError
+        Inputs that have no faces, no size, or are no meshes; no part that all of them have, where parts are asked for.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        depsgraph: bpy.types.Depsgraph,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: MorphSettings,
+        options: dict[str, object],
+        first_frame: int,
+    ) -> None:
+        if len(inputs) < 2:
+            raise InputError("A morph needs at least two shapes; select or name one more.")
+        self.records: list[dict[str, object]] = []
+        self._names = [obj.name for obj in inputs]
+        self._labels: list[FaceLabels] | None = None
+        if settings.parts == "none":
+            self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+        else:
+            read = [labeled_mesh(obj, depsgraph, settings.parts) for obj in inputs]
+            self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
+            # Refuse before anything is made.
+            matched(self._labels, self._names)
+        alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
+        moves = None
+        if (alignment, scaling) != ("PLACED", "PLACED"):
+            moves = aligned(self._shapes, alignment, scaling, self._names)
+            self._shapes = [move.moved(shape) for move, shape in zip(moves, self._shapes, strict=True)]
+        self._blends = blends
+        self._settings = settings
+        self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
+        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, moves)
+        self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
+
+    def steps(
+        self,
+        check: Callable[[], None] | None = None,
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+        cache: FrameCache | None = None,
+        wanted: range | None = None,
+        previews: bool = False,
+    ) -> Iterator[MorphStep]:
+        """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
+        steps = morph(
+            self._shapes,
+            self._names,
+            self._blends,
+            self._settings,
+            check,
+            labels=self._labels,
+            workers=workers,
+            executor=executor,
+            cache=cache,
+            wanted=wanted,
+            previews=previews,
+            looked_at=self._looked_at,
+        )
+        return steps if self._carrying is None else self._carrying.looked_up(steps)
+
+    def steps_between(
+        self,
+        path: Sequence[Blend],
+        numbers: Sequence[float],
+        cache: FrameCache,
+        check: Callable[[], None] | None = None,
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+    ) -> Iterator[MorphStep]:
+        """Return the same for a job whose blends lie between the frames of a path.
+
+        See :func:`.between_frames.between_frames`.
+        """
+        steps = between_frames(
+            self._shapes,
+            self._names,
+            path,
+            numbers,
+            self._settings,
+            cache,
+            check,
+            labels=self._labels,
+            workers=workers,
+            executor=executor,
+        )
+        return steps if self._carrying is None else self._carrying.looked_up(steps)
+
+    @property
+    def notices(self) -> list[Sentence]:
+        """What the user should know about the parts, once frames are finished."""
+        found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
+        return [notice.sentence for notice in found]
+
+    def write(self, step: MorphStep) -> None:
+        """Put a finished frame into the scene, or a preview until there is one."""
+        if step.preview is not None:
+            self._bake.preview(step.preview)
+        if step.frame is not None:
+            obj = self._bake.add(step.frame)
+            if self._carrying is not None:
+                self._carrying.write(obj.data, step)
+            self.records.append(step.frame.record)
+
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
+        try:
+            return self._bake.finish(hide_inputs)
+        finally:
+            self._drop_unused()
+
+    def discard(self) -> None:
+        """Remove everything that has been written."""
+        self._bake.discard()
+        self._drop_unused()
+
+    def _drop_unused(self) -> None:
+        """Remove what was made to carry looks and has not been used."""
+        if self._carrying is not None:
+            self._carrying.drop_unused()
+
+
+def _looked_at(blends: Sequence[Blend], frame: int) -> int:
+    """Return the number of the blend that a frame after the first one of a path shows; on a sheet the first one."""
+    if blends[0].frame is None:
+        return 0
+    return min(range(len(blends)), key=lambda number: abs(blends[number].frame - frame))

@@ -1,0 +1,270 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What meshes look like as arrays, and what frames carry of it as attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ...applications.morphs.looks import Carried, Look, Paint, Painted, Plain, Textured
+from .materials import base_color
+
+COLOR, VELOCITY = "Color", "velocity"
+"""Point attributes of frames: the mixed color, and scene units per second, which is what renderers expect."""
+
+LOOK, SOURCE_WEIGHT, SOURCE_MATERIAL = "look_{}", "source_weight_{}", "source_material_{}"
+"""Point attributes of frames for every input, counted from 1."""
+
+# Step that velocities are rounded to at the most, as a share of the largest.
+_ROUNDED = 1e-2
+# Images are halved until no side is longer: vertices of frames are much farther apart than their pixels.
+_MOST_PIXELS = 1024
+
+
+def read_look(
+    mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = (), texture_size: int = _MOST_PIXELS
+) -> Look:
+    """Read what a mesh looks like in renders, as far as it is a matter of base colors.
+
+    A material has the color of its Principled BSDF: an image or a color attribute that it is made from (the first one
+    that leads there), or the plain color; with neither it has the color that it has in the viewport. A mesh without
+    materials has its color attribute for renders, or the color of its object.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        In the space that origins are in: a frozen copy.
+    color : (r, g, b, a)
+        That of its object, scene linear.
+    group_names : sequence of str
+        Its object's vertex groups, in order.
+    texture_size : int
+        Images are made smaller until neither side is longer.
+    """
+    mesh.calc_loop_triangles()
+    triangles = mesh.loop_triangles
+    faces = _gathered(triangles, "vertices", 3, np.int32).astype(np.int64)
+    corners = _gathered(mesh.vertices, "co", 3, np.float32).astype(np.float64)[faces]
+    loops = _gathered(triangles, "loops", 3, np.int32)
+    slots = list(mesh.materials) or [None]
+    materials = _gathered(triangles, "material_index", 1, np.int32)[:, 0].astype(np.int64)
+    return Look(
+        corners,
+        # A face may name a slot that is not there; Blender shows the last one.
+        np.minimum(materials, len(slots) - 1),
+        tuple(_paint(mesh, slot, color, faces, loops, texture_size) for slot in slots),
+        faces,
+        _groups(mesh, group_names),
+    )
+
+
+def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
+    """Write what a frame carries to attributes of its points.
+
+    `COLOR` is the mean of the inputs' colors, each of which is in `LOOK`, by their `SOURCE_WEIGHT`: the share of the
+    input in the blend. `SOURCE_MATERIAL` is the material slot, for inputs that have several. Vertex groups that all
+    inputs have become attributes of their names.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        A frame, with as many vertices.
+    carried : Carried
+        What to write.
+    """
+    _write_colors(mesh, COLOR, carried.color)
+    for index, weight in enumerate(carried.weights, start=1):
+        _write(mesh, SOURCE_WEIGHT.format(index), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
+    for index, seen in carried.inputs.items():
+        _write_colors(mesh, LOOK.format(index + 1), seen.colors)
+        if seen.materials.any():
+            _write(mesh, SOURCE_MATERIAL.format(index + 1), "INT", seen.materials.astype(np.int32))
+    for name, weights in carried.groups.items():
+        if name not in mesh.attributes:
+            _write(mesh, name, "FLOAT", weights)
+    mesh.color_attributes.active_color_name = COLOR
+    mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
+
+
+def write_velocity(mesh: bpy.types.Mesh, velocity: np.ndarray) -> None:
+    """Write how fast the points of a frame move, (n, 3), in local units per second.
+
+    Cycles blurs a mesh by this attribute, whatever the frames beside it are, and Alembic and USD files get it as their
+    velocities. Eevee blurs nothing by it. Values are rounded by half a hundredth of the largest at the most, which no
+    blur shows: it halves what they take in a compressed file.
+    """
+    largest = float(np.abs(velocity).max(initial=0.0))
+    # A power of two, so that rounded numbers end in zeros.
+    step = 2.0 ** np.floor(np.log2(largest * _ROUNDED)) if largest > 0 else 1.0
+    _write(mesh, VELOCITY, "FLOAT_VECTOR", np.round(velocity / step) * step)
+
+
+def seen_colors(mesh: bpy.types.Mesh, color: Sequence[float]) -> np.ndarray:
+    """Colors of the points of a mesh as renders show them, (n, 4); `color` is that of its object."""
+    carried = mesh.color_attributes.get(COLOR)
+    if carried is not None and carried.domain == "POINT":
+        return _gathered(carried.data, "color", 4, np.float32)
+    return read_look(mesh, color).at(_gathered(mesh.vertices, "co", 3, np.float32)).colors
+
+
+def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
+    """Write colors of the points, RGBA in scene linear, (n, 4), in 8 bits: they come from images, and files stay small.
+
+    Colors brighter than one become one.
+    """
+    _write(mesh, name, "BYTE_COLOR", colors)
+
+
+def write_own_look(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
+    """Let an input that has no material show its color attribute as frames show theirs; tell whether it has one.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        A frozen copy.
+    index, count : int
+        Which input it is, of how many.
+    """
+    attribute = _render_colors(mesh)
+    if any(mesh.materials) or attribute is None:
+        return False
+    domain, colors = attribute.domain, _gathered(attribute.data, "color", 4, np.float32)
+    if COLOR in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[COLOR])
+    mesh.attributes.new(COLOR, "FLOAT_COLOR", domain).data.foreach_set("color", colors.ravel())
+    for other in range(count):
+        weight = np.full(len(mesh.vertices), float(other == index), np.float32)
+        _write(mesh, SOURCE_WEIGHT.format(other + 1), "FLOAT", weight)
+    return True
+
+
+def _write(mesh: bpy.types.Mesh, name: str, kind: str, values: np.ndarray) -> None:
+    prop, dtype = {
+        "FLOAT": ("value", np.float32),
+        "INT": ("value", np.int32),
+        "FLOAT_VECTOR": ("vector", np.float32),
+        "BYTE_COLOR": ("color", np.float32),
+    }[kind]
+    if name in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[name])
+    attribute = mesh.attributes.new(name, kind, "POINT")
+    attribute.data.foreach_set(prop, np.ascontiguousarray(values, dtype=dtype).ravel())
+
+
+def _paint(
+    mesh: bpy.types.Mesh,
+    material: bpy.types.Material | None,
+    color: Sequence[float],
+    faces: np.ndarray,
+    loops: np.ndarray,
+    texture_size: int,
+) -> Paint:
+    if material is None:
+        attribute = _render_colors(mesh)
+        return Plain(tuple(color)) if attribute is None else _painted(attribute, faces, loops)
+    base = base_color(material)
+    if base is None:
+        return Plain(tuple(material.diffuse_color))
+    if not base.is_linked:
+        return Plain(tuple(base.default_value))
+    for node in _upstream(base):
+        if node.type == "OBJECT_INFO":
+            return Plain(tuple(color))
+        if node.type in ("VERTEX_COLOR", "ATTRIBUTE"):
+            name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
+            attribute = mesh.color_attributes.get(name) if name else _render_colors(mesh)
+            if attribute is not None:
+                return _painted(attribute, faces, loops)
+        if node.type == "TEX_IMAGE" and (paint := _textured(mesh, node, loops, texture_size)) is not None:
+            return paint
+    return Plain(tuple(material.diffuse_color))
+
+
+def _upstream(socket: bpy.types.NodeSocket) -> list[bpy.types.Node]:
+    """Return the nodes that lead to an input, the nearest first."""
+    found: list[bpy.types.Node] = [link.from_node for link in socket.links]
+    for node in found:
+        for own in node.inputs:
+            found += [link.from_node for link in own.links if link.from_node not in found]
+    return found
+
+
+def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarray) -> Painted:
+    colors = _gathered(attribute.data, "color", 4, np.float32)
+    return Painted(colors[faces if attribute.domain == "POINT" else loops])
+
+
+def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, texture_size: int) -> Textured | None:
+    """Return the paint of an image node; None where it has no picture, or the mesh no texture coordinates."""
+    named = [other.uv_map for other in _upstream(node.inputs["Vector"]) if other.type == "UVMAP"]
+    layer = mesh.uv_layers.get(named[0]) if named else None
+    if layer is None:
+        layer = next((own for own in mesh.uv_layers if own.active_render), mesh.uv_layers.active)
+    pixels = _pixels(node.image, texture_size)
+    if layer is None or pixels is None:
+        return None
+    return Textured(pixels, _gathered(layer.uv, "vector", 2, np.float32)[loops], node.extension == "REPEAT")
+
+
+def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | None:
+    """Return an image as (h, w, 4) float32 in scene linear, not larger than so many pixels along a side.
+
+    Of an image in tiles that is the first one.
+    """
+    if image is None or not all(image.size):
+        return None
+    values = np.empty(image.size[0] * image.size[1] * 4, dtype=np.float32)
+    # A file that cannot be read has a size and no pixels.
+    if len(image.pixels) != len(values):
+        return None
+    image.pixels.foreach_get(values)
+    pixels = values.reshape(image.size[1], image.size[0], 4)
+    if not image.is_float and image.colorspace_settings.name == "sRGB":
+        pixels[..., :3] = _linear(pixels[..., :3])
+    while max(pixels.shape[:2]) > texture_size:
+        pixels = _halved(pixels)
+    return pixels
+
+
+def _linear(values: np.ndarray) -> np.ndarray:
+    """Decode sRGB."""
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+
+def _halved(pixels: np.ndarray) -> np.ndarray:
+    """Means of 2 x 2 pixels; a last odd row or column is repeated."""
+    for axis in (0, 1):
+        if pixels.shape[axis] > 1:
+            even, odd = (pixels[slice(first, None, 2)] if axis == 0 else pixels[:, first::2] for first in (0, 1))
+            if odd.shape[axis] < even.shape[axis]:
+                odd = np.concatenate([odd, even[-1:] if axis == 0 else even[:, -1:]], axis=axis)
+            pixels = 0.5 * (even + odd)
+    return pixels
+
+
+def _render_colors(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
+    """Return the color attribute that renders show."""
+    colors = mesh.color_attributes
+    index = colors.render_color_index
+    return colors[index] if 0 <= index < len(colors) else None
+
+
+def _groups(mesh: bpy.types.Mesh, names: Sequence[str]) -> dict[str, np.ndarray]:
+    if not names:
+        return {}
+    groups = np.zeros((len(names), len(mesh.vertices)), np.float32)
+    for vertex in mesh.vertices:
+        for entry in vertex.groups:
+            if entry.group < len(names):
+                groups[entry.group, vertex.index] = entry.weight
+    return {name: own for name, own in zip(names, groups, strict=True) if own.any()}
+
+
+def _gathered(items: bpy.types.bpy_prop_collection, name: str, size: int, dtype: type) -> np.ndarray:
+    """Return a property of all items, (n, size)."""
+    values = np.empty(len(items) * size, dtype=dtype)
+    items.foreach_get(name, values)
+    return values.reshape(-1, size)

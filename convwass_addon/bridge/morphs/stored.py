@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a finished bake keeps in the file about itself, and how it is read back."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+
+from ...applications.morphs.health import HealthNote, health_figures
+from ...errors import InputError
+
+SCHEMA = 1
+
+MORPH_KEY = "convwass_morph"
+"""Custom property of a morph's collection: JSON of a `StoredMorph` and the schema number."""
+
+WEIGHTS_KEY = "convwass_weights"
+"""Custom property of a frame object: one weight per input."""
+
+INDEX_KEY = "convwass_index"
+"""Custom property of a frame object: its place in the order of frames, from 0."""
+
+HEALTH_KEY = "convwass_health"
+"""Custom property of a morph's collection: JSON of what to know about the bake, kinds of notes and their values."""
+
+FIRST_FRAMES = (0, 1_048_574)
+"""Least and greatest frame that Blender lets a scene start with."""
+
+
+@dataclass(frozen=True)
+class StoredMorph:
+    """A bake as its collection remembers it.
+
+    Attributes
+    ----------
+    inputs : list of str
+        Names of the objects that were morphed.
+    settings : dict
+        What the bake was asked for; numbers, texts, booleans, None and lists of these.
+    first_frame : int
+        Scene frame at which the morph starts.
+    records : list of dict
+        The solver's figures for each finished frame, without its arrays and histories.
+    """
+
+    inputs: list[str]
+    settings: dict[str, object]
+    first_frame: int
+    records: list[dict[str, object]]
+
+
+def store(collection: bpy.types.Collection, morph: StoredMorph) -> None:
+    """Write a bake's description onto its collection."""
+    collection[MORPH_KEY] = json.dumps({"schema": SCHEMA, **vars(morph)}, allow_nan=False)
+
+
+def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
+    """Read and check what `store` wrote.
+
+    Raises
+    ------
+    InputError
+        The collection is no morph, or its description is damaged or from a newer version.
+    """
+    text = collection.get(MORPH_KEY)
+    if text is None:
+        raise InputError(
+            "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=collection.name
+        )
+    try:
+        return _checked(json.loads(text, parse_constant=_no_number))
+    except (ValueError, TypeError, KeyError) as error:
+        raise InputError(
+            "The settings stored on {name} are damaged ({reason}); bake the morph again from its inputs.",
+            name=collection.name,
+            reason=str(error),
+        ) from error
+
+
+def stored_settings(collection: bpy.types.Collection) -> dict[str, object]:
+    """Return the settings that a morph was baked with.
+
+    Raises
+    ------
+    InputError
+        As `stored_morph`.
+    """
+    return stored_morph(collection).settings
+
+
+def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the objects that a morph was baked from; they may be hidden.
+
+    Raises
+    ------
+    InputError
+        As `stored_morph`, or some of the objects are no longer there.
+    """
+    names = stored_morph(collection).inputs
+    missing = [name for name in dict.fromkeys(names) if name not in bpy.data.objects]
+    if missing:
+        raise InputError(
+            "{name} was baked from {missing}, which the file no longer holds under that name; rename it back, or "
+            "select the shapes and bake a new morph.",
+            name=collection.name,
+            missing=", ".join(missing),
+        )
+    return [bpy.data.objects[name] for name in names]
+
+
+def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the frame objects of a morph in their order."""
+    return sorted((obj for obj in collection.objects if WEIGHTS_KEY in obj), key=lambda obj: obj.get(INDEX_KEY, 0))
+
+
+def summary(record: dict[str, object]) -> dict[str, object]:
+    """Return the single figures of a record; its lists would swell the file, and JSON has no word for NaN."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in {**record, **health_figures(record)}.items()
+        if value is None or isinstance(value, (str, bool, int, float))
+    }
+
+
+def store_health(collection: bpy.types.Collection, notes: Sequence[HealthNote]) -> None:
+    """Write what is to be known about a bake onto its collection."""
+    collection[HEALTH_KEY] = json.dumps([[note.kind, note.values] for note in notes], allow_nan=False)
+
+
+def stored_health(collection: bpy.types.Collection) -> list[HealthNote]:
+    """Read what `store_health` wrote; nothing where it is missing or damaged."""
+    try:
+        notes = [HealthNote(kind, values) for kind, values in json.loads(collection.get(HEALTH_KEY, "[]"))]
+        return [note for note in notes if note.text]
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return []
+
+
+def _checked(data: object) -> StoredMorph:
+    """Return the description, or raise an error that says what is wrong with it."""
+    if not isinstance(data, dict):
+        raise TypeError("not a table")
+    if data["schema"] != SCHEMA:
+        raise ValueError(f"schema {data['schema']!r}, while this version reads {SCHEMA}")
+    inputs, settings, first_frame, records = (data[key] for key in ("inputs", "settings", "first_frame", "records"))
+    if not (isinstance(inputs, list) and inputs and all(isinstance(name, str) and name for name in inputs)):
+        raise TypeError("inputs are not a list of names")
+    if not isinstance(settings, dict):
+        raise TypeError("settings are not a table")
+    for name, value in settings.items():
+        if not all(isinstance(item, (str, bool, int, float, None.__class__)) for item in _items(value)):
+            raise TypeError(f"setting {name} is neither a number, a text nor a list of these")
+    if isinstance(first_frame, bool) or not isinstance(first_frame, int):
+        raise TypeError("first_frame is not a whole number")
+    if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
+        raise ValueError(f"first_frame is {first_frame}")
+    if not (isinstance(records, list) and all(isinstance(record, dict) for record in records)):
+        raise TypeError("records are not a list of tables")
+    return StoredMorph(inputs, settings, first_frame, records)
+
+
+def _items(value: object) -> list[object]:
+    """Return a list as it is, and anything else as a list of one."""
+    return value if isinstance(value, list) else [value]
+
+
+def _no_number(text: str) -> None:
+    raise ValueError(f"{text} where a number belongs")

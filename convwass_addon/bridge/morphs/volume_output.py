@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A morph as VDB files: a Volume object reads them, and the level and the smoothing of its mesh can be edited."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from ...geometry.occupancy import occupancy
+from ..keyframes import is_shown
+from ..objects import triangle_mesh
+from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
+from .materials import morph_material
+from .stored import frame_objects, stored_morph
+
+GRID_NAME = "density"
+
+# Cells over which the filled share is averaged: what a level other than a half can move the surface by.
+_BLUR = 1.0
+_MARGIN = 4
+# Values below this are empty space in the file.
+_EMPTY = 1e-3
+_LEVEL = 0.5
+_FALLBACK_RESOLUTION = 100
+
+
+def as_volume(
+    collection: bpy.types.Collection, folder: Path, progress: Callable[[float], None] | None = None
+) -> DiskOutput:
+    """Write a morph as VDB files, one per scene frame, and make the objects that show them.
+
+    A file holds one grid, "density": the share of every cell that is filled, averaged over a cell; its level of a half
+    is the surface of the frame.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        A baked morph with its frames; they stay.
+    folder : Path
+        An existing folder; files of the same names in it are replaced.
+    progress : callable, optional
+        Called with the share that is done after each file; what it raises ends the work.
+
+    Raises
+    ------
+    InputError
+        A Blender without OpenVDB's Python module (it comes with 4.5), or a collection without frames.
+    """
+    openvdb = _openvdb()
+    frames = frame_objects(collection)
+    if not frames:
+        raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
+    spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
+    scene_frames, shown = _timeline(frames)
+    name = bpy.path.clean_name(collection.name)
+    files = []
+    for number, objects in zip(scene_frames, shown, strict=True):
+        files.append(folder / f"{name}_{number:04d}.vdb")
+        _write(openvdb, files[-1], [meshes[obj] for obj in objects], spacing)
+        if progress is not None:
+            progress(len(files) / len(shown))
+    # Until Blender 5 Volume to Mesh puts values at the corners of their cells.
+    offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
+    return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
+
+
+def _openvdb() -> ModuleType:
+    if hasattr(bpy.utils, "expose_bundled_modules"):
+        bpy.utils.expose_bundled_modules()
+    try:
+        import openvdb
+    except ImportError as error:
+        raise InputError("Volumes need Blender 4.5 or newer, which brings OpenVDB along.") from error
+    return openvdb
+
+
+def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> float:
+    """Return the size of a cell: as many along the longest side of all that is shown as the morph was baked with."""
+    bounds = np.array([mesh.bounds for mesh in meshes])
+    longest = float((bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)).max())
+    return longest / int(settings.get("resolution") or _FALLBACK_RESOLUTION)
+
+
+def _timeline(frames: list[bpy.types.Object]) -> tuple[range, list[list[bpy.types.Object]]]:
+    """Return the scene frames of a morph and what is shown at each; a sheet is one frame that shows all."""
+    scene = bpy.context.scene
+    if not any(obj.animation_data for obj in frames):
+        return range(scene.frame_current, scene.frame_current + 1), [frames]
+    span = range(scene.frame_start, scene.frame_end + 1)
+    return span, [[obj for obj in frames if is_shown(obj, number)] for number in span]
+
+
+def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spacing: float) -> None:
+    """Write a file whole or not at all."""
+    grid = openvdb.FloatGrid()
+    grid.name = GRID_NAME
+    grid.gridClass = openvdb.GridClass.FOG_VOLUME
+    if meshes:
+        low = np.min([mesh.bounds[0] for mesh in meshes], axis=0) - _MARGIN * spacing
+        high = np.max([mesh.bounds[1] for mesh in meshes], axis=0) + _MARGIN * spacing
+        shape = tuple(int(n) for n in np.ceil((high - low) / spacing))
+        grid.copyFromArray(_filled(meshes, low, spacing, shape), tolerance=_EMPTY)
+        # A value belongs to the center of its cell.
+        grid.transform = openvdb.createLinearTransform(voxelSize=spacing)
+        grid.transform.postTranslate(tuple(float(x) for x in low + spacing / 2))
+    draft = file.with_suffix(".unfinished.vdb")
+    try:
+        openvdb.write(str(draft), grids=[grid])
+        draft.replace(file)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _filled(
+    meshes: Sequence[TriangleMesh], low: NDArray[np.float64], spacing: float, shape: tuple[int, int, int]
+) -> NDArray[np.float32]:
+    filled = np.zeros(shape, np.float32)
+    for mesh in meshes:
+        np.maximum(filled, occupancy((mesh.corners - low) / spacing, shape), out=filled)
+    soft = gaussian_filter(filled, _BLUR)
+    return np.ascontiguousarray(np.where(soft > _EMPTY, soft, 0.0), dtype=np.float32)
+
+
+def _objects(
+    collection: bpy.types.Collection, files: list[Path], scene_frames: range, offset: float
+) -> bpy.types.Object:
+    """Make the Volume object, hidden and moved by an offset along all axes, and the mesh object that is made of it."""
+    data = bpy.data.volumes.new(f"{collection.name} Volume")
+    data.filepath = for_blender(files[0])
+    if len(files) > 1:
+        data.is_sequence = True
+        data.frame_start, data.frame_duration, data.frame_offset = scene_frames[0], len(files), scene_frames[0] - 1
+        data.sequence_mode = "EXTEND"
+    volume = bpy.data.objects.new(data.name, data)
+    volume[OUTPUT_KEY] = "volume"
+    volume.hide_render = True
+    volume.location = 3 * [offset]
+    shown = bpy.data.objects.new(f"{collection.name} Surface", bpy.data.meshes.new(f"{collection.name} Surface"))
+    shown[OUTPUT_KEY] = "volume"
+    shown.data.materials.append(morph_material())
+    modifier = shown.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
+    modifier.object = volume
+    modifier.grid_name = GRID_NAME
+    modifier.threshold = _LEVEL
+    modifier.resolution_mode = "GRID"
+    modifier.use_smooth_shade = True
+    # What the solver made is smooth already; to be turned up by hand.
+    smooth = shown.modifiers.new("Smooth", "SMOOTH")
+    smooth.iterations = 0
+    for obj in (volume, shown):
+        collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    for layer in bpy.context.scene.view_layers:
+        if volume.name in layer.objects:
+            volume.hide_set(True, view_layer=layer)
+    return shown

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface of an object at rest: what shape keys start from, before any modifier."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+
+
+def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> TriangleMesh:
+    """Return the mesh of an object without modifiers and shape keys, in world space.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object.
+    triangles : (m, 3) int64
+        How its faces are cut, as a map counts them.
+    """
+    points = np.empty(3 * len(obj.data.vertices), np.float32)
+    keys = obj.data.shape_keys
+    (keys.reference_key.data if keys else obj.data.vertices).foreach_get("co", points)
+    matrix = np.array(obj.matrix_world)
+    local = points.reshape(-1, 3).astype(np.float64)
+    return TriangleMesh(local @ matrix[:3, :3].T + matrix[:3, 3], triangles)

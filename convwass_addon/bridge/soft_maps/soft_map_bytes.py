@@ -1,0 +1,303 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps between two surfaces as bytes: a header in JSON, and arrays that are packed so that they compress well."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.soft_maps.surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
+from ...sentence import Sentence
+
+SCHEMA = 1
+
+# The null byte ends what user interfaces show of it.
+_MAGIC = b"CWMAP\x00"
+_LENGTH_BYTES = 4
+_MOST_HEADER, _MOST_ARRAYS = 1 << 22, 1 << 31
+# Shares are stored as whole numbers up to this.
+_ONE = 65535
+# Bits of a float that are kept: more than four digits.
+_KEPT_BITS = np.uint32(0xFFFFF800)
+
+_WHOLE, _SHARES, _FLOATS = np.dtype("<i4"), np.dtype("<u2"), np.dtype("<f4")
+_POINT_MAP = {"faces": _WHOLE, "barycentric": _SHARES, "spread": _FLOATS, "entropy": _FLOATS, "confidence": _FLOATS}
+_BLEND = {"columns": _WHOLE, "shares": _SHARES}
+_KINDS = {
+    **{f"{side}.{name}": kind for side in ("forward", "backward") for name, kind in _POINT_MAP.items()},
+    "rows.starts": _WHOLE,
+    "rows.columns": _WHOLE,
+    "rows.values": _FLOATS,
+    **{f"{side}.{name}": kind for side in ("source", "target") for name, kind in _BLEND.items()},
+    "source.triangles": _WHOLE,
+    "target.triangles": _WHOLE,
+}
+"""All arrays in their order, and how each is stored."""
+
+
+@dataclass(frozen=True)
+class MeshMark:
+    """What tells later whether a mesh is still the one that a map was made for.
+
+    Attributes
+    ----------
+    vertices, polygons : int
+        How many there are.
+    topology : str
+        Stands for which vertex is at every corner of every polygon.
+    shape : str
+        Stands for the positions of the vertices in the mesh's own space, without modifiers and shape keys.
+    """
+
+    vertices: int
+    polygons: int
+    topology: str
+    shape: str
+
+
+@dataclass(frozen=True)
+class MappedSide:
+    """One of the two meshes of a stored map.
+
+    Attributes
+    ----------
+    mark : MeshMark
+        Of the mesh at that time.
+    triangles : (m, 3) int64
+        Those that the map counts. Polygons may be cut into others once the object is posed.
+    """
+
+    mark: MeshMark
+    triangles: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class StoredSoftMap:
+    """A map as it is stored.
+
+    Attributes
+    ----------
+    found : SurfaceMap
+        The map itself.
+    source, target : MappedSide
+        What it leads from and to.
+    """
+
+    found: SurfaceMap
+    source: MappedSide
+    target: MappedSide
+
+
+def packed(stored: StoredSoftMap) -> bytes:
+    """Return a map as bytes; shares lose what is beyond 16 bits, and figures what is beyond four digits."""
+    arrays = _arrays_of(stored)
+    found = stored.found
+    header = {
+        "schema": SCHEMA,
+        "shapes": [list(array.shape) for array in arrays.values()],
+        "sides": [vars(side.mark) for side in (stored.source, stored.target)],
+        "record": dict(found.record),
+        "notices": [_plain(notice) for notice in found.notices],
+    }
+    text = json.dumps(header, default=_number).encode()
+    body = b"".join(_shuffled(_stored_form(arrays[name], kind)) for name, kind in _KINDS.items())
+    return _MAGIC + len(text).to_bytes(_LENGTH_BYTES, "little") + text + zlib.compress(body, 6)
+
+
+def unpacked(data: bytes) -> StoredSoftMap:
+    """Return the map that `packed` made bytes of.
+
+    Raises
+    ------
+    ValueError, TypeError, KeyError, RecursionError
+        Something else made them, or they are damaged; the message says what is wrong.
+    """
+    if not (isinstance(data, bytes) and data.startswith(_MAGIC)):
+        raise ValueError("it does not begin as a soft map does")
+    start = len(_MAGIC) + _LENGTH_BYTES
+    length = int.from_bytes(data[len(_MAGIC) : start], "little")
+    if length > _MOST_HEADER:
+        raise ValueError(f"a header of {length} bytes")
+    header = json.loads(data[start : start + length])
+    if not isinstance(header, dict):
+        raise TypeError("the header is not a table")
+    if header["schema"] != SCHEMA:
+        raise ValueError(f"schema {header['schema']!r}, while this version reads {SCHEMA}")
+    arrays = _read_arrays(data[start + length :], header["shapes"])
+    _check_sizes(arrays)
+    _check_values(arrays)
+    return _map_of(header, arrays)
+
+
+def _arrays_of(stored: StoredSoftMap) -> dict[str, NDArray]:
+    found = stored.found
+    arrays = {
+        f"{side}.{name}": getattr(getattr(found, side), name) for side in ("forward", "backward") for name in _POINT_MAP
+    }
+    rows = found.coarse
+    arrays |= {"rows.starts": rows.starts, "rows.columns": rows.columns, "rows.values": rows.values}
+    arrays |= {f"{side}.{name}": getattr(getattr(rows, side), name) for side in ("source", "target") for name in _BLEND}
+    arrays |= {"source.triangles": stored.source.triangles, "target.triangles": stored.target.triangles}
+    return {name: np.asarray(arrays[name]) for name in _KINDS}
+
+
+def _map_of(header: dict[str, object], arrays: dict[str, NDArray]) -> StoredSoftMap:
+    def of(kind: type, place: str, names: Mapping[str, np.dtype]) -> object:
+        return kind(**{name: arrays[f"{place}.{name}"] for name in names})
+
+    source, target = (of(Blend, side, _BLEND) for side in ("source", "target"))
+    rows = CoarseRows(
+        arrays["rows.starts"].astype(np.int64), arrays["rows.columns"], arrays["rows.values"], source, target
+    )
+    forward, backward = (of(PointMap, side, _POINT_MAP) for side in ("forward", "backward"))
+    if not isinstance(header["record"], dict):
+        raise TypeError("the record is not a table")
+    found = SurfaceMap(forward, backward, rows, header["record"], tuple(map(_sentence, header["notices"])))
+    first, second = header["sides"]
+    return StoredSoftMap(found, _side(first, arrays["source.triangles"]), _side(second, arrays["target.triangles"]))
+
+
+def _side(mark: object, triangles: NDArray[np.int32]) -> MappedSide:
+    read = MeshMark(**mark)
+    kinds = (int, int, str, str)
+    if not all(isinstance(value, kind) for value, kind in zip(vars(read).values(), kinds, strict=True)):
+        raise TypeError("the mark of a mesh is not made of two numbers and two texts")
+    return MappedSide(read, triangles.astype(np.int64))
+
+
+def _plain(sentence: Sentence) -> list[object]:
+    values = {
+        name: {"sentence": _plain(value)} if isinstance(value, Sentence) else value
+        for name, value in sentence.values.items()
+    }
+    return [sentence.template, values]
+
+
+def _sentence(plain: object) -> Sentence:
+    template, values = plain
+    if not (isinstance(template, str) and isinstance(values, dict)):
+        raise TypeError("a notice is not a text with values")
+    read = {name: _sentence(value["sentence"]) if isinstance(value, dict) else value for name, value in values.items()}
+    made = Sentence(template, read)
+    str(made)
+    return made
+
+
+def _number(value: object) -> object:
+    """Return a number of NumPy's as one that JSON knows, and arrays as lists."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is none of what a record holds")
+
+
+def _stored_form(array: NDArray, kind: np.dtype) -> NDArray:
+    """Return an array in the type in which it is stored, without digits that nobody needs."""
+    if kind == _SHARES:
+        return np.rint(np.clip(array, 0.0, 1.0) * _ONE).astype(kind)
+    if kind == _FLOATS:
+        bits = np.ascontiguousarray(array, dtype=kind).view("<u4") & _KEPT_BITS
+        return bits.view(kind)
+    # Neighbors hold similar numbers.
+    whole = array.astype(kind)
+    return np.diff(whole, axis=0, prepend=np.zeros((1, *whole.shape[1:]), kind))
+
+
+def _usual_form(array: NDArray, kind: np.dtype) -> NDArray:
+    """Undo `_stored_form`."""
+    if kind == _SHARES:
+        sums = array.sum(axis=1, keepdims=True, dtype=np.float64)
+        return np.divide(array, sums, out=np.zeros(array.shape), where=sums > 0).astype(np.float32)
+    return array if kind == _FLOATS else np.cumsum(array, axis=0, dtype=kind)
+
+
+def _shuffled(array: NDArray) -> bytes:
+    """Return all first bytes, then all second ones and so on, column by column: they are alike."""
+    columns = np.ascontiguousarray(array.reshape(len(array), -1).T)
+    return columns.view(np.uint8).reshape(-1, array.dtype.itemsize).T.tobytes()
+
+
+def _unshuffled(data: bytes, shape: tuple[int, ...], kind: np.dtype) -> NDArray:
+    count = int(np.prod(shape))
+    own = np.frombuffer(data, np.uint8).reshape(kind.itemsize, count).T
+    values = np.ascontiguousarray(own).view(kind).ravel()
+    return np.ascontiguousarray(values.reshape(*shape[1:], shape[0]).T)
+
+
+def _read_arrays(data: bytes, shapes: object) -> dict[str, NDArray]:
+    """Return the arrays, no larger than the header says."""
+    if not (isinstance(shapes, list) and len(shapes) == len(_KINDS) and all(map(_is_shape, shapes))):
+        raise ValueError("the shapes of its arrays are not what they should be")
+    sizes = [
+        int(np.prod(shape, dtype=object)) * kind.itemsize for shape, kind in zip(shapes, _KINDS.values(), strict=True)
+    ]
+    total = sum(sizes)
+    if total > _MOST_ARRAYS:
+        raise ValueError(f"arrays of {total} bytes")
+    try:
+        reader = zlib.decompressobj()
+        body = reader.decompress(data, total + 1)
+    except zlib.error as error:
+        raise ValueError(str(error)) from error
+    if len(body) != total or not reader.eof:
+        raise ValueError(f"{len(body)} bytes where {total} belong")
+    arrays, start = {}, 0
+    for (name, kind), shape, size in zip(_KINDS.items(), shapes, sizes, strict=True):
+        arrays[name] = _usual_form(_unshuffled(body[start : start + size], tuple(shape), kind), kind)
+        start += size
+    return arrays
+
+
+def _is_shape(shape: object) -> bool:
+    return (
+        isinstance(shape, list)
+        and len(shape) in (1, 2)
+        and all(isinstance(side, int) and not isinstance(side, bool) and side >= 0 for side in shape)
+        and (len(shape) == 1 or shape[1] == 3)
+    )
+
+
+def _check_sizes(arrays: dict[str, NDArray]) -> None:
+    """Refuse arrays that do not belong together."""
+    vertices = {"forward": len(arrays["forward.faces"]), "backward": len(arrays["backward.faces"])}
+    vertices |= {"source": vertices["forward"], "target": vertices["backward"]}
+    flat = {"faces", "spread", "entropy", "confidence", "starts", "values"}
+    for name, array in arrays.items():
+        side, _, own = name.partition(".")
+        is_flat = own in flat or name == "rows.columns"
+        count = vertices.get(side, len(array)) if own != "triangles" else len(array)
+        if array.shape != ((count,) if is_flat else (count, 3)):
+            raise ValueError(f"{name} has the shape {array.shape}")
+    starts = arrays["rows.starts"]
+    ordered = len(starts) > 0 and starts[0] == 0 and (np.diff(starts) >= 0).all()
+    if not (ordered and starts[-1] == len(arrays["rows.columns"]) == len(arrays["rows.values"])):
+        raise ValueError("its rows do not begin where they should")
+
+
+def _check_values(arrays: dict[str, NDArray]) -> None:
+    """Refuse numbers that lead to nowhere."""
+    counts = {"source": len(arrays["forward.faces"]), "target": len(arrays["backward.faces"])}
+    triangles = {side: arrays[f"{side}.triangles"] for side in counts}
+    coarse = len(arrays["rows.starts"]) - 1
+    _require_within(triangles["source"], 0, counts["source"], "source.triangles")
+    _require_within(triangles["target"], 0, counts["target"], "target.triangles")
+    _require_within(arrays["forward.faces"], -1, len(triangles["target"]), "forward.faces")
+    _require_within(arrays["backward.faces"], -1, len(triangles["source"]), "backward.faces")
+    _require_within(arrays["source.columns"], 0, max(coarse, 1), "source.columns")
+    for name in ("rows.columns", "target.columns"):
+        _require_within(arrays[name], 0, max(counts["target"], 1), name)
+    for name, kind in _KINDS.items():
+        if kind == _FLOATS and np.isnan(arrays[name]).any():
+            raise ValueError(f"{name} holds what is no number")
+    if not np.isfinite(arrays["rows.values"]).all():
+        raise ValueError("rows.values are not finite")
+
+
+def _require_within(array: NDArray, least: int, end: int, name: str) -> None:
+    if array.size and not (array.min() >= least and array.max() < end):
+        raise ValueError(f"{name} are not from {least} to {end - 1}")

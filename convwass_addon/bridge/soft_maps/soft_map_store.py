@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Soft maps that stay with their source object: saved with the file, copied with the object, read back with care."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from enum import Enum
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.soft_maps.surface_maps import SurfaceMap
+from ...errors import InputError
+from ..mesh_checks import readable_mesh
+from .soft_map_bytes import MappedSide, MeshMark, StoredSoftMap, packed, unpacked
+
+MAPS_KEY = "convwass_soft_maps"
+"""Custom property of a source object: a group of maps, each with its target, counts of both meshes, and its bytes."""
+
+_TARGET, _COUNTS, _DATA = "target", "counts", "data"
+
+
+class MapState(Enum):
+    """Whether a map still fits its meshes."""
+
+    CURRENT = "as it was"
+    RESHAPED = "vertices have been moved"
+    OTHER = "has other vertices or faces"
+
+
+def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: StoredSoftMap) -> None:
+    """Store a map with its source object; one to the same target is replaced, those to others stay.
+
+    Raises
+    ------
+    InputError
+        The source is linked from another file.
+    """
+    if not source.is_editable:
+        raise InputError(
+            "{object} is linked from another file and cannot be changed here; make it local with its data: "
+            "Object > Relations > Make Local.",
+            object=source.name,
+        )
+    sides = (stored.source, stored.target)
+    counts = [number for side in sides for number in (side.mark.vertices, side.mark.polygons)]
+    entry = {_TARGET: target, _COUNTS: counts, _DATA: packed(stored)}
+    # Maps to objects that are gone are of no use to anybody.
+    kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)]
+    source[MAPS_KEY] = {str(place): own for place, own in enumerate([*kept, entry])}
+
+
+def stored_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> StoredSoftMap:
+    """Read and check what `store_soft_map` wrote.
+
+    Raises
+    ------
+    InputError
+        There is no map to this target, or it is damaged or from a newer version.
+    """
+    entry = _entry(source, target)
+    if entry is None:
+        raise InputError(
+            "{source} has no soft map to {target}; compute it first.", source=source.name, target=target.name
+        )
+    try:
+        return unpacked(entry.get(_DATA))
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise InputError(
+            "The soft map that is stored with {object} is damaged ({reason}); compute it again.",
+            object=source.name,
+            reason=str(error),
+        ) from error
+
+
+def forget_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Remove a map from its source object; those to others stay."""
+    kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)]
+    if kept:
+        source[MAPS_KEY] = {str(place): own for place, own in enumerate(kept)}
+    elif MAPS_KEY in source:
+        del source[MAPS_KEY]
+
+
+def has_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> bool:
+    """Tell whether a map is stored; quick enough for a panel."""
+    return _entry(source, target) is not None
+
+
+def recounted(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
+    """Return the names of objects that have other numbers of vertices or faces than their map.
+
+    That is quick enough for a panel. In Edit Mode the numbers are those from before.
+    """
+    entry = _entry(source, target)
+    counts = list(entry.get(_COUNTS, ())) if entry is not None else []
+    if len(counts) != 4:
+        return []
+    now = {obj: [len(obj.data.vertices), len(obj.data.polygons)] for obj in (source, target)}
+    pairs = ((source, counts[:2]), (target, counts[2:]))
+    return list(dict.fromkeys(obj.name for obj, own in pairs if now[obj] != own))
+
+
+def mesh_mark(obj: bpy.types.Object) -> MeshMark:
+    """Return what tells later whether the mesh of an object is still the same.
+
+    Raises
+    ------
+    InputError
+        Not a mesh.
+    """
+    mesh = readable_mesh(obj)
+    corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_start", starts)
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return MeshMark(len(mesh.vertices), len(mesh.polygons), _digest(corners, starts), _digest(points))
+
+
+def mapped_side(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> MappedSide:
+    """Return what is stored of one mesh of a map; raises InputError where it is none."""
+    return MappedSide(mesh_mark(obj), triangles)
+
+
+def map_state(obj: bpy.types.Object, side: MappedSide) -> MapState:
+    """Tell whether a mesh is still the one of a stored map; raises InputError where it is none."""
+    now = mesh_mark(obj)
+    if (now.vertices, now.polygons, now.topology) != (side.mark.vertices, side.mark.polygons, side.mark.topology):
+        return MapState.OTHER
+    return MapState.CURRENT if now.shape == side.mark.shape else MapState.RESHAPED
+
+
+def with_map(stored: StoredSoftMap, found: SurfaceMap) -> StoredSoftMap:
+    """Return the same meshes with another map between them."""
+    return StoredSoftMap(found, stored.source, stored.target)
+
+
+def _digest(*arrays: NDArray) -> str:
+    digest = hashlib.blake2b(digest_size=12)
+    for array in arrays:
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+def _entries(source: bpy.types.Object) -> Iterator[object]:
+    """Yield what is stored, as far as it is made of groups."""
+    maps = source.get(MAPS_KEY)
+    for entry in maps.values() if hasattr(maps, "values") else ():
+        if hasattr(entry, "get"):
+            yield entry
+
+
+def _entry(source: bpy.types.Object, target: bpy.types.Object) -> object | None:
+    return next((entry for entry in _entries(source) if entry.get(_TARGET) == target), None)
