@@ -112,8 +112,8 @@ def check_weights(weights: Sequence[float] | NDArray[np.float64], count: int) ->
     return alphas / alphas.sum()
 
 
-def check_solver(tolerance: float, max_iterations: int) -> None:
-    """Refuse limits that no iteration can keep.
+def check_solver(tolerance: float, max_iterations: int, name: str = "max_iterations") -> None:
+    """Refuse limits that no iteration can keep; `name` is what the second argument is called.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def check_solver(tolerance: float, max_iterations: int) -> None:
     if not tolerance > 0:
         raise ValueError(f"tolerance must be positive, got {tolerance}")
     if max_iterations < 1:
-        raise ValueError(f"max_iterations must be at least 1, got {max_iterations}")
+        raise ValueError(f"{name} must be at least 1, got {max_iterations}")
 
 
 def check_entropy_limit(entropy_limit: str | float | None) -> None:

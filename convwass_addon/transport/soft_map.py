@@ -60,7 +60,15 @@ class SoftMap:
 
 
 def soft_map_domain(surface: Surface, gamma_scale: float = GAMMA_PER_SQUARED_EDGE) -> Surface:
-    """Return the same surface with a kernel for soft maps: gamma is this multiple of its squared mean edge length."""
+    """Return the same surface with a kernel for soft maps: gamma is this multiple of its squared mean edge length.
+
+    Raises
+    ------
+    ValueError
+        The multiple is not a positive number.
+    """
+    if not (np.isfinite(gamma_scale) and gamma_scale > 0):
+        raise ValueError(f"gamma_scale must be a positive number, got {gamma_scale}")
     return surface.with_kernel(gamma_scale * surface.mean_edge_length**2)
 
 
@@ -127,7 +135,7 @@ def soft_map(
     problem = SoftMapProblem.of(
         compatibility, edges, edge_weights, source_areas, domain, pairs=pairs, fixed=fixed, tau=tau, sharpness=sharpness
     )
-    check_solver(tolerance, sweeps)
+    check_solver(tolerance, sweeps, "sweeps")
     iteration = problem.iteration(initial.densities if isinstance(initial, SoftMap) else initial)
     changes: list[float] = []
     while len(changes) < sweeps and not (changes and changes[-1] < tolerance):

@@ -213,7 +213,7 @@ def _solved(
 ) -> list[SoftMap]:
     """Solve in `count` sweeps, after coarser meshes where there are any."""
     for number in (sweeps.coarse, count):
-        check_solver(sweeps.tolerance, number)
+        check_solver(sweeps.tolerance, number, "sweeps")
     sides = [_CoarseSide.of(surface) for surface in (ways[0].source, ways[0].target)]
     if None in sides:
         return _swept(ways, [None] * len(ways), sweeps, sweeps.coarse + count, agreement, monitor)

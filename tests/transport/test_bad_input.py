@@ -13,6 +13,8 @@ from convwass_addon import transport
 from convwass_addon.transport import (
     Grid,
     Inputs,
+    SoftMapSweeps,
+    Surface,
     barycenter,
     barycenter_beside,
     barycenter_between,
@@ -24,6 +26,10 @@ from convwass_addon.transport import (
     nearest_barycenter,
     point_distances,
     propagate,
+    soft_map,
+    soft_map_between,
+    soft_map_domain,
+    symmetric_soft_map,
     transport_map,
 )
 
@@ -37,6 +43,9 @@ ENDS = {0: MU, 2: MU}
 PREPARED = Inputs.of(MUS, GRID)
 SOLVED = barycenter(PREPARED, WEIGHTS, GRID)
 ELSEWHERE = barycenter(np.ones((3, 5, 6)), WEIGHTS, Grid((5, 6), 1.0))
+
+SOLID = Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.2]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+COSTS = np.arange(16.0).reshape(4, 4)
 
 # What every function accepts; a case changes one argument.
 GOOD = {
@@ -53,6 +62,16 @@ GOOD = {
     propagate: {"edges": LINE, "edge_weights": 1.0, "fixed": ENDS, "domain": GRID},
     transport_map: {"log_scaling": np.zeros((6, 5)), "domain": GRID},
     point_distances: {"sources": 3, "domain": GRID},
+    soft_map: {
+        "compatibility": COSTS,
+        "edges": [[0, 1], [1, 2], [2, 3]],
+        "edge_weights": 1.0,
+        "source_areas": np.ones(4),
+        "domain": SOLID,
+    },
+    soft_map_between: {"compatibility": COSTS, "source": SOLID, "target": SOLID},
+    symmetric_soft_map: {"compatibility": COSTS, "source": SOLID, "target": SOLID},
+    soft_map_domain: {"surface": SOLID},
 }
 
 DENSITIES = [
@@ -64,7 +83,8 @@ DENSITIES = [
     (0 * MU, "has no mass"),
 ]
 SOLVERS = [barycenter, barycentric_coordinates, nearest_barycenter, distance, distance_matrix, interpolate, bisect]
-SOLVERS += [propagate, barycenter_between, barycenter_beside]
+SOLVERS += [propagate, barycenter_between, barycenter_beside, soft_map]
+SOFT_MAPS = [soft_map, soft_map_between, symmetric_soft_map]
 RATHER = {
     "tolerance": [(0.0, "must be positive, got 0.0"), (-1e-3, "must be positive"), (np.nan, "must be positive")],
     "max_iterations": [(0, "must be at least 1, got 0"), (-1, "must be at least 1")],
@@ -153,6 +173,30 @@ def cases():
     yield point_distances, "sources", [0, 30], "must lie between 0 and 29"
     yield point_distances, "sources", 1.5, "must be one index or a list of them"
     yield point_distances, "sources", [], "must be one index or a list of them"
+    for solver in SOFT_MAPS:
+        yield solver, "compatibility", COSTS[:3], r"must have the shape \(4, 4\), got \(3, 4\)"
+        yield solver, "compatibility", np.nan * COSTS, "has values that are not numbers"
+        yield solver, "pairs", [0, 1], r"must hold two vertices each, \(k, 2\)"
+        yield solver, "pairs", [[4, 0]], "must name vertices of the source between 0 and 3"
+        yield solver, "pairs", [[0, -1]], "must name vertices of the target between 0 and 3"
+    yield soft_map, "edges", [[0, 1, 2]], r"must be pairs of vertices, \(e, 2\)"
+    yield soft_map, "edges", [[0, 4]], "must name vertices between 0 and 3"
+    yield soft_map, "edges", [[1, 1]], "must not run from a vertex to itself"
+    yield soft_map, "edge_weights", [1.0, 2.0], r"must be one number or 3, got shape \(2,\)"
+    yield soft_map, "edge_weights", 0.0, "must be positive numbers"
+    yield soft_map, "source_areas", np.zeros(4), "must be one number for each vertex, not negative, and not all zero"
+    yield soft_map, "fixed", {4: np.ones(4)}, "must name vertices of the source between 0 and 3"
+    yield soft_map, "fixed", {0: -np.ones(4)}, r"\[0\] has negative values"
+    yield soft_map, "tau", -1.0, "must be zero or a positive number, got -1.0"
+    yield soft_map, "sweeps", 0, "must be at least 1, got 0"
+    for solver in (soft_map_between, symmetric_soft_map):
+        yield solver, "sweeps", SoftMapSweeps(fine=0), "must be at least 1, got 0"
+    yield soft_map, "initial", np.ones((2, 4)), r"must have the shape \(4, 4\), got \(2, 4\)"
+    yield soft_map, "initial", np.zeros((4, 4)), "must hold densities"
+    for wrong in (-0.1, 1.0, np.nan):
+        yield symmetric_soft_map, "agreement", wrong, f"must be at least 0 and below 1, got {wrong}"
+    for wrong in (0.0, -1.0, np.inf):
+        yield soft_map_domain, "gamma_scale", wrong, f"must be a positive number, got {wrong}"
     yield Grid, "shape", (), "must be one to three positive whole numbers of cells"
     yield Grid, "shape", (2, 2, 2, 2), "must be one to three positive whole numbers of cells"
     yield Grid, "shape", (6, 0), "must be one to three positive whole numbers of cells"
@@ -186,7 +230,7 @@ def test_without_the_mistake_nothing_is_wrong(function):
 
 def test_no_argument_was_forgotten():
     """All but domains and callbacks, and flags that have no wrong value."""
-    unchecked = {"domain", "inputs", "monitor", "debias", "size"}
+    unchecked = {"domain", "inputs", "monitor", "debias", "size", "source", "target", "surface"}
     tried = {(function, argument) for function, argument, *_ in CASES}
     for function in GOOD:
         for argument in set(inspect.signature(function).parameters) - unchecked:

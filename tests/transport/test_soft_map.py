@@ -228,7 +228,7 @@ BAD = [
     ({"fixed": {0: -np.ones(20)}}, "fixed"),
     ({"tau": -1.0}, "tau"),
     ({"sharpness": 1.5}, "sharpness"),
-    ({"sweeps": 0}, "max_iterations"),
+    ({"sweeps": 0}, "sweeps"),
     ({"initial": np.zeros((12, 20))}, "initial"),
     ({"initial": np.ones((2, 20))}, "initial"),
 ]

@@ -146,7 +146,7 @@ def test_the_monitor_hears_all_levels_and_can_stop():
         ({"pairs": [[360, 0]]}, "source"),
         ({"pairs": [[0.0, 1.0]]}, "pairs"),
         ({"agreement": 1.0}, "agreement"),
-        ({"sweeps": SoftMapSweeps(coarse=0)}, "max_iterations"),
+        ({"sweeps": SoftMapSweeps(coarse=0)}, "sweeps"),
         ({"sweeps": SoftMapSweeps(tau=-1.0)}, "tau"),
         ({"sweeps": SoftMapSweeps(tolerance=0.0)}, "tolerance"),
     ],
