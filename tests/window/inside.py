@@ -21,6 +21,8 @@ _ASSETS = Path(__file__).resolve().parents[2] / "assets" / "shapes"
 _REACTION = 0.25
 # Pixels between the places where a button is looked for.
 _SEARCH_STEP = 11
+# Pixels between the places where the header of a panel is looked for.
+_HEADER_STEP = 19
 # Screens of the sidebar in which it is looked for.
 _PAGES = 2
 
@@ -77,11 +79,13 @@ class Window:
         region = self.region("UI")
         region.tag_redraw()
         yield 4 * _REACTION
-        for below in range(12, region.height, _SEARCH_STEP):
+        # What is opened on the way pushes the others down, and a second click closes it again.
+        for below in [*range(12, region.height, _HEADER_STEP)] * 2:
             if drawn:
                 break
             yield from self.move(region.x + region.width / 3, self._height - region.y - region.height + below)
             yield from self._input("keydown", "ctrl", "click", 1, "keyup", "ctrl")
+            yield _REACTION
         for kind, draw in drawing.items():
             kind.draw = draw
         region.tag_redraw()
@@ -171,11 +175,13 @@ class Window:
 
 
 def _work(window: Window) -> Iterator[float]:
+    from armatures import armatures
     from densities import densities
     from scenario import scenario
     from soft_maps import soft_maps
 
     yield 1.0
+    yield from armatures(window)
     yield from soft_maps(window)
     yield from densities(window)
     yield from scenario(window)
