@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 import numpy as np
-from convwass_addon.applications.soft_maps.soft_maps.surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
 
+from convwass_addon.applications.soft_maps.surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.sentence import Sentence
 

@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
-from convwass_addon.applications.soft_maps.soft_maps.surface_maps import PointMap
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.soft_maps.surface_maps import PointMap
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.compatibility import comparison, compatibility
-from convwass_addon.applications.soft_maps.soft_maps.map_sides import MapSide
-from convwass_addon.applications.soft_maps.soft_maps.shape_looks import differences, shape_looks
-from convwass_addon.applications.soft_maps.soft_maps.soft_map_settings import SoftMapSettings
 from scipy.spatial.transform import Rotation
 
 from benchmarks.meshes import blob
+from convwass_addon.applications.soft_maps.compatibility import comparison, compatibility
+from convwass_addon.applications.soft_maps.map_sides import MapSide
+from convwass_addon.applications.soft_maps.shape_looks import differences, shape_looks
+from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet

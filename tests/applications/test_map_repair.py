@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.map_repair import repaired_map, repaired_points
-from convwass_addon.applications.soft_maps.soft_maps.surface_maps import SurfaceMap
 
+from convwass_addon.applications.soft_maps.map_repair import repaired_map, repaired_points
+from convwass_addon.applications.soft_maps.surface_maps import SurfaceMap
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import arm, exact_map, turn

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.map_sides import MapSide
-from convwass_addon.applications.soft_maps.soft_maps.mirror_maps import mirror_map_steps, mirrored_pairs
-from convwass_addon.applications.soft_maps.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.applications.soft_maps.soft_maps.transfer_shapes import transferred_shapes
 from scipy.spatial import cKDTree
 
+from convwass_addon.applications.soft_maps.map_sides import MapSide
+from convwass_addon.applications.soft_maps.mirror_maps import mirror_map_steps, mirrored_pairs
+from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
+from convwass_addon.applications.soft_maps.transfer_shapes import transferred_shapes
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import turn

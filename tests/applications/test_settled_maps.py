@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.settled_maps import settled
 
+from convwass_addon.applications.soft_maps.settled_maps import settled
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import turn
 from tests.shapes import ball

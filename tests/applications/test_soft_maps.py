@@ -9,12 +9,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.coarse_sides import vertex_areas
-from convwass_addon.applications.soft_maps.soft_maps.map_sides import MapSide
-from convwass_addon.applications.soft_maps.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.applications.soft_maps.soft_maps.soft_maps import soft_map_steps
-from convwass_addon.applications.soft_maps.soft_maps.surface_maps import distribution_of
 
+from convwass_addon.applications.soft_maps.coarse_sides import vertex_areas
+from convwass_addon.applications.soft_maps.map_sides import MapSide
+from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
+from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
+from convwass_addon.applications.soft_maps.surface_maps import distribution_of
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import arm, shuffled, subdivided, tube, turn

@@ -5,14 +5,14 @@ from __future__ import annotations
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.transfer import (
+from hypothesis import given
+from hypothesis.extra.numpy import arrays
+
+from convwass_addon.applications.soft_maps.transfer import (
     transferred_corner_values,
     transferred_values,
     transferred_weights,
 )
-from hypothesis import given
-from hypothesis.extra.numpy import arrays
-
 from convwass_addon.errors import InputError
 from tests.applications.maps import exact_map, subdivided, without_points
 from tests.shapes import box, torus

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.transfer_shapes import ShapeCarrier, transferred_shapes
 
+from convwass_addon.applications.soft_maps.transfer_shapes import ShapeCarrier, transferred_shapes
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import arm, exact_map, subdivided, turn, without_points

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from convwass_addon.applications.soft_maps.soft_maps.transfer_uvs import transferred_uvs
 
+from convwass_addon.applications.soft_maps.transfer_uvs import transferred_uvs
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.uv_charts import chart_labels, uv_sizes
