@@ -134,4 +134,5 @@ TEXTS: dict[str, str] = {
     "{object} is no armature, so it gives no weights; switch them off.": "{object} n'est pas une armature et ne donne donc pas de poids ; les désactiver.",
     "{object} is no skeleton; name an armature or a mesh of edges.": "{object} n'est pas un squelette ; nommer une armature ou un maillage d'arêtes.",
     "{object} is posed, and was fitted at rest, as Edit Mode shows it; clear its pose to see it so.": "{object} a une pose, et a été ajusté au repos, comme le mode Édition le montre ; effacer sa pose pour le voir ainsi.",
+    "The body encloses no volume: it is open, or thinner than the eye can see. Close it, or give it thickness (the Thickness setting, or --thickness).": "Le corps n'enferme aucun volume : il est ouvert, ou plus mince qu'on ne peut le voir. Le fermer, ou lui donner de l'épaisseur (réglage Épaisseur, ou --thickness).",
 }

@@ -134,4 +134,5 @@ TEXTS: dict[str, str] = {
     "{object} is no armature, so it gives no weights; switch them off.": "{object} ist keine Armatur und gibt daher keine Gewichte; sie ausschalten.",
     "{object} is no skeleton; name an armature or a mesh of edges.": "{object} ist kein Skelett; eine Armatur oder ein Netz aus Kanten nennen.",
     "{object} is posed, and was fitted at rest, as Edit Mode shows it; clear its pose to see it so.": "{object} hat eine Pose und wurde in Ruhe eingepasst, wie der Bearbeitungsmodus es zeigt; die Pose zurücksetzen, um es so zu sehen.",
+    "The body encloses no volume: it is open, or thinner than the eye can see. Close it, or give it thickness (the Thickness setting, or --thickness).": "Der Körper umschließt kein Volumen: Er ist offen, oder dünner, als man sehen kann. Ihn schließen, oder ihm Dicke geben (Einstellung Dicke, oder --thickness).",
 }

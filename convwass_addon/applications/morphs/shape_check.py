@@ -13,6 +13,7 @@ from ...errors import InputError
 from ...geometry.edges import topology
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
+from ...geometry.welding import welded
 from .volumes import Lattice, voxelized
 
 Verdict = Literal["SOUND", "FLIPPED", "HOLES", "NO_VOLUME"]
@@ -58,19 +59,15 @@ def check_shape(mesh: TriangleMesh) -> ShapeFindings:
     mesh : TriangleMesh
         In any space; with one triangle at least.
     """
-    welded = _welded(mesh)
-    outward = orient_outward(welded)
+    joined = welded(mesh)
+    if not len(joined.faces):
+        return ShapeFindings(has_volume=False, open_edges=0, flipped_faces=0)
+    outward = orient_outward(joined)
     return ShapeFindings(
         has_volume=_has_volume(mesh),
-        open_edges=topology(welded).open_edges,
-        flipped_faces=int((outward.faces != welded.faces).any(axis=1).sum()),
+        open_edges=topology(joined).open_edges,
+        flipped_faces=int((outward.faces != joined.faces).any(axis=1).sum()),
     )
-
-
-def _welded(mesh: TriangleMesh) -> TriangleMesh:
-    """Join vertices that lie in one place: files of separate triangles have no holes for that."""
-    vertices, index = np.unique(mesh.vertices, axis=0, return_inverse=True)
-    return TriangleMesh(vertices, index.reshape(-1)[mesh.faces])
 
 
 def _has_volume(mesh: TriangleMesh) -> bool:

@@ -22,6 +22,7 @@ from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.solid_angles import Inside, winding_numbers
 from ...geometry.thicken import shell_occupancy
+from ...geometry.welding import welded
 from ..morphs.volumes import Lattice, voxelized
 
 # The kernel needs vertices that are closer together than its blur; more than enough of them only take time.
@@ -87,9 +88,10 @@ def skeleton_body(
     ResourceError
         It does not fit in memory.
     """
-    if not len(mesh.faces) or not np.ptp(mesh.bounds, axis=0).max() > 0:
+    joined = welded(mesh)
+    if not len(joined.faces):
         raise InputError("The body has no faces; choose a mesh with a surface.")
-    outward = orient_outward(_welded(mesh))
+    outward = orient_outward(joined)
     found = topology(outward)
     if found.closed and _hangs_together(outward) and not thickness > 0 and outward.volume > 0:
         sized = _sized(outward)
@@ -117,13 +119,24 @@ def _solid_body(mesh: TriangleMesh, pins: NDArray[np.float64], names: Sequence[s
         cells = max(thickness / lattice.spacing, _LEAST_THICKNESS)
         filled = np.maximum(occupancy(corners, lattice.shape), shell_occupancy(corners, lattice.shape, cells))
     else:
-        filled = voxelized(mesh, "the body", 0, lattice, thickness)
+        filled = _enclosed(mesh, lattice)
     solid = lattice.to_scene(surface_at_level(filled, 0.5).mesh, np.ones(1))
     piece = _piece_around(solid, pins, names)
     sized = _sized(piece)
     surface = piece if sized is None else sized[0]
     own = piece if thickness > 0 or len(mesh.faces) > _MOST_FACES else mesh
     return SkeletonBody(surface, Inside(own), "solid")
+
+
+def _enclosed(mesh: TriangleMesh, lattice: Lattice) -> NDArray[np.float32]:
+    """Return which share of every cell the mesh encloses."""
+    try:
+        return voxelized(mesh, "", 0, lattice, 0.0)
+    except InputError as error:
+        raise InputError(
+            "The body encloses no volume: it is open, or thinner than the eye can see. Close it, or give it thickness "
+            "(the Thickness setting, or --thickness)."
+        ) from error
 
 
 def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequence[str]) -> TriangleMesh:
@@ -171,14 +184,6 @@ def _subdivided(mesh: TriangleMesh) -> TriangleMesh:
     parts = [(a, across_c, across_b), (across_c, b, across_a), (across_b, across_a, c), (across_a, across_b, across_c)]
     vertices = np.concatenate([mesh.vertices, mesh.vertices[edges].mean(axis=1)])
     return TriangleMesh(vertices, np.concatenate([np.stack(part, axis=1) for part in parts]))
-
-
-def _welded(mesh: TriangleMesh) -> TriangleMesh:
-    """Join vertices that lie in one place, and leave out those and the triangles that are none."""
-    vertices, index = np.unique(mesh.vertices[mesh.faces].reshape(-1, 3), axis=0, return_inverse=True)
-    faces = index.reshape(-1, 3)
-    a, b, c = faces.T
-    return TriangleMesh(vertices, np.ascontiguousarray(faces[(a != b) & (b != c) & (c != a)]))
 
 
 def _part(mesh: TriangleMesh, chosen: NDArray[np.bool_]) -> TriangleMesh:

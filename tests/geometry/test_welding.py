@@ -1,0 +1,27 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertices in one place become one."""
+
+import numpy as np
+
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.welding import welded
+from tests.shapes import box
+
+
+def test_separate_triangles_become_a_closed_surface():
+    whole = box()
+    apart = TriangleMesh(whole.corners.reshape(-1, 3), np.arange(3 * len(whole.faces)).reshape(-1, 3))
+    assert not topology(apart).closed
+    joined = welded(apart)
+    assert topology(joined).closed
+    assert len(joined.vertices) == len(whole.vertices)
+    np.testing.assert_array_equal(joined.corners, whole.corners)
+
+
+def test_triangles_that_collapse_are_left_out():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [5, 5, 5]])
+    joined = welded(TriangleMesh(points, np.array([[0, 1, 2], [0, 1, 3]])))
+    assert len(joined.vertices) == 3
+    assert len(joined.faces) == 1
