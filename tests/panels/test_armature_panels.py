@@ -85,7 +85,7 @@ def test_drawing_computes_and_writes_nothing(rig, monkeypatch):
         raise AssertionError("drawing asked for work")
 
     call("pin_joints", joints="A.head")
-    for place in ("bridge.rigs.armature_graph", "bridge.rigs.triangle_mesh"):
+    for place in ("bridge.armatures.rigs.armature_graph", "bridge.armatures.rigs.triangle_mesh"):
         monkeypatch.setattr(f"convwass_addon.{place}", refuse)
     before = inventory()
     draw_all()

@@ -108,8 +108,8 @@ def test_drawing_computes_and_writes_nothing(mapped, monkeypatch):
     for place in (
         "operators.soft_map_targets.stored_soft_map",
         "operators.soft_map_targets.map_state",
-        "bridge.soft_map_store.unpacked",
-        "bridge.soft_map_store.mesh_mark",
+        "bridge.soft_maps.soft_map_store.unpacked",
+        "bridge.soft_maps.soft_map_store.mesh_mark",
         "bridge.vertex_groups.read_groups",
     ):
         monkeypatch.setattr(f"convwass_addon.{place}", refuse)
