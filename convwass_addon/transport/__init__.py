@@ -17,6 +17,7 @@ from .propagation import Propagation, propagate
 from .soft_map import SoftMap, soft_map, soft_map_domain
 from .soft_map_levels import SoftMapSweeps, SymmetricSoftMap, soft_map_between, symmetric_soft_map
 from .soft_map_problem import SourceEdges
+from .sphere import Sphere
 from .surface import Surface
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "SoftMap",
     "SoftMapSweeps",
     "SourceEdges",
+    "Sphere",
     "Surface",
     "SymmetricSoftMap",
     "barycenter",

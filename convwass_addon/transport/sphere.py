@@ -1,0 +1,297 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sphere, or its upper half, as a domain of transport: a grid of latitudes and longitudes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
+from .region import Region, through_whole_arrays
+from .sphere_filter import SphereFilter
+from .zonal_kernel import ZonalKernel, log_zonal
+
+# A coarser grid keeps the kernel of a finer one unless that is narrower, in its rows, than this; then it keeps sigma.
+_NARROWEST_COARSE = 1.25
+_FEWEST_COLUMNS = 32
+# Above these the tables take gigabytes, and the log domain minutes for every round.
+_MOST_ROWS = 512
+_FAR_CELLS = 1 << 13
+# What is smaller than a sum by more than this does not change it.
+_DEPTH = 45.0
+
+
+class Sphere:
+    """Latitudes and longitudes on the unit sphere, or on its upper half.
+
+    Row i has the angle (i + 1/2) pi / rows from the north pole, +Z, column j the longitude (j + 1/2) 2 pi / columns
+    from +X towards +Y; the upper half has the rows down to the equator and ends there, as if nothing but empty space
+    were below. Lengths of the domain are those of the sphere rescaled to unit area. The kernel is
+    exp(-d^2 / gamma) of the geodesic distance, gamma = 2 sigma^2, times a constant.
+
+    Parameters
+    ----------
+    rows : int
+        From pole to pole, or from the pole to the equator; even.
+    sigma : float
+        Standard deviation of the kernel in rows.
+    columns : int, optional
+        An even number; by default cells are square at the equator.
+    part : "whole" or "upper"
+        Of the sphere.
+    kernel : "exact" or "filter"
+        "filter" is the separable blur that the paper uses, :class:`.sphere_filter.SphereFilter`: up to twice as fast on
+        256 x 128 cells, but distances are off by up to 10 %, midpoints by up to 0.2 sigma.
+
+    Attributes
+    ----------
+    area : float
+        In steradians.
+    radians : float
+        Angle between two rows.
+
+    Raises
+    ------
+    ValueError
+        Numbers that make no sense; the message names the argument.
+    """
+
+    dimension = 2
+    has_quadratic_cost = True
+    has_fast_propagation = False
+    has_fast_balance = False
+    relaxation = 1.5
+    far_numerics = "log domain by rows"
+    pieces = None
+
+    def __init__(
+        self,
+        rows: int,
+        sigma: float,
+        columns: int | None = None,
+        part: Literal["whole", "upper"] = "whole",
+        kernel: Literal["exact", "filter"] = "exact",
+    ) -> None:
+        if part not in ("whole", "upper"):
+            raise ValueError(f'part must be "whole" or "upper", got {part!r}')
+        if kernel not in ("exact", "filter"):
+            raise ValueError(f'kernel must be "exact" or "filter", got {kernel!r}')
+        whole = rows if part == "whole" else 2 * rows
+        columns = 2 * whole if columns is None else columns
+        if rows != int(rows) or rows < 2 or rows % 2 or whole > _MOST_ROWS:
+            raise ValueError(f"rows must be an even number, at most {_MOST_ROWS} from pole to pole, got {rows}")
+        if columns != int(columns) or not 4 <= columns <= 4 * _MOST_ROWS or columns % 2:
+            raise ValueError(f"columns must be an even number between 4 and {4 * _MOST_ROWS}, got {columns}")
+        if not (np.isfinite(sigma) and 0.1 <= sigma <= rows):
+            raise ValueError(f"sigma must lie between 0.1 and {rows} rows, got {sigma}")
+        self.shape = (int(rows), int(columns))
+        self.sigma = float(sigma)
+        self.part = part
+        self.kernel = kernel
+        self.area = 4.0 * np.pi if part == "whole" else 2.0 * np.pi
+        self.unit_length = float(np.sqrt(self.area))
+        self.radians = np.pi / whole
+        self.gamma = 2.0 * (self.sigma * self.radians / self.unit_length) ** 2
+        self.solid_angles = solid_angles(whole, self.shape[1])[: self.shape[0]]
+        self.weights = self.solid_angles / self.area
+
+    @property
+    def whole_rows(self) -> int:
+        """Rows from pole to pole."""
+        return self.shape[0] * (1 if self.part == "whole" else 2)
+
+    @cached_property
+    def positions(self) -> NDArray[np.float64]:
+        """Unit vectors to the middles of the cells, (*shape, 3); lengths are radians."""
+        return directions(self.whole_rows, self.shape[1])[: self.shape[0]]
+
+    @cached_property
+    def _applied(self) -> ZonalKernel | SphereFilter:
+        """Made when the kernel is applied for the first time: solid angles do without it."""
+        kind = ZonalKernel if self.kernel == "exact" else SphereFilter
+        return kind(self.whole_rows, self.shape[1], self.shape[0], self.sigma * self.radians, self.weights[:, 0])
+
+    def apply(self, columns: ArrayLike) -> NDArray[np.float64]:
+        """Apply the kernel, H (a * column), to every column.
+
+        Parameters
+        ----------
+        columns : (k, *shape) or shape
+            Densities or scalings.
+
+        Returns
+        -------
+        ndarray
+            The same shape, blurred; constants stay constant but for a rounding of the cells, and near the edge of an
+            upper half, where they fall.
+        """
+        values = np.ascontiguousarray(columns, dtype=np.float64)
+        if values.shape[-2:] != self.shape or values.ndim > 3:
+            raise ValueError(f"columns must have the shape (k, {self.shape[0]}, {self.shape[1]}), got {values.shape}")
+        result = np.empty_like(values)
+        self._applied.apply(values.reshape(-1, *self.shape), result.reshape(-1, *self.shape))
+        return result
+
+    def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Write log H (a * exp(column)) of every column to `out`, by scalings of float64.
+
+        Right or `LOG_NOTHING`, up to 36 sigma from a column's largest value. `logs` and `out` may be the same array.
+        """
+        columns, results = logs.reshape(-1, *self.shape), out.reshape(-1, *self.shape)
+        shifts = columns.max(axis=(1, 2), keepdims=True) - HEADROOM
+        scaled = np.exp(columns - shifts)
+        scaled[scaled < NEGLIGIBLE] = 0.0
+        self._applied.apply(scaled, results)
+        floored_log(results, shifts)
+
+    def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Write the same with the exact kernel in the log domain, row by row: any range, a hundred times slower.
+
+        Raises
+        ------
+        KernelTooNarrowError
+            The grid is too large for it.
+        """
+        if self.shape[0] * self.shape[1] > _FAR_CELLS:
+            raise KernelTooNarrowError(
+                f"sigma = {self.sigma:.3g} rows is too small for scalings of float64 on a sphere of "
+                f"{self.shape[0]} x {self.shape[1]} cells; try {2 * self.sigma:.3g}"
+            )
+        results = [self._log_blur(column) for column in logs.reshape(-1, *self.shape)]
+        out.reshape(-1, *self.shape)[...] = results
+
+    def _log_blur(self, logs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Sum up one column, for every row over the rows that matter to it, the likeliest first."""
+        logs = np.where(logs > LOG_NOTHING / 2, logs + np.log(self.weights), -np.inf)
+        tops = logs.max(axis=1)
+        there = [np.flatnonzero(np.isfinite(row)) for row in logs]
+        result = np.full(self.shape, LOG_NOTHING)
+        around = np.arange(self.shape[1])
+        for row, target in enumerate(result):
+            kernels = self._log_rows[:, row]
+            bounds = tops + kernels[0]
+            best = np.full(self.shape[1], -np.inf)
+            for other in np.argsort(-bounds):
+                if bounds[other] < best.min() - _DEPTH or not len(there[other]):
+                    break
+                steps = (around[:, None] - there[other]) % self.shape[1]
+                terms = kernels[np.minimum(steps, self.shape[1] - steps), other] + logs[other, there[other]]
+                most = terms.max(axis=1)
+                best = np.logaddexp(best, most + np.log(np.exp(terms - most[:, None]).sum(axis=1)))
+            np.maximum(best, LOG_NOTHING, out=target)
+        return result
+
+    @cached_property
+    def _log_rows(self) -> NDArray[np.float64]:
+        """Logarithms of the exact kernel, (columns / 2 + 1, rows, rows)."""
+        sigma = self.sigma * self.radians
+        offsets = range(self.shape[1] // 2 + 1)
+        logs = np.stack([log_zonal(self.whole_rows, self.shape[1], self.shape[0], d, sigma) for d in offsets])
+        sums = np.tensordot(np.exp(logs), self.weights[:, 0], 1)
+        logs -= np.log((2.0 * sums.sum(axis=0) - sums[0] - sums[-1]).max())
+        return logs
+
+    def log_transfer(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Apply the kernel between regions; a sphere is blurred as a whole."""
+        return through_whole_arrays(self.log_apply, columns, sources, targets)
+
+    def log_transfer_far(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Do the same in the log domain."""
+        return through_whole_arrays(self.log_apply_far, columns, sources, targets)
+
+    def kernel_distance(
+        self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Distances in units of the domain at which the Gaussian falls from its source to these values."""
+        return np.sqrt(self.gamma * np.maximum(log_at_source - log_values, 0.0))
+
+    def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the divergence itself: the cost of a Gaussian kernel is the squared distance."""
+        return divergence
+
+    def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Slope of the squared distance."""
+        return 2.0 * distance
+
+    def coarser(self) -> Sphere | None:
+        """Return the sphere of half the resolution; None where it would be too small."""
+        return self._coarser
+
+    @cached_property
+    def _coarser(self) -> Sphere | None:
+        rows, columns = self.shape
+        if rows % 4 or columns % 4 or columns < 2 * _FEWEST_COLUMNS:
+            return None
+        return Sphere(rows // 2, self._coarser_sigma, columns // 2, self.part, self.kernel)
+
+    @property
+    def _coarser_sigma(self) -> float:
+        """Sigma of the coarser sphere in its rows."""
+        return min(self.sigma, max(self.sigma / 2.0, _NARROWEST_COARSE))
+
+    @property
+    def fall_of_gamma(self) -> float:
+        """How many times larger gamma is on the coarser sphere."""
+        return (2.0 * self._coarser_sigma / self.sigma) ** 2
+
+    def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Densities on the coarser sphere, (k, rows / 2, columns / 2): means of 2 x 2 cells by their solid angles."""
+        rows, width = self.shape
+        masses = (columns * self.weights).reshape(len(columns), rows // 2, 2, width // 2, 2).sum(axis=(2, 4))
+        return masses / self.coarser().weights
+
+    def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
+        """Interpolate columns of the coarser sphere linearly, across the poles too, to a region, (k, len)."""
+        result = np.empty((len(columns), len(region)), columns.dtype)
+        for values, target in zip(columns, result, strict=True):
+            target[...] = region.gather(_doubled(_padded(values, self.part)))
+        return result
+
+    def refined(self, support: Region, region: Region) -> Region:
+        """Return all of the sphere: it is blurred as a whole."""
+        return Region.whole(self.shape)
+
+
+def solid_angles(rows: int, columns: int) -> NDArray[np.float64]:
+    """Solid angles of the cells of a whole sphere in steradians, (rows, columns)."""
+    edges = np.linspace(0.0, np.pi, rows + 1)
+    # cos a - cos b, without the digits that the difference loses at the poles.
+    bands = 2.0 * np.sin((edges[:-1] + edges[1:]) / 2.0) * np.sin(np.pi / (2 * rows))
+    return np.repeat((bands * (2.0 * np.pi / columns))[:, None], columns, axis=1)
+
+
+def directions(rows: int, columns: int) -> NDArray[np.float64]:
+    """Return unit vectors to the middles of the cells of a whole sphere, (rows, columns, 3)."""
+    theta = ((np.arange(rows) + 0.5) * (np.pi / rows))[:, None]
+    phi = (np.arange(columns) + 0.5) * (2.0 * np.pi / columns)
+    parts = (np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta) + 0.0 * phi)
+    return np.stack(parts, axis=-1)
+
+
+def _padded(values: NDArray, part: Literal["whole", "upper"]) -> NDArray:
+    """Add a cell on every side: beyond a pole lie the cells half a turn away, beyond an edge the same again."""
+    half = values.shape[1] // 2
+    south = np.roll(values[-1:], half, axis=1) if part == "whole" else values[-1:]
+    rows = np.concatenate([np.roll(values[:1], half, axis=1), values, south])
+    return np.concatenate([rows[:, -1:], rows, rows[:, :1]], axis=1)
+
+
+def _doubled(padded: NDArray) -> NDArray:
+    """Interpolate to cells of half the size, (2 n, 2 m) of padded (n + 2, m + 2)."""
+    three, one = padded.dtype.type(0.75), padded.dtype.type(0.25)
+    for axis in (0, 1):
+        lines = np.moveaxis(padded, axis, 0)
+        doubled = np.empty((2 * (len(lines) - 2), *lines.shape[1:]), padded.dtype)
+        doubled[0::2] = three * lines[1:-1] + one * lines[:-2]
+        doubled[1::2] = three * lines[1:-1] + one * lines[2:]
+        padded = np.moveaxis(doubled, 0, axis)
+    return padded
