@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Look up a table between its directions so that highlights stay where the half vector puts them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from .lobe_table import LobeTable
+
+# Azimuths of the light around the half vector that a texel is averaged over; the other half is the mirror image.
+_AZIMUTHS = 16
+
+
+def reflectance_at(
+    table: LobeTable, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Reflectance between any two directions of a material without a grain.
+
+    Between two tabulated incoming angles lobes are not mixed as they are, which would double a narrow highlight: each
+    is read where its own half vector lies as the given one does.
+
+    Parameters
+    ----------
+    table : LobeTable
+        Without a grain.
+    incoming, outgoing : (n, 3)
+        Unit vectors; the normal is +Z.
+
+    Returns
+    -------
+    (n, 3) float64
+        f in 1/sr; 0 below the horizon.
+
+    Raises
+    ------
+    InputError
+        The material has a grain.
+    """
+    if not table.is_isotropic:
+        raise InputError("A material with a grain cannot be looked up by its half angles; export the table.")
+    half = incoming + outgoing
+    half /= np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-12)
+    azimuth = np.arctan2(half[:, 1], half[:, 0]) - np.arctan2(incoming[:, 1], incoming[:, 0])
+    aslant = np.hypot(half[:, 0], half[:, 1])
+    turned = np.stack([aslant * np.cos(azimuth), aslant * np.sin(azimuth), half[:, 2]], axis=-1)
+    theta = np.arctan2(np.hypot(incoming[:, 0], incoming[:, 1]), incoming[:, 2])
+    place = np.interp(theta, table.theta_in, np.arange(len(table.theta_in)))
+    low = np.minimum(place.astype(int), len(table.theta_in) - 2)
+    total, share = np.zeros((len(theta), 3)), np.zeros(len(theta))
+    for index, part in ((low, 1.0 - (place - low)), (low + 1, place - low)):
+        light = table.incoming[index]
+        mirrored = 2.0 * (light * turned).sum(axis=-1, keepdims=True) * turned - light
+        part = np.where(mirrored[:, 2] > 0, part, 0.0)
+        total += part[:, None] * _read(table, index, mirrored)
+        share += part
+    visible = (incoming[:, 2] > 0) & (outgoing[:, 2] > 0) & (share > 0)
+    return np.where(visible[:, None], total / np.where(share > 0, share, 1.0)[:, None], 0.0)
+
+
+def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Interpolate lobes linearly between their cells, across the pole too, as values of f."""
+    rows, columns = table.lobes.shape[1:]
+    theta = np.arctan2(np.hypot(outgoing[:, 0], outgoing[:, 1]), outgoing[:, 2])
+    row = theta * (2.0 * rows / np.pi) - 0.5
+    column = np.arctan2(outgoing[:, 1], outgoing[:, 0]) * (columns / (2.0 * np.pi)) - 0.5
+    first, left = np.floor(row).astype(int), np.floor(column).astype(int)
+    result = np.zeros(len(index))
+    for down, own in ((first, 1.0 - (row - first)), (first + 1, row - first)):
+        # Beyond the pole lies the cell half a turn away.
+        over = np.where(down < 0, columns // 2, 0)
+        line = np.minimum(np.maximum(down, -1 - down), rows - 1)
+        for across, part in ((left, 1.0 - (column - left)), (left + 1, column - left)):
+            values = table.lobes[index, line, (across + over) % columns] / table.outgoing[line, 0, 2]
+            result += own * part * values
+    return result[:, None] * table.albedo[index]
+
+
+def half_angle_table(table: LobeTable, height: int = 64, width: int = 256) -> NDArray[np.float32]:
+    """Tabulate a material by the half and the difference angle (Rusinkiewicz 1998), for a picture that shaders read.
+
+    Parameters
+    ----------
+    table : LobeTable
+        Without a grain.
+    height, width : int
+        Of the picture. Texel (i, j) has the difference angle 90 degrees v, v = (i + 1/2) / height, and the half angle
+        90 degrees u^2, u = (j + 1/2) / width.
+
+    Returns
+    -------
+    (height, width, 3) float32
+        f in 1/sr, averaged over the azimuth of the light around the half vector; where no such pair of directions lies
+        above the surface, the last value of the row.
+
+    Raises
+    ------
+    InputError
+        The material has a grain.
+    """
+    theta_d = ((np.arange(height) + 0.5) / height * (np.pi / 2))[:, None, None]
+    theta_h = (((np.arange(width) + 0.5) / width) ** 2 * (np.pi / 2))[None, :, None]
+    phi_d = (np.arange(_AZIMUTHS) + 0.5) * (np.pi / _AZIMUTHS)
+    theta_d, theta_h, phi_d = np.broadcast_arrays(theta_d, theta_h, phi_d)
+    x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
+    cosine, sine = np.cos(theta_h), np.sin(theta_h)
+    incoming = np.stack([cosine * x + sine * z, y, cosine * z - sine * x], axis=-1).reshape(-1, 3)
+    half = np.stack([sine, np.zeros_like(sine), cosine], axis=-1).reshape(-1, 3)
+    outgoing = 2.0 * (incoming * half).sum(axis=-1, keepdims=True) * half - incoming
+    values = reflectance_at(table, incoming, outgoing).reshape(height, width, _AZIMUTHS, 3)
+    above = ((incoming[:, 2] > 0) & (outgoing[:, 2] > 0)).reshape(height, width, _AZIMUTHS)
+    counts = above.sum(axis=2)
+    means = values.sum(axis=2) / np.maximum(counts, 1)[..., None]
+    last = np.maximum.accumulate(np.where(counts > 0, np.arange(width), 0), axis=1)
+    return np.take_along_axis(means, last[..., None], axis=1).astype(np.float32)

@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A material as a table: for every incoming direction the distribution of the light that goes out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...transport.sphere import directions, solid_angles
+from .materials import Material
+
+# Every cell of a lobe is the mean of so many points along each side: highlights are narrower than cells.
+_POINTS = 4
+# The last incoming angle: at the horizon itself nothing is reflected.
+_LAST_ANGLE = np.radians(85.0)
+
+
+@dataclass(frozen=True)
+class LobeTable:
+    """For every incoming direction where the light goes, and how much of it.
+
+    Attributes
+    ----------
+    theta_in : (n,) float64
+        Angles of the incoming directions from the normal in radians; increasing where there is one azimuth.
+    phi_in : (n,) float64
+        Their azimuths in radians; all 0 where the material has no grain.
+    lobes : (n, rows, 4 * rows) float64
+        Densities per steradian over the outgoing hemisphere, f cos(theta_out) over its integral. Row i has the angle
+        (i + 1/2) 90 degrees / rows from the normal, column j the azimuth (j + 1/2) 360 degrees / columns.
+    albedo : (n, 3) float64
+        The share of the light that goes out, per channel.
+    """
+
+    theta_in: NDArray[np.float64]
+    phi_in: NDArray[np.float64]
+    lobes: NDArray[np.float64]
+    albedo: NDArray[np.float64]
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether the azimuth of the incoming direction does not matter."""
+        return not self.phi_in.any()
+
+    @property
+    def rows(self) -> int:
+        """Rows of a lobe."""
+        return self.lobes.shape[1]
+
+    @cached_property
+    def cells(self) -> NDArray[np.float64]:
+        """Solid angles of the cells of a lobe in steradians, (rows, columns)."""
+        return solid_angles(2 * self.rows, self.lobes.shape[2])[: self.rows]
+
+    @cached_property
+    def outgoing(self) -> NDArray[np.float64]:
+        """Unit vectors to the cells, (rows, columns, 3); the normal is +Z."""
+        return directions(2 * self.rows, self.lobes.shape[2])[: self.rows]
+
+    @property
+    def incoming(self) -> NDArray[np.float64]:
+        """Unit vectors towards the light, (n, 3)."""
+        return incoming_vectors(self.theta_in, self.phi_in)
+
+    def reflectance(self) -> NDArray[np.float64]:
+        """Return f in 1/sr, (n, rows, columns, 3)."""
+        cosines = self.outgoing[..., 2]
+        return (self.lobes / cosines)[..., None] * self.albedo[:, None, None, :]
+
+    def fits(self, other: LobeTable) -> bool:
+        """Whether another table has the same directions."""
+        return self.lobes.shape == other.lobes.shape and all(
+            np.allclose(own, their, atol=1e-9)
+            for own, their in ((self.theta_in, other.theta_in), (self.phi_in, other.phi_in))
+        )
+
+
+def incoming_vectors(theta: NDArray[np.float64], phi: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return unit vectors of polar angles and azimuths in radians, (n, 3)."""
+    return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
+
+
+@dataclass(frozen=True)
+class IncomingDirections:
+    """The incoming directions of a table, (n,) in radians; see :class:`LobeTable`."""
+
+    theta: NDArray[np.float64]
+    phi: NDArray[np.float64]
+
+
+def incoming_directions(angles: int, turns: int) -> IncomingDirections:
+    """Incoming angles from the normal almost to the horizon, evenly, for so many azimuths; 1 for no grain.
+
+    Neighbors in the order are neighbors in direction: every second azimuth runs backwards.
+    """
+    thetas = np.linspace(0.0, _LAST_ANGLE, angles)
+    phis = np.arange(turns) * (2.0 * np.pi / turns)
+    there_and_back = [thetas[:: -1 if turn % 2 else 1] for turn in range(turns)]
+    return IncomingDirections(np.concatenate(there_and_back), np.repeat(phis, angles))
+
+
+def tabulated(material: Material, incoming: IncomingDirections, rows: int) -> LobeTable:
+    """Sample a material.
+
+    Parameters
+    ----------
+    material : Material
+        Its values are averaged over the cells.
+    incoming : IncomingDirections
+        For which.
+    rows : int
+        Of every lobe.
+
+    Returns
+    -------
+    LobeTable
+        Lobes of mass 1. Where a material reflects nothing at all the lobe is that of a matte one, with albedo 0.
+    """
+    columns = 4 * rows
+    cells = solid_angles(2 * rows, columns)[:rows]
+    matte = directions(2 * rows, columns)[:rows, :, 2] / np.pi
+    lobes, albedo = [], []
+    for light in reflected_light(material, incoming, rows):
+        grey = light.sum(axis=2)
+        lobes.append(grey / (grey.sum() * cells) if grey.sum() > 0 else matte / (matte * cells).sum())
+        albedo.append(light.sum(axis=(0, 1)))
+    return LobeTable(incoming.theta, incoming.phi, np.array(lobes), np.array(albedo))
+
+
+def reflected_light(material: Material, incoming: IncomingDirections, rows: int) -> Iterator[NDArray[np.float64]]:
+    """Yield for every incoming direction the share of the light that goes out to every cell, (rows, 4 rows, 3)."""
+    fine_rows, fine_columns = rows * _POINTS, 4 * rows * _POINTS
+    outgoing = directions(2 * fine_rows, fine_columns)[:fine_rows]
+    projected = (solid_angles(2 * fine_rows, fine_columns)[:fine_rows] * outgoing[..., 2])[..., None]
+    for vector in incoming_vectors(incoming.theta, incoming.phi):
+        light = material.reflectance(vector, outgoing) * projected
+        yield light.reshape(rows, _POINTS, 4 * rows, _POINTS, 3).sum(axis=(1, 3))

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of lobes as files of NumPy's, checked when they are read; nothing in them is unpickled."""
+
+from __future__ import annotations
+
+import os
+import uuid
+import zipfile
+from pathlib import Path
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from .lobe_table import LobeTable
+
+_NAMES = ("theta_in", "phi_in", "lobes", "albedo")
+_MOST_DIRECTIONS, _FEWEST_ROWS, _MOST_ROWS = 8100, 4, 256
+_MOST_BYTES = 4 << 30
+# Lobes are stored in single precision, in which a mass of 1 is this near to it.
+_MASS_TOLERANCE = 1e-3
+
+
+def write_table(path: Path, table: LobeTable) -> None:
+    """Write a table as ``.npz``: `theta_in`, `phi_in`, `lobes` (float32) and `albedo`, as :class:`LobeTable` has them.
+
+    The file is there as a whole or not at all.
+
+    Raises
+    ------
+    InputError
+        It cannot be written.
+    """
+    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    arrays = {"theta_in": table.theta_in, "phi_in": table.phi_in, "albedo": table.albedo}
+    try:
+        with beside.open("wb") as file:
+            np.savez_compressed(file, lobes=table.lobes.astype(np.float32), **arrays)
+        os.replace(beside, path)
+    except OSError as problem:
+        beside.unlink(missing_ok=True)
+        raise InputError("{name} cannot be written: {problem}", name=path.name, problem=problem.strerror) from problem
+
+
+def read_table(path: Path) -> LobeTable:
+    """Read what :func:`write_table` has written.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or is no such table.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            arrays = {name: _array(archive, name, path) for name in _NAMES}
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        raise InputError("{name} cannot be read: {problem}", name=path.name, problem=reason) from problem
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError) as problem:
+        raise InputError("{name} is no table of lobes.", name=path.name) from problem
+    except Exception as problem:
+        # zlib and lzma have errors of their own.
+        if type(problem).__module__ not in ("zlib", "_lzma", "lzma"):
+            raise
+        raise InputError("{name} is no table of lobes.", name=path.name) from problem
+    return _checked(arrays, path)
+
+
+def _array(archive: zipfile.ZipFile, name: str, path: Path) -> NDArray[np.float64]:
+    """Read one member, whose header must promise neither objects nor more than is there."""
+    entry = archive.getinfo(f"{name}.npy")
+    if entry.file_size > _MOST_BYTES:
+        raise InputError("{name} is larger than any table of lobes.", name=path.name)
+    with archive.open(entry) as file:
+        version = npy.read_magic(file)
+        reader = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}.get(version)
+        if reader is None:
+            raise ValueError("unknown version")
+        shape, in_columns, dtype = reader(file)
+        if dtype not in (np.dtype("<f4"), np.dtype("<f8")) or in_columns or not 1 <= len(shape) <= 3:
+            raise ValueError("unexpected array")
+        count = int(np.prod([int(size) for size in shape], dtype=object))
+        if not 0 < count * dtype.itemsize <= entry.file_size:
+            raise ValueError("sizes do not fit")
+        content = file.read(count * dtype.itemsize)
+        if len(content) != count * dtype.itemsize:
+            raise ValueError("sizes do not fit")
+    return np.frombuffer(content, dtype).reshape(shape).astype(np.float64)
+
+
+def _checked(arrays: dict[str, NDArray[np.float64]], path: Path) -> LobeTable:
+    theta, phi, lobes, albedo = (arrays[name] for name in _NAMES)
+    fits = (
+        theta.ndim == 1
+        and 2 <= len(theta) <= _MOST_DIRECTIONS
+        and phi.shape == theta.shape
+        and lobes.ndim == 3
+        and len(lobes) == len(theta)
+        and _FEWEST_ROWS <= lobes.shape[1] <= _MOST_ROWS
+        and lobes.shape[1] % 2 == 0
+        and lobes.shape[2] == 4 * lobes.shape[1]
+        and albedo.shape == (len(theta), 3)
+    )
+    if not fits:
+        raise InputError("{name} is no table of lobes.", name=path.name)
+    if not all(np.isfinite(array).all() for array in arrays.values()) or min(lobes.min(), albedo.min()) < 0:
+        raise InputError("{name} has values that no table of lobes has.", name=path.name)
+    if theta.min() < 0 or theta.max() >= np.pi / 2 or (not phi.any() and (np.diff(theta) <= 0).any()):
+        raise InputError("{name} has values that no table of lobes has.", name=path.name)
+    table = LobeTable(theta, phi, lobes, albedo)
+    masses = (lobes * table.cells).sum(axis=(1, 2))
+    if np.abs(masses - 1.0).max() > _MASS_TOLERANCE:
+        raise InputError("{name} has values that no table of lobes has.", name=path.name)
+    return LobeTable(theta, phi, lobes / masses[:, None, None], albedo)

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials, worlds and skies for the tests of light."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from convwass_addon.transport.sphere import directions, solid_angles
+
+
+def principled(name, roughness, **values):
+    """Make a metal; values are inputs of the Principled BSDF with low lines for spaces."""
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    node = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    node.inputs["Roughness"].default_value = roughness
+    node.inputs["Metallic"].default_value = 1.0
+    for key, value in values.items():
+        node.inputs[key.replace("_", " ").title()].default_value = value
+    return material
+
+
+def glossy(name, roughness):
+    """Make a white Glossy BSDF."""
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
+    node.distribution = "GGX"
+    node.inputs["Roughness"].default_value = roughness
+    node.inputs["Color"].default_value = (1, 1, 1, 1)
+    tree.links.new(node.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs[0])
+    return material
+
+
+def only(material, kind):
+    """Return the node of a kind in a material."""
+    (node,) = (node for node in material.node_tree.nodes if node.type == kind)
+    return node
+
+
+def sky(sun, rows=64, color=(1.0, 0.8, 0.5)):
+    """Return an even blue sky with a glow and a sun of one pixel, (rows, 2 rows, 3)."""
+    vectors = directions(rows, 2 * rows)
+    sun = np.asarray(sun) / np.linalg.norm(sun)
+    image = np.full((rows, 2 * rows, 3), (0.2, 0.3, 0.5)) + 2.0 * np.exp(8 * (vectors @ sun - 1))[..., None]
+    place = np.unravel_index(np.argmax(vectors @ sun), vectors.shape[:2])
+    image[place] += 2.0 / solid_angles(rows, 2 * rows)[place[0], 0] * np.array(color)
+    return image.astype(np.float32)
