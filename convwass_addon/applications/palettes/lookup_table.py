@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grades as tables: cubes of colors, written and read as .cube files (Adobe, Cube LUT Specification 1.0)."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
+
+from ...errors import ConvwassError, InputError
+from .lab_colors import linear_of_srgb, srgb_of_linear
+from .recoloring import Recoloring
+
+SIZES = (2, 129)
+"""Fewest and most colors along an edge."""
+
+# A table of the largest size with twenty digits a number takes less.
+_MOST_BYTES = 1 << 28
+
+
+@dataclass(frozen=True)
+class LookupTable:
+    """Colors that stand for colors.
+
+    Attributes
+    ----------
+    colors : (n, n, n, 3) float32
+        For red (first axis), green and blue in even steps over the domain: what becomes of them; encoded as sRGB is,
+        like the colors that are looked up.
+    lowest, highest : (3,) float64
+        The domain.
+    """
+
+    colors: NDArray[np.float32]
+    lowest: NDArray[np.float64]
+    highest: NDArray[np.float64]
+
+    def applied(self, encoded: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Look up colors, (3, ...), interpolated between the eight around them; those outside count at the rim."""
+        size = len(self.colors)
+        span = (self.highest - self.lowest)[:, None]
+        places = (encoded.reshape(3, -1) - self.lowest[:, None]) * ((size - 1) / span)
+        places = np.clip(places, 0.0, size - 1.0).astype(encoded.dtype)
+        found = np.empty(places.shape, dtype=encoded.dtype)
+        for channel, own in enumerate(found):
+            map_coordinates(self.colors[..., channel], places, own, order=1, mode="nearest")
+        return found.reshape(encoded.shape)
+
+    def applied_linear(self, linear: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Look up colors in linear Rec.709, and return such."""
+        return linear_of_srgb(self.applied(srgb_of_linear(linear)))
+
+
+def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
+    """Push a lattice of all colors through a recoloring.
+
+    Parameters
+    ----------
+    change : Recoloring
+        With the strength that the table is to have; its edge-aware filter sees no neighbors here, and is left out.
+    size : int
+        Colors along an edge; measured errors are in `docs/performance.md`.
+
+    Raises
+    ------
+    InputError
+        A size that other programs would not take.
+    """
+    _check_size(size)
+    steps = np.linspace(0.0, 1.0, size, dtype=np.float32)
+    lattice = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"))
+    found = np.clip(srgb_of_linear(change(linear_of_srgb(lattice))), 0.0, 1.0)
+    return LookupTable(np.ascontiguousarray(np.moveaxis(found, 0, -1)), np.zeros(3), np.ones(3))
+
+
+def write_cube(table: LookupTable, path: Path, title: str = "Convwass") -> None:
+    """Write a table as a .cube file, red fastest; the file is there whole or not at all.
+
+    Raises
+    ------
+    ConvwassError
+        The system could not write it.
+    """
+    size = len(table.colors)
+    safe = "".join(letter for letter in title if letter.isprintable() and letter not in '"\\')[:80]
+    head = [f'TITLE "{safe}"', f"LUT_3D_SIZE {size}"]
+    for name, values in (("MIN", table.lowest), ("MAX", table.highest)):
+        head.append(f"DOMAIN_{name} " + " ".join(f"{value:g}" for value in values))
+    rows = table.colors.transpose(2, 1, 0, 3).reshape(-1, 3)
+    draft = path.with_name(f".{uuid.uuid4().hex}.cube")
+    try:
+        with open(draft, "w", encoding="utf-8", newline="\n") as file:
+            file.write("\n".join(head) + "\n")
+            np.savetxt(file, rows, fmt="%.6f")
+        os.replace(draft, path)
+    except OSError as error:
+        raise ConvwassError(
+            "{file} could not be written: {reason}", file=str(path), reason=str(error).strip()
+        ) from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def read_cube(path: Path) -> LookupTable:
+    """Read a .cube file with a table of three dimensions.
+
+    Raises
+    ------
+    InputError
+        No such file, or one that is no such table; the message says what is wrong.
+    """
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError("{file} is too large for a .cube file.", file=str(path))
+        lines = path.read_text(encoding="utf-8", errors="strict").splitlines()
+    except OSError as error:
+        raise InputError("{file} could not be read: {reason}", file=str(path), reason=str(error).strip()) from error
+    except UnicodeDecodeError as error:
+        raise InputError("{file} is no .cube file; it holds no text.", file=str(path)) from error
+    return _table_of(lines, path)
+
+
+def _table_of(lines: list[str], path: Path) -> LookupTable:
+    words = [line.split() for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    head = [line for line in words if line[0][0].isalpha() and line[0].lower() not in ("nan", "inf")]
+    rows = [line for line in words if line not in head] if head else words
+    sizes = [line[1] for line in head if line[0] == "LUT_3D_SIZE" and len(line) == 2]
+    if len(sizes) != 1 or not (sizes[0].isascii() and sizes[0].isdigit() and len(sizes[0]) < 5):
+        raise InputError("{file} holds no table of three dimensions (LUT_3D_SIZE).", file=str(path))
+    size = int(sizes[0])
+    _check_size(size)
+    if len(rows) != size**3 or any(len(row) != 3 for row in rows):
+        raise InputError(
+            "{file} must hold {count} colors of three numbers, and does not.", file=str(path), count=size**3
+        )
+    lowest, highest = (_numbers(head, name, default, path) for name, default in (("MIN", 0.0), ("MAX", 1.0)))
+    colors = _finite(rows, path).reshape(size, size, size, 3).transpose(2, 1, 0, 3)
+    if not (highest > lowest).all():
+        raise InputError("The domain of {file} is empty.", file=str(path))
+    return LookupTable(np.ascontiguousarray(colors, dtype=np.float32), lowest, highest)
+
+
+def _numbers(head: list[list[str]], name: str, default: float, path: Path) -> NDArray[np.float64]:
+    found = [line[1:] for line in head if line[0] == f"DOMAIN_{name}" and len(line) == 4]
+    return _finite(found[-1:], path)[0] if found else np.full(3, default)
+
+
+def _finite(rows: list[list[str]], path: Path) -> NDArray[np.float64]:
+    try:
+        values = np.array(rows, dtype=np.float64)
+    except ValueError:
+        values = np.full(1, np.nan)
+    if not np.isfinite(values).all() or np.abs(values).max() > 1e6:
+        raise InputError("{file} holds what is no number.", file=str(path))
+    return values
+
+
+def _check_size(size: int) -> None:
+    if not SIZES[0] <= size <= SIZES[1]:
+        raise InputError(
+            "A table has between {least} and {most} colors along an edge, not {size}.",
+            least=SIZES[0],
+            most=SIZES[1],
+            size=size,
+        )

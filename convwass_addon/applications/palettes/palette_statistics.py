@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The palette of an image: a histogram of a and b, and quantiles of L (Solomon et al. 2015, section 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+
+BINS = 128
+"""Bins along a and along b."""
+
+REACH = 128.0
+"""The histogram goes from minus this to this, along both; what is beyond counts at its rim."""
+
+QUANTILES = 4096
+"""Values of L that stand for equal shares of the picture."""
+
+# More pixels than these change no histogram that the eye could tell from it.
+_MOST_SAMPLES = 1 << 18
+# Golden ratio: samples at these places within equal stretches fall into step with no picture's width.
+_GOLDEN = 0.6180339887498949
+
+
+@dataclass(frozen=True)
+class Palette:
+    """Which colors there are, and how much of each.
+
+    Attributes
+    ----------
+    chroma : (BINS, BINS) float64
+        Shares of a (first axis) and b; of sum 1.
+    lightness : (QUANTILES,) float64
+        L at the middles of equal shares, ascending.
+    mass : float
+        How many pixels it stands for, partly transparent ones in part.
+    """
+
+    chroma: NDArray[np.float64]
+    lightness: NDArray[np.float64]
+    mass: float
+
+
+def sample_places(count: int) -> NDArray[np.int64]:
+    """Return which of `count` pixels stand for all of them: all, or about 260 000 that are spread evenly."""
+    if count <= _MOST_SAMPLES:
+        return np.arange(count)
+    steps = np.arange(_MOST_SAMPLES, dtype=np.float64)
+    return ((steps + steps * _GOLDEN % 1.0) * (count / _MOST_SAMPLES)).astype(np.int64)
+
+
+def measured_palette(lab: ArrayLike, weights: ArrayLike | None = None) -> Palette:
+    """Measure the palette of pixels.
+
+    Parameters
+    ----------
+    lab : (3, n) array_like
+        CIE-Lab; pixels with numbers that are not finite do not count.
+    weights : (n,) array_like, optional
+        Not negative: how much every pixel counts, such as its alpha; by default all alike.
+
+    Raises
+    ------
+    InputError
+        No pixel counts.
+    """
+    values = np.asarray(lab, dtype=np.float64)
+    shares = np.ones(values.shape[1]) if weights is None else np.asarray(weights, dtype=np.float64)
+    counts = np.isfinite(values).all(axis=0) & (shares > 0) & np.isfinite(shares)
+    if not counts.any():
+        raise InputError("No pixel counts: the image is transparent, the mask is black, or no color is a number.")
+    values, shares = values[:, counts], shares[counts]
+    return Palette(_histogram(values[1:], shares), _quantiles(values[0], shares), float(shares.sum()))
+
+
+def pooled_palette(palettes: Sequence[Palette]) -> Palette:
+    """Return the palette of several images together, such as the frames of a clip, each by its pixels."""
+    masses = np.array([palette.mass for palette in palettes])
+    chroma = np.tensordot(masses / masses.sum(), np.array([palette.chroma for palette in palettes]), axes=1)
+    values = np.concatenate([palette.lightness for palette in palettes])
+    return Palette(chroma, _quantiles(values, np.repeat(masses, QUANTILES)), float(masses.sum()))
+
+
+def _histogram(ab: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share every pixel among the four bins around it, so that the mean color stays exact."""
+    places = np.clip((ab + REACH) * (BINS / (2.0 * REACH)) - 0.5, 0.0, BINS - 1.0)
+    first = np.minimum(places.astype(np.int64), BINS - 2)
+    upper = places - first
+    found = np.zeros(BINS * BINS)
+    for down, right in np.ndindex(2, 2):
+        share = (upper[0] if down else 1.0 - upper[0]) * (upper[1] if right else 1.0 - upper[1])
+        found += np.bincount((first[0] + down) * BINS + first[1] + right, share * weights, BINS * BINS)
+    return found.reshape(BINS, BINS) / found.sum()
+
+
+def _quantiles(values: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    order = np.argsort(values)
+    passed = np.cumsum(weights[order])
+    wanted = (np.arange(QUANTILES) + 0.5) / QUANTILES * passed[-1]
+    return values[order][np.minimum(np.searchsorted(passed, wanted), len(values) - 1)]

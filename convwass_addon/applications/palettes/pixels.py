@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels as files hold them: encoded or linear, with an alpha or without, and the colors in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .lab_colors import lab_of_linear, linear_of_srgb, srgb_of_linear, transformed
+from .palette_statistics import Palette, measured_palette, sample_places
+
+
+@dataclass(frozen=True)
+class PixelFormat:
+    """What the numbers of an image mean.
+
+    Attributes
+    ----------
+    encoding : "srgb" or "linear"
+        Whether the transfer function of sRGB has been applied.
+    alpha : "straight", "associated" or "ignored"
+        Whether colors have been multiplied by it; if ignored, all pixels count alike.
+    to_rec709 : (3, 3) float64
+        From the primaries of linear values to those of Rec.709.
+    highest : float
+        Largest value of a channel; infinite for scenes, which may be brighter than white.
+    """
+
+    encoding: Literal["srgb", "linear"] = "srgb"
+    alpha: Literal["straight", "associated", "ignored"] = "straight"
+    to_rec709: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    highest: float = 1.0
+
+    def linear(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the colors of pixels, (..., 4), as linear Rec.709, (3, ...); whatever is not finite stays so."""
+        colors = np.ascontiguousarray(np.moveaxis(pixels[..., :3], -1, 0))
+        if self.alpha == "associated":
+            alpha = pixels[..., 3]
+            colors /= np.where(alpha > 0, alpha, 1.0)
+        if self.encoding == "srgb":
+            colors = linear_of_srgb(colors)
+        return colors if self._is_rec709 else transformed(self.to_rec709, colors)
+
+    def encoded(self, linear: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return what pixels hold for colors in linear Rec.709, (3, ...), where alpha is as given."""
+        colors = linear if self._is_rec709 else transformed(np.linalg.inv(self.to_rec709), linear)
+        if self.encoding == "srgb":
+            colors = srgb_of_linear(colors)
+        if self.alpha == "associated":
+            colors = colors * np.where(alpha > 0, alpha, 1.0)
+        return np.moveaxis(colors, 0, -1)
+
+    @property
+    def _is_rec709(self) -> bool:
+        return np.array_equal(self.to_rec709, np.eye(3))
+
+
+def image_palette(
+    pixels: ArrayLike, pixel_format: PixelFormat, mask: ArrayLike | None = None, weights: ArrayLike | None = None
+) -> Palette:
+    """Measure the palette of an image, from all of its pixels or about 260 000 of them.
+
+    Parameters
+    ----------
+    pixels : (..., 4) array_like
+        Red, green, blue, alpha.
+    pixel_format : PixelFormat
+        What they mean.
+    mask : array_like, optional
+        How much every pixel counts, not negative, besides its alpha.
+    weights : array_like, optional
+        The same again, such as the areas of the vertices of a mesh.
+
+    Raises
+    ------
+    InputError
+        No pixel counts.
+    """
+    rows = np.asarray(pixels, dtype=np.float32).reshape(-1, 4)
+    places = sample_places(len(rows))
+    chosen = rows[places]
+    shares = np.ones(len(chosen)) if pixel_format.alpha == "ignored" else np.clip(chosen[:, 3], 0.0, 1.0)
+    for own in (mask, weights):
+        if own is not None:
+            shares = shares * np.asarray(own).reshape(-1)[places]
+    with np.errstate(invalid="ignore", over="ignore"):
+        lab = lab_of_linear(pixel_format.linear(chosen))
+    return measured_palette(lab, shares)

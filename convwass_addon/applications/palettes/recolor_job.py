@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Recoloring one image as a job of steps: measure, solve, apply."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...sentence import Sentence
+from .palette_settings import RecolorSettings
+from .palette_statistics import Palette
+from .pixel_blocks import recolored_blocks
+from .pixels import PixelFormat, image_palette
+from .recoloring import Recoloring, recoloring
+
+# Shares of a job that measuring and solving take, as the progress tells it.
+_MEASURED, _SOLVED = 0.1, 0.3
+# Refused: a plan that is this far off would say little about the palette.
+_LARGEST_ERROR = 0.1
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Pixels, or what is treated as such, and how they are to be read.
+
+    Attributes
+    ----------
+    pixels : (height, width, 4) float32
+        Red, green, blue, alpha.
+    pixel_format : PixelFormat
+        What they mean.
+    mask : (height, width) float32 or None
+        From 0 to 1: how much every pixel takes part.
+    weights : (height, width) array or None
+        How much it counts in the palette, besides: the area that it stands for.
+    """
+
+    pixels: NDArray[np.float32]
+    pixel_format: PixelFormat
+    mask: NDArray[np.float32] | None = None
+    weights: NDArray[np.float64] | None = None
+
+    def palette(self) -> Palette:
+        """Measure the palette; raises InputError where no pixel counts."""
+        return image_palette(self.pixels, self.pixel_format, self.mask, self.weights)
+
+
+@dataclass(frozen=True)
+class RecolorStep:
+    """What has been done last.
+
+    Attributes
+    ----------
+    fraction : float
+        Done share of the whole job.
+    message : Sentence
+        What is being done.
+    change : Recoloring or None
+        The map, with the last step.
+    pixels : (height, width, 4) float32 or None
+        The recolored image, with the last step.
+    """
+
+    fraction: float
+    message: Sentence
+    change: Recoloring | None = None
+    pixels: NDArray[np.float32] | None = None
+
+
+def recolor_steps(
+    source: Picture,
+    palettes: Sequence[Picture],
+    weights: Sequence[float],
+    settings: RecolorSettings,
+    check: Callable[[], None] | None = None,
+    *,
+    only_map: bool = False,
+) -> Iterator[RecolorStep]:
+    """Give a picture the palette of another, or the barycenter of the palettes of several.
+
+    Parameters
+    ----------
+    source : Picture
+        What is recolored.
+    palettes : sequence of Picture
+        Where the colors come from.
+    weights : sequence of float
+        One for each; those without weight are not read.
+    settings : RecolorSettings
+        How.
+    check : callable, optional
+        Called often; what it raises ends the job.
+    only_map : bool
+        End with the map, and leave the pixels: for a table that other programs apply.
+
+    Raises
+    ------
+    InputError
+        Pictures without colors, or weights that do not fit.
+    """
+    yield RecolorStep(0.0, Sentence("Measuring palettes"))
+    own = source.palette()
+    used = [place for place, weight in enumerate(weights) if weight > 0]
+    if not used:
+        raise InputError("Weights must be 0 or more, and not all of them 0.")
+    measured = []
+    for place in used:
+        if check is not None:
+            check()
+        measured.append(palettes[place].palette())
+    yield RecolorStep(_MEASURED, Sentence("Matching palettes"))
+    change = recoloring(own, measured, [weights[place] for place in used], settings, check)
+    _require_solved(change)
+    if only_map:
+        yield RecolorStep(1.0, Sentence("The map is there"), change)
+        return
+    yield RecolorStep(_SOLVED, Sentence("Recoloring"))
+    out = np.empty_like(source.pixels)
+    for share in recolored_blocks(source.pixels, source.pixel_format, change, source.mask, out, check):
+        yield RecolorStep(_SOLVED + (0.99 - _SOLVED) * share, Sentence("Recoloring"))
+    yield RecolorStep(1.0, Sentence("The image is there"), change, out)
+
+
+def _require_solved(change: Recoloring) -> None:
+    if not change.chroma.marginal_error < _LARGEST_ERROR:
+        raise InputError(
+            "The palettes could not be matched (marginal error {error:.0%}); blur or mask what has stray colors.",
+            error=change.chroma.marginal_error,
+        )

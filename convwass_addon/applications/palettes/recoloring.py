@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps between palettes: what is solved once, and then applied to any number of pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from .chroma_map import ChromaMap, chroma_barycenter, chroma_map
+from .lab_colors import lab_of_linear, linear_of_lab
+from .lightness_curve import LightnessCurve, lightness_curve
+from .palette_settings import RecolorSettings
+from .palette_statistics import Palette
+
+# Halvings of the interval in which the largest chroma lies that a screen can show.
+_HALVINGS = 10
+# Pixels of which no channel changes by more than this are what they were.
+_NOTHING = 1e-9
+# L of white, and what rounding adds.
+_WHITE = 100.01
+
+
+@dataclass(frozen=True)
+class Recoloring:
+    """A map that carries one palette to another.
+
+    The change of a color grows with the strength, so that a new strength needs no new solve: between two palettes this
+    is the sequence of their barycenters (Solomon et al. 2015, section 7 and Fig. 11).
+
+    Attributes
+    ----------
+    lightness : LightnessCurve
+        Change of L.
+    chroma : ChromaMap
+        Change of a and b.
+    settings : RecolorSettings
+        How it is applied.
+    """
+
+    lightness: LightnessCurve
+    chroma: ChromaMap
+    settings: RecolorSettings
+
+    @property
+    def record(self) -> dict[str, object]:
+        """Figures of the solve, ready for JSON."""
+        return {"iterations": self.chroma.iterations, "marginal_error": self.chroma.marginal_error}
+
+    def shifts(self, lab: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Return by how much colors change, (3, ...), at the strength of the settings."""
+        found = np.empty_like(lab)
+        found[0] = self.lightness(lab[0]) if self.settings.lightness == "transport" else 0.0
+        found[1:] = self.chroma(lab[1:])
+        found *= self.settings.strength
+        return found
+
+    def finished(
+        self, linear: NDArray[np.floating], lab: NDArray[np.floating], shifts: NDArray[np.floating], highest: float
+    ) -> NDArray[np.floating]:
+        """Return shifted colors in linear Rec.709, brought into the gamut.
+
+        Parameters
+        ----------
+        linear, lab : (3, ...) array
+            The colors before.
+        shifts : (3, ...) array
+            By how much they change.
+        highest : float
+            Largest value of a channel; infinite for scenes.
+        """
+        moved = lab + shifts
+        lowest = np.minimum(linear, 0.0)
+        if self.settings.gamut == "chroma":
+            _grow_pale(moved, lowest, highest)
+        found = np.clip(linear_of_lab(moved), lowest, highest)
+        return np.where((np.abs(shifts) <= _NOTHING).all(axis=0), linear, found)
+
+    def __call__(self, linear: NDArray[np.floating], highest: float = 1.0) -> NDArray[np.floating]:
+        """Return recolored pixels, (3, ...), linear Rec.709."""
+        lab = lab_of_linear(linear)
+        return self.finished(linear, lab, self.shifts(lab), highest)
+
+
+def recoloring(
+    source: Palette,
+    targets: Sequence[Palette],
+    weights: Sequence[float] | None = None,
+    settings: RecolorSettings | None = None,
+    check: Callable[[], None] | None = None,
+) -> Recoloring:
+    """Solve for the map that carries a palette to another one, or to the barycenter of several.
+
+    Parameters
+    ----------
+    source : Palette
+        Of what is recolored.
+    targets : sequence of Palette
+        One or more.
+    weights : sequence of float, optional
+        Their weights in the barycenter, not negative; by default all alike.
+    settings : RecolorSettings, optional
+        How.
+    check : callable, optional
+        Called in every round; what it raises ends the solve.
+
+    Raises
+    ------
+    InputError
+        No palette, or weights that do not fit.
+    """
+    settings = settings or RecolorSettings()
+    target = palette_barycenter(targets, weights, check)
+    own = source.lightness
+    if target.lightness[-1] <= _WHITE:
+        # Lamps of a scene stay as much brighter than white as they are, where the palette knows nothing above it.
+        own = np.minimum(own, _WHITE)
+    return Recoloring(
+        lightness_curve(own, target.lightness, settings.smoothing, settings.steepest),
+        chroma_map(source.chroma, target.chroma, settings.smoothing, check),
+        settings,
+    )
+
+
+def palette_barycenter(
+    palettes: Sequence[Palette], weights: Sequence[float] | None = None, check: Callable[[], None] | None = None
+) -> Palette:
+    """Return the barycenter of palettes: debiased in a and b, in closed form in L.
+
+    Raises
+    ------
+    InputError
+        No palette, or weights that do not fit.
+    """
+    alphas = _checked_weights(len(palettes), weights)
+    chosen = [palette for palette, alpha in zip(palettes, alphas, strict=True) if alpha > 0]
+    alphas = alphas[alphas > 0]
+    if len(chosen) == 1:
+        return chosen[0]
+    chroma = chroma_barycenter([palette.chroma for palette in chosen], alphas, check)
+    lightness = alphas @ np.array([palette.lightness for palette in chosen])
+    return Palette(chroma, lightness, float(alphas @ [palette.mass for palette in chosen]))
+
+
+def _checked_weights(count: int, weights: Sequence[float] | None) -> NDArray[np.float64]:
+    if not count:
+        raise InputError("There is no palette to take; choose an image whose colors are wanted.")
+    alphas = np.ones(count) if weights is None else np.asarray(weights, dtype=np.float64)
+    if alphas.shape != (count,):
+        raise InputError("There must be one weight for each of the {count} palettes.", count=count)
+    if not np.isfinite(alphas).all() or alphas.min() < 0 or alphas.max() == 0:
+        raise InputError("Weights must be 0 or more, and not all of them 0.")
+    return alphas / alphas.sum()
+
+
+def _grow_pale(lab: NDArray[np.floating], lowest: NDArray[np.floating], highest: float) -> None:
+    """Take chroma from colors that cannot be shown, until they can; L stays, within what is black and white."""
+    if np.isfinite(highest):
+        np.clip(lab[0], 0.0, 100.0, out=lab[0])
+    slack = 1e-4
+    linear = linear_of_lab(lab)
+    outside = ((linear < lowest - slack) | (linear > highest + slack)).any(axis=0)
+    if not outside.any():
+        return
+    own, floor = lab[:, outside], lowest[:, outside]
+    low, high = np.zeros_like(own[0]), np.ones_like(own[0])
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        tried = linear_of_lab(np.stack([own[0], own[1] * middle, own[2] * middle]))
+        fits = ((tried >= floor - slack) & (tried <= highest + slack)).all(axis=0)
+        low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+    lab[1, outside], lab[2, outside] = own[1] * low, own[2] * low

@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What recoloring does to the pixels of images, and to tables of colors."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb
+from convwass_addon.applications.palettes.lookup_table import LookupTable, lookup_table, read_cube, write_cube
+from convwass_addon.applications.palettes.palette_settings import RecolorSettings
+from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
+from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
+from convwass_addon.applications.palettes.recolor_job import Picture, recolor_steps
+from convwass_addon.applications.palettes.recoloring import recoloring
+from convwass_addon.errors import Cancelled, InputError
+
+from .palettes import cloud, picture_of
+
+SRGB, SCENE = PixelFormat(), PixelFormat("linear", "associated", highest=np.inf)
+
+
+@pytest.fixture(scope="module")
+def source():
+    return picture_of(cloud(1, (60.0, 5.0, -5.0), np.diag([7.0, 5.0, 4.0]), 12_000), 100)
+
+
+@pytest.fixture(scope="module")
+def target():
+    return picture_of(cloud(2, (50.0, -10.0, 15.0), np.diag([5.0, 4.0, 6.0]), 5_000), 50)
+
+
+def change_of(source, target, own=None, pixel_format=SRGB):
+    return recoloring(
+        image_palette(source, pixel_format), [image_palette(target, SRGB)], None, own or RecolorSettings()
+    )
+
+
+def recolored(pixels, change, pixel_format=SRGB, mask=None, workers=1):
+    out = np.full_like(pixels, 7.0)
+    shares = list(recolored_blocks(pixels, pixel_format, change, mask, out, workers=workers))
+    assert shares == sorted(shares) and shares[-1] == 1.0
+    return out
+
+
+def mean_lab(pixels):
+    return lab_of_linear(linear_of_srgb(pixels[..., :3].reshape(-1, 3).T.astype(float))).mean(axis=1)
+
+
+def test_the_mean_color_arrives_and_alpha_stays(source, target):
+    translucent = source.copy()
+    translucent[..., 3] = np.linspace(0.2, 1.0, 100)
+    found = recolored(translucent, change_of(translucent, target))
+    np.testing.assert_allclose(mean_lab(found), mean_lab(target), atol=0.5)
+    np.testing.assert_array_equal(found[..., 3], translucent[..., 3])
+
+
+def test_no_strength_changes_no_bit(source, target):
+    found = recolored(source, change_of(source, target, RecolorSettings(strength=0.0)))
+    np.testing.assert_array_equal(found, source)
+
+
+def test_halfway_lies_halfway(source, target):
+    half = recolored(source, change_of(source, target, RecolorSettings(strength=0.5)))
+    np.testing.assert_allclose(mean_lab(half), (mean_lab(source) + mean_lab(target)) / 2.0, atol=0.5)
+
+
+def test_a_mask_protects_and_blends(source, target):
+    change = change_of(source, target)
+    mask = np.zeros(source.shape[:2], np.float32)
+    mask[:, 50:] = 1.0
+    mask[:, 49] = 0.5
+    found, whole = recolored(source, change, mask=mask), recolored(source, change)
+    np.testing.assert_array_equal(found[:, :49], source[:, :49])
+    np.testing.assert_array_equal(found[:, 50:], whole[:, 50:])
+    apart = np.abs(found[:, 49] - (source[:, 49] + whole[:, 49]) / 2.0)
+    assert 0.0 < apart.max() < 0.02
+
+
+def test_a_mask_chooses_the_palette(source):
+    both = np.concatenate([source, picture_of(cloud(3, (70, 20, 0), np.eye(3) * 3, 12_000), 100)])
+    mask = np.zeros(both.shape[:2], np.float32)
+    mask[:120] = 1.0
+    chosen, whole = image_palette(both, SRGB, mask), image_palette(source, SRGB)
+    np.testing.assert_allclose(chosen.chroma, whole.chroma, atol=1e-15)
+
+
+def test_pixels_that_are_no_numbers_stay(source, target):
+    spoiled = source.copy()
+    spoiled[3, 4] = [np.nan, 0.5, 0.5, 1.0]
+    spoiled[5, 6] = [np.inf, 0.5, 0.5, 1.0]
+    spoiled[7, 8, 3] = np.nan
+    for edge_radius in (0, 2):
+        found = recolored(spoiled, change_of(spoiled, target, RecolorSettings(edge_radius=edge_radius)))
+        for place in ((3, 4), (5, 6), (7, 8)):
+            np.testing.assert_array_equal(found[place], spoiled[place])
+        assert np.isfinite(np.delete(found.reshape(-1, 4), [304, 506, 708], axis=0)).all()
+
+
+def test_clear_pixels_neither_count_nor_change(source, target):
+    part = source.copy()
+    part[:30] = [1.0, 0.0, 0.0, 0.0]
+    found = recolored(part, change_of(part, target))
+    np.testing.assert_array_equal(found[:30], part[:30])
+    np.testing.assert_allclose(mean_lab(found[30:]), mean_lab(target), atol=0.5)
+    with pytest.raises(InputError, match="No pixel counts"):
+        image_palette(np.zeros((2, 2, 4), np.float32), SRGB)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 7), (5, 1)])
+def test_tiny_images(size, target):
+    tiny = np.full((*size, 4), 0.5, np.float32)
+    tiny[..., 3] = 1.0
+    found = recolored(tiny, change_of(tiny, target))
+    np.testing.assert_allclose(mean_lab(found), mean_lab(target), atol=0.5)
+
+
+def test_gray_takes_on_the_mean_hue(target):
+    gray = np.repeat(np.linspace(0.3, 0.6, 4000, dtype=np.float32)[:, None], 4, axis=1).reshape(40, 100, 4)
+    gray[..., 3] = 1.0
+    np.testing.assert_allclose(mean_lab(recolored(gray, change_of(gray, target))), mean_lab(target), atol=0.5)
+
+
+def test_scenes_keep_what_is_brighter_than_white(source, target):
+    """A scene whose palette is the source's own, and a few lamps."""
+    scene = source.copy()
+    scene[..., :3] = linear_of_srgb(source[..., :3])
+    scene[::40, ::50, :3] *= 300.0
+    scene[..., 3] = 0.5
+    scene[..., :3] *= 0.5
+    found = recolored(scene, change_of(scene, target, pixel_format=SCENE), SCENE)
+    lamps = found[::40, ::50, :3] / 0.5
+    assert lamps.max() > 10.0 and np.isfinite(found).all()
+    rest = np.ones(scene.shape[:2], bool)
+    rest[::40, ::50] = False
+    means = [lab_of_linear(own.T.astype(float)).mean(axis=1) for own in (found[rest][:, :3] / 0.5,)]
+    np.testing.assert_allclose(means[0], mean_lab(target), atol=1.5)
+    same = recolored(scene, recoloring(*[image_palette(scene, SCENE)] * 1, [image_palette(scene, SCENE)]), SCENE)
+    np.testing.assert_array_equal(same, scene)
+
+
+def test_linear_pixels_of_other_primaries(source, target):
+    """The same picture, in other numbers, becomes the same picture."""
+    matrix = np.array([[1.6, -0.5, -0.1], [-0.1, 1.1, 0.0], [0.0, -0.1, 1.1]])
+    wide = PixelFormat("linear", "straight", matrix)
+    pixels = source.copy()
+    pixels[..., :3] = linear_of_srgb(source[..., :3]) @ np.linalg.inv(matrix).T
+    change = change_of(source, target)
+    found, wanted = recolored(pixels, change, wide), recolored(source, change)
+    np.testing.assert_allclose(found[..., :3] @ matrix.T, linear_of_srgb(wanted[..., :3]), atol=2e-5)
+
+
+def test_blocks_and_threads_change_nothing(source, target):
+    tall = np.tile(source, (40, 1, 1))
+    for own in (RecolorSettings(), RecolorSettings(edge_radius=3)):
+        change = change_of(source, target, own)
+        found = recolored(tall, change, workers=3)
+        np.testing.assert_array_equal(found[:100], recolored(tall[:200], change)[:100])
+        middle = recolored(tall[1000:1800], change)
+        np.testing.assert_allclose(found[1100:1700], middle[100:700], atol=1e-6)
+
+
+def test_the_edge_aware_filter_averages_what_is_even(target):
+    """Two flat halves with grain: the grain that the map amplifies goes, the edge stays."""
+    rng = np.random.default_rng(0)
+    lab = np.zeros((3, 64 * 64))
+    lab[0] = np.where(np.arange(64 * 64) % 64 < 32, 45.0, 65.0)
+    lab[1:] = rng.normal(0, 1.0, (2, 64 * 64))
+    pixels = picture_of(lab, 64)
+    wide = picture_of(cloud(5, (55, 0, 0), np.diag([7.0, 6.0, 6.0])), 100)
+    plain, filtered = (
+        recolored(pixels, change_of(pixels, wide, RecolorSettings(edge_radius=radius))) for radius in (0, 4)
+    )
+    noise = [own[8:-8, 8:24, 1].std() for own in (pixels, plain, filtered)]
+    assert noise[2] < 0.75 * noise[1]
+    assert abs(noise[2] / noise[0] - 1.0) < 0.25
+    steps = [own[8:-8, 40:56, 1].mean() - own[8:-8, 8:24, 1].mean() for own in (plain, filtered)]
+    assert abs(steps[1] / steps[0] - 1.0) < 0.1
+
+
+def test_large_images_take_little_more_than_themselves(source, target):
+    change = change_of(source, target)
+    large = np.ones((2048, 2048, 4), np.float32)
+    large[..., :3] = np.resize(source[..., :3], (2048, 2048, 3))
+    out = np.empty_like(large)
+    tracemalloc.start()
+    for _ in recolored_blocks(large, SRGB, change, None, out, workers=2):
+        pass
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 0.7 * large.nbytes
+
+
+def test_steps_of_a_job(source, target):
+    pictures = [Picture(source, SRGB), Picture(target, SRGB)]
+    steps = list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings()))
+    assert [step.fraction for step in steps] == sorted(step.fraction for step in steps)
+    np.testing.assert_array_equal(steps[-1].pixels, recolored(source, change_of(source, target)))
+    ends = list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), only_map=True))
+    assert ends[-1].pixels is None and ends[-1].change is not None
+
+    def check():
+        raise Cancelled("Cancelled.")
+
+    with pytest.raises(Cancelled):
+        list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), check))
+
+
+@pytest.mark.parametrize(("size", "mean", "worst"), [(17, 1.5, 12.0), (65, 0.2, 4.0)])
+def test_tables_do_what_the_map_does(source, target, size, mean, worst):
+    change = change_of(source, target)
+    error = np.abs(recolored(source, lookup_table(change, size)) - recolored(source, change))[..., :3] * 255
+    assert error.mean() < mean and error.max() < worst
+
+
+def test_cubes_are_written_red_fastest_and_come_back(tmp_path):
+    steps = np.linspace(0, 1, 3)
+    colors = np.stack(np.meshgrid(steps, steps**2, 1 - steps, indexing="ij"), axis=-1).astype(np.float32)
+    table = LookupTable(colors, np.zeros(3), np.ones(3))
+    write_cube(table, tmp_path / "own.cube", 'a "title"\n')
+    lines = (tmp_path / "own.cube").read_text().splitlines()
+    assert lines[:2] == ['TITLE "a title"', "LUT_3D_SIZE 3"]
+    assert lines[4:7] == ["0.000000 0.000000 1.000000", "0.500000 0.000000 1.000000", "1.000000 0.000000 1.000000"]
+    found = read_cube(tmp_path / "own.cube")
+    np.testing.assert_allclose(found.colors, colors, atol=1e-6)
+    assert list(tmp_path.iterdir()) == [tmp_path / "own.cube"]
+
+
+def test_cubes_of_other_programs(tmp_path):
+    """Comments, blank lines, another domain; an identity on it."""
+    rows = [f"{2 * r} {2 * g} {2 * b}" for b in (0, 1) for g in (0, 1) for r in (0, 1)]
+    head = ["# made elsewhere", "", 'TITLE "x"', "LUT_3D_SIZE 2", "DOMAIN_MIN 0 0 0", "DOMAIN_MAX 2.0 2.0 2.0"]
+    (tmp_path / "a.cube").write_text("\r\n".join([*head, *rows, ""]))
+    table = read_cube(tmp_path / "a.cube")
+    colors = np.random.default_rng(0).random((3, 20)) * 2
+    np.testing.assert_allclose(table.applied(colors), colors, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "LUT_3D_SIZE 2\n" + "0 0 0\n" * 7,
+        "LUT_3D_SIZE 2\n" + "0 0 nan\n" * 8,
+        "LUT_3D_SIZE 2\n" + "0 0 0 0\n" * 8,
+        "LUT_3D_SIZE 2\n" + "0 0 zero\n" * 8,
+        "LUT_3D_SIZE 2\n" + "0 0 1e30\n" * 8,
+        "LUT_3D_SIZE -2\n" + "0 0 0\n" * 8,
+        "LUT_3D_SIZE 1\n0 0 0\n",
+        "LUT_3D_SIZE 9999\n0 0 0\n",
+        "LUT_3D_SIZE 99999999999999\n0 0 0\n",
+        "LUT_3D_SIZE ²\n0 0 0\n",
+        "LUT_1D_SIZE 2\n0 0 0\n1 1 1\n",
+        "LUT_3D_SIZE 2\nDOMAIN_MIN 1 1 1\nDOMAIN_MAX 1 1 1\n" + "0 0 0\n" * 8,
+        b"\xff\xfe\x00",
+    ],
+)
+def test_broken_cubes_are_refused(tmp_path, text):
+    path = tmp_path / "broken.cube"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(InputError):
+        read_cube(path)
+
+
+def test_missing_cubes_are_refused(tmp_path):
+    with pytest.raises(InputError, match="could not be read"):
+        read_cube(tmp_path / "none.cube")
+
+
+@pytest.mark.parametrize("size", [1, 130])
+def test_sizes_of_tables_are_checked(source, target, size):
+    with pytest.raises(InputError, match="along an edge"):
+        lookup_table(change_of(source, target), size)
