@@ -132,11 +132,12 @@ class _Solver:
         """Solve a blend, and return what makes its frame: that no longer needs the solver."""
         problem = self._problem
         if blend.source is not None:
-            return partial(_input_measured, problem, self._input_itself(blend))
+            return partial(problem.input_reader or _input_measured, problem, self._input_itself(blend))
         limits = problem.entropy_limits(blend)
         known = sketches or [None] * len(self._parts)
         solved = [part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True)]
-        return partial(surfaced_frame, problem, blend, solved, [part.sigma for part in self._parts])
+        read = problem.reader or surfaced_frame
+        return partial(read, problem, blend, solved, [part.sigma for part in self._parts])
 
     def sketch(self, blend: Blend) -> Sketch:
         if blend.source is not None:
@@ -146,7 +147,8 @@ class _Solver:
         return Sketch(_sketched_frame(self._problem, blend, [part.solved for part in parts]), parts)
 
     def _input_itself(self, blend: Blend) -> MorphFrame:
-        volume = self._problem.volumes[blend.source] * self._problem.lattice.spacing**3
+        lattice = self._problem.lattice
+        volume = self._problem.volumes[blend.source] * lattice.spacing ** len(lattice.shape)
         return MorphFrame(blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume})
 
 
@@ -192,7 +194,7 @@ def surfaced_frame(
     mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,
-        **_summary(solved),
+        **solved_figures(solved),
         "sigma": max(sigmas),
         "wall": wall_share(merged.density),
         "cells": problem.lattice.shape,
@@ -200,7 +202,7 @@ def surfaced_frame(
         "volume": mesh.volume,
         "volume_wanted": merged.volume * cell,
         **reading.record,
-        **_about_parts(problem, shares, merged),
+        **part_figures(problem, shares, merged),
     }
     kept = zip(solved, sigmas, strict=True) if problem.keeps_potentials else ()
     potentials = tuple(PartPotentials.of(part, sigma) for part, sigma in kept)
@@ -226,7 +228,8 @@ def _origins(
     return blend_origins(surface, transports, problem.lattice, blend.weights)
 
 
-def _about_parts(problem: MorphProblem, shares: NDArray[np.float64], merged: MergedParts) -> dict[str, object]:
+def part_figures(problem: MorphProblem, shares: NDArray[np.float64], merged: MergedParts) -> dict[str, object]:
+    """Say for a record what there is of the parts of a blend, whose volumes are (p,) cells; nothing of one alone."""
     if len(shares) == 1 and not problem.notices:
         return {}
     names = (part.name for part in problem.parts)
@@ -325,8 +328,8 @@ class _PartSolver:
         return solved
 
 
-def _summary(parts: Sequence[Barycenter]) -> dict[str, object]:
-    """Figures of the worst of the parts; iterations of all."""
+def solved_figures(parts: Sequence[Barycenter]) -> dict[str, object]:
+    """Say for a record how the parts were solved: figures of the worst of them, iterations of all."""
     records = [part.record() for part in parts]
     if len(records) == 1:
         return records[0]

@@ -147,8 +147,8 @@ def health_figures(record: Mapping[str, object]) -> dict[str, float]:
 
 
 def wall_share(density: NDArray[np.floating]) -> float:
-    """Share of the mass of a density, (nx, ny, nz), in the outermost cells of its grid."""
-    return 1.0 - float(density[1:-1, 1:-1, 1:-1].sum() / density.sum())
+    """Share of the mass of a density, (nx, ny, nz) or (nx, ny), in the outermost cells of its grid."""
+    return 1.0 - float(density[(slice(1, -1),) * density.ndim].sum() / density.sum())
 
 
 def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:

@@ -50,7 +50,7 @@ def merged_parts(densities: Sequence[NDArray[np.float64]], volumes: NDArray[np.f
         return MergedParts(densities[0], float(volumes[0]))
     # Times their volume in cells, so that a cell that is full of a part holds one.
     cells = [density * (volume / density.size) for density, volume in zip(densities, volumes, strict=True)]
-    full = (1.0 + _WAVER) * max(1.0, _typical(cells))
+    full = (1.0 + _WAVER) * max(1.0, typical_density(cells))
     total, separate = np.zeros_like(cells[0]), 0.0
     for own in cells:
         total += own
@@ -60,7 +60,7 @@ def merged_parts(densities: Sequence[NDArray[np.float64]], volumes: NDArray[np.f
     return MergedParts(total, float(volumes.sum()) - overlap, overlap)
 
 
-def _typical(densities: Sequence[NDArray[np.float64]]) -> float:
+def typical_density(densities: Sequence[NDArray[np.float64]]) -> float:
     """Density of which half of all mass has more: that inside the large parts, above one where they are compressed."""
     values = np.concatenate([density[density > 0] for density in densities])
     values.sort()

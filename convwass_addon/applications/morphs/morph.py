@@ -169,7 +169,7 @@ def morph(
             del problem
             solved = as_solved(pending, check)
         total = sum(map(len, runs))
-        for done, frame in enumerate(_in_order(runs, missing, solved, store), start=1):
+        for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
             fraction = begun + (1.0 - begun) * done / total
             yield MorphStep(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
 
@@ -254,7 +254,7 @@ def _with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:
         return problem.with_connectivity(executor)
 
 
-def _in_order(
+def in_order(
     runs: Sequence[Run], missing: dict[int, Run], solved: Iterator[SolvedRun], store: BakeCache | None
 ) -> Iterator[MorphFrame]:
     """Yield the frames of all runs in their order, from the cache or as they are solved, which may be in any order."""

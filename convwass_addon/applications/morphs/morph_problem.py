@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -91,6 +92,9 @@ class MorphProblem:
         What the user should know about the parts.
     keeps_potentials : bool
         Whether frames bring what blends next to them can be had from.
+    reader, input_reader : callable or None
+        What makes a frame of solved parts, and of an input as it is, in the place of :mod:`.blending`; functions of a
+        module, so that they can be sent along.
     """
 
     parts: tuple[MorphPart, ...]
@@ -99,6 +103,8 @@ class MorphProblem:
     connectivity: tuple[Connectivity, ...]
     notices: tuple[PartNotice, ...] = ()
     keeps_potentials: bool = False
+    reader: Callable[..., object] | None = None
+    input_reader: Callable[..., object] | None = None
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:

@@ -78,7 +78,7 @@ def blend_origins(
         mass are.
     """
     alphas = np.asarray(weights, dtype=np.float64)
-    moves = np.zeros((len(alphas), len(surface), 3))
+    moves = np.zeros((len(alphas), *surface.shape))
     owners = _owners(surface, parts)
     for index, part in enumerate(parts):
         own = owners == index
@@ -106,16 +106,7 @@ def displacements(points: NDArray[np.float64], part: PartTransport) -> NDArray[n
         T_i(x) - x in cells; the mean of all, with the weights, is zero. Beyond the cells where the blend may have mass
         it is that of the nearest of them.
     """
-    alphas = part.solved.weights[part.solved.active]
-    # The mean of all is known to be zero: what is hardest to tell from it is had from the others.
-    last = int(np.argmax(alphas))
-    others = np.delete(np.arange(len(alphas)), last)
-    found = np.zeros((len(alphas), len(points), 3))
-    if len(others):
-        field = _Field.of(part, others)
-        found[others] = field.at(points)
-        found[last] = -np.tensordot(alphas[others], found[others], 1) / alphas[last]
-    return found
+    return Displacements.of(part).at(points)
 
 
 def velocities(origins: NDArray[np.float32], rates: Sequence[float]) -> NDArray[np.float32]:
@@ -149,15 +140,49 @@ def _owners(surface: NDArray[np.float64], parts: Sequence[PartTransport]) -> NDA
 
 
 @dataclass(frozen=True)
+class Displacements:
+    """Displacements of a part of a blend, in space or in a plane, without what they were read from.
+
+    Attributes
+    ----------
+    alphas : (k,) float64
+        Weights of the inputs, all positive.
+    field : _Field or None
+        Those onto all inputs but the one of the largest weight; None where there is one input only.
+    """
+
+    alphas: NDArray[np.float64]
+    field: _Field | None
+
+    @classmethod
+    def of(cls, part: PartTransport) -> Displacements:
+        """Read them off the potentials of a part."""
+        alphas = part.solved.weights[part.solved.active]
+        others = np.delete(np.arange(len(alphas)), np.argmax(alphas))
+        return cls(alphas, _Field.of(part, others) if len(others) else None)
+
+    def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Look up the displacements of points, (n, d) in cells, onto all inputs, (k, n, d)."""
+        found = np.zeros((len(self.alphas), *points.shape))
+        if self.field is not None:
+            # The mean of all is known to be zero: what is hardest to tell from it is had from the others.
+            last = int(np.argmax(self.alphas))
+            others = np.delete(np.arange(len(self.alphas)), last)
+            found[others] = self.field.at(points)
+            found[last] = -np.tensordot(self.alphas[others], found[others], 1) / self.alphas[last]
+        return found
+
+
+@dataclass(frozen=True)
 class _Field:
     """Displacements on a box of one level of a solve."""
 
     values: NDArray[np.float64]
-    """(k, 3, *box), in cells of the finest grid; zero where they are not known."""
+    """(k, d, *box), in cells of the finest grid; zero where they are not known."""
     known: NDArray[np.bool_]
     """(*box)"""
     low: NDArray[np.int64]
-    """First cell of the box, (3,)."""
+    """First cell of the box, (d,)."""
     size: float
     """Of the cells, in cells of the finest grid."""
 
@@ -180,7 +205,7 @@ class _Field:
         box = level.region.box
         dense = np.full((len(chosen), *(span.stop - span.start for span in box)), np.nan)
         dense.reshape(len(chosen), -1)[:, level.region.index_in_box] = potentials
-        values = np.stack([_slope(dense, axis) for axis in (1, 2, 3)], axis=1)
+        values = np.stack([_slope(dense, axis) for axis in range(1, dense.ndim)], axis=1)
         known = np.isfinite(values).all(axis=(0, 1))
         values[:, :, ~known] = 0.0
         return cls(values, known, np.array([span.start for span in box]), size)
@@ -188,9 +213,9 @@ class _Field:
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Interpolate between the centers of cells that are known, (k, n, 3)."""
         places = (points / self.size - 0.5 - self.low).T
-        found = np.empty((len(self.values), len(points), 3))
+        found = np.empty((len(self.values), *points.shape))
         for values, target in zip(self.values, found, strict=True):
-            for axis in range(3):
+            for axis in range(points.shape[1]):
                 target[:, axis] = map_coordinates(values[axis], places, order=1, mode="nearest")
         share = map_coordinates(self.known.astype(np.float32), places, order=1, mode="nearest")
         found /= np.maximum(share, _LEAST_KNOWN)[:, None]

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Colors of flat blends: those of the places on the inputs that the matter comes from, mixed by the weights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
+
+from ...errors import InputError
+from ...geometry.planar_fill import Boundary, filled_boundary
+from .flat_frames import FlatFrame
+from .flat_pieces import layers_of
+from .flat_shapes import FlatImage, FlatInput, FlatShape
+
+# Points and edges that are compared at once.
+_AT_ONCE = 4_000_000
+# Points of an outline that a color is looked for at, along its longest side.
+_SAMPLES = 512.0
+# Pixels of less opacity have no color.
+_OPAQUE = 0.5
+
+
+def carried_colors(
+    points: NDArray[np.float64], frame: FlatFrame, shapes: Sequence[FlatInput]
+) -> NDArray[np.float64] | None:
+    """Colors of points of a blend.
+
+    Parameters
+    ----------
+    points : (n, 2)
+        In or on the blend, scene units.
+    frame : FlatFrame
+        The blend, made with the setting `carry`.
+    shapes : sequence of FlatShape or FlatImage
+        The inputs.
+
+    Returns
+    -------
+    (n, 4) float64 or None
+        Red, green, blue, opacity, linear; None where no input that has weight has colors.
+
+    Raises
+    ------
+    InputError
+        A blend that does not know where its matter comes from.
+    """
+    weights = np.array(frame.blend.weights)
+    known = [index for index in np.flatnonzero(weights) if shapes[index].colors is not None]
+    if not known:
+        return None
+    if frame.blend.source is not None:
+        return colors_at(points, shapes[frame.blend.source])
+    if frame.origins is None:
+        raise InputError("These frames do not know where their matter comes from; make them again with colors carried.")
+    places = frame.origins.at(points)
+    mixed = sum(weights[index] * colors_at(places[index], shapes[index]) for index in known)
+    return mixed / weights[known].sum()
+
+
+def colors_at(points: NDArray[np.float64], shape: FlatInput) -> NDArray[np.float64]:
+    """Colors of an input that has some at points, (n, 4); beside it those of the nearest place that has."""
+    return _of_image(points, shape) if isinstance(shape, FlatImage) else _of_layers(points, shape)
+
+
+def _of_image(points: NDArray[np.float64], image: FlatImage) -> NDArray[np.float64]:
+    cells = np.floor((points - np.asarray(image.corner)) / image.pixel).astype(np.int64)
+    cells = np.clip(cells, 0, np.subtract(image.values.shape, 1))
+    opaque = image.colors[..., 3] >= _OPAQUE
+    if opaque.any():
+        nearest = distance_transform_edt(~opaque, return_distances=False, return_indices=True)
+        cells = np.stack([nearest[axis][tuple(cells.T)] for axis in range(2)], axis=1)
+    return np.asarray(image.colors, dtype=np.float64)[tuple(cells.T)]
+
+
+def _of_layers(points: NDArray[np.float64], shape: FlatShape) -> NDArray[np.float64]:
+    """Return the color of the last layer that holds a point, or of the nearest one."""
+    layers = layers_of(shape, np.arange(len(shape.rings)))
+    colors = np.stack([shape.colors[layer[0]] for layer in layers]).astype(np.float64)
+    if len(layers) == 1:
+        return np.repeat(colors, len(points), axis=0)
+    boundaries = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers]
+    found = np.full(len(points), -1)
+    for index, boundary in enumerate(boundaries):
+        found[is_inside(points, boundary)] = index
+    outside = np.flatnonzero(found < 0)
+    if len(outside):
+        samples = [_samples(boundary) for boundary in boundaries]
+        owners = np.repeat(np.arange(len(samples)), [len(own) for own in samples])
+        found[outside] = owners[cKDTree(np.concatenate(samples)).query(points[outside])[1]]
+    return colors[found]
+
+
+def is_inside(points: NDArray[np.float64], boundary: Boundary) -> NDArray[np.bool_]:
+    """Whether points, (n, 2), lie in what a boundary encloses, (n,)."""
+    found = np.zeros(len(points), bool)
+    starts, ends = boundary.starts, boundary.ends
+    for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(starts) // _AT_ONCE)):
+        x, y = points[part, 0, None], points[part, 1, None]
+        row, edge = np.nonzero((starts[:, 1] <= y) != (ends[:, 1] <= y))
+        share = (y[row, 0] - starts[edge, 1]) / (ends[edge, 1] - starts[edge, 1])
+        beyond = starts[edge, 0] + share * (ends[edge, 0] - starts[edge, 0]) > x[row, 0]
+        found[part] = np.bincount(row[beyond], minlength=len(part)) % 2 == 1
+    return found
+
+
+def _samples(boundary: Boundary) -> NDArray[np.float64]:
+    """Points along a boundary."""
+    if not len(boundary.starts):
+        return np.zeros((0, 2))
+    along = boundary.ends - boundary.starts
+    step = float(np.ptp(boundary.bounds, axis=0).max()) / _SAMPLES
+    counts = np.ceil(np.linalg.norm(along, axis=1) / step).astype(np.int64)
+    edge = np.repeat(np.arange(len(along)), counts)
+    share = (np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[edge]
+    return boundary.starts[edge] + share[:, None] * along[edge]

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat shapes as distributions on one plane grid: each lies about its own center of mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry.outlines import Outline
+from ...transport import Grid
+from ..memory import available_memory
+from .flat_pieces import FlatPieces
+
+# Sides are multiples of this, so that the grid can be halved several times.
+_MULTIPLE = 16
+# Most bytes per cell at the peak, of a part of every shape and of a thread that solves, measured.
+_BYTES_PER_SHAPE, _BYTES_PER_WORKER = 60, 400
+
+
+@dataclass(frozen=True)
+class FlatLattice:
+    """The common grid of a flat morph, placed about the center of each shape; see :class:`.volumes.Lattice`.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        Cells per axis.
+    spacing : float
+        Size of a cell in scene units.
+    origin : (2,) float64
+        Low corner of the grid relative to a shape's center, scene units.
+    centers : (k, 2) float64
+        Centers of the shapes, scene units.
+    """
+
+    shape: tuple[int, int]
+    spacing: float
+    origin: NDArray[np.float64]
+    centers: NDArray[np.float64]
+
+    @classmethod
+    def around(cls, shapes: Sequence[FlatPieces], resolution: int, sigma: float) -> FlatLattice:
+        """Lay a grid of `resolution` cells along its longest side around all the shapes.
+
+        Raises
+        ------
+        InputError
+            A resolution too small to hold a shape and its blur.
+        """
+        margin = 2 + int(np.ceil(2.0 * sigma))
+        if resolution < 4 * margin:
+            raise InputError(
+                "Resolution {resolution} is too coarse; use at least {least}.", resolution=resolution, least=4 * margin
+            )
+        centers = np.stack([shape.center for shape in shapes])
+        low = np.min([shape.bounds[0] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
+        high = np.max([shape.bounds[1] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
+        extent = high - low
+        spacing = float(extent.max()) / (resolution - 2 * margin)
+        cells = np.ceil(extent / spacing + 2 * margin)
+        cells = (np.ceil(cells / _MULTIPLE - 1e-9) * _MULTIPLE).astype(int)
+        origin = (low + high) / 2 - cells * spacing / 2
+        return cls((int(cells[0]), int(cells[1])), spacing, origin, centers)
+
+    def grid(self, sigma: float) -> Grid:
+        """Return the transport domain with a kernel of `sigma` cells."""
+        return Grid(self.shape, sigma)
+
+    def corner(self, weights: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Low corner of the grid about a blend with these weights, (2,), scene units."""
+        return self.origin + np.asarray(weights) @ self.centers
+
+    def to_scene(self, outline: Outline, weights: Sequence[float]) -> Outline:
+        """Bring an outline in cells to the scene, at the weighted mean of the centers."""
+        return outline.moved(self.corner(weights), self.spacing)
+
+    def fitting_workers(self, shapes: int, parts: int, most: int) -> int:
+        """Return how many threads, up to `most`, can solve at once in the memory that there is; one at least."""
+        free = available_memory()
+        if free is None:
+            return most
+        cells = self.shape[0] * self.shape[1]
+        return int(np.clip((free - cells * shapes * parts * _BYTES_PER_SHAPE) // (cells * _BYTES_PER_WORKER), 1, most))

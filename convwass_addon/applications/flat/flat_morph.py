@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Morph flat shapes: indicators in a plane as distributions, barycenters, outlines (Solomon et al., Figs. 12, 13)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+
+from ...errors import InputError
+from ...sentence import Sentence
+from ..morphs.layouts import Blend
+from ..morphs.morph import in_order
+from ..morphs.runs import as_solved, runs_in_threads, runs_of
+from .flat_frames import FlatStep
+from .flat_problem import flat_problem
+from .flat_settings import FlatSettings
+from .flat_shapes import FlatInput
+
+# Share of the progress at which the shapes are on their grid.
+_BEGUN = 0.05
+
+
+def flat_morph(
+    shapes: Sequence[FlatInput],
+    names: Sequence[str],
+    blends: Sequence[Blend],
+    settings: FlatSettings,
+    check: Callable[[], None] | None = None,
+    *,
+    workers: int | None = None,
+    wanted: range | None = None,
+) -> Iterator[FlatStep]:
+    """Make the blends of flat shapes, one after the other.
+
+    Parameters
+    ----------
+    shapes : sequence of FlatShape or FlatImage
+        The inputs, each in its plane with the same axes.
+    names : sequence of str
+        What messages call them.
+    blends : sequence of Blend
+        In an order in which neighbors are similar: each solve starts from the one before.
+    settings : FlatSettings
+        How.
+    check : callable, optional
+        Called between iterations, in whatever thread computes; what it raises (:class:`.errors.Cancelled`) ends the
+        job at once.
+    workers : int, optional
+        Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
+        The frames are the same.
+    wanted : range, optional
+        Indices of blends to make; all of a run is made where one of its blends is wanted.
+
+    Yields
+    ------
+    FlatStep
+        Progress, and every finished frame once, in the order of the blends.
+
+    Raises
+    ------
+    InputError
+        Before the first frame, where the inputs or the settings cannot work.
+    """
+    if workers is not None and workers < 1:
+        raise InputError("There must be at least one worker.")
+    if not shapes or len(shapes) != len(names):
+        raise InputError("A morph needs at least two shapes; select or name one more.")
+    runs = dict(enumerate(runs_of(blends, wanted)))
+    yield FlatStep(0.0, Sentence("Laying out the grid"))
+    if check is not None:
+        check()
+    problem = flat_problem(shapes, names, settings)
+    yield FlatStep(_BEGUN, Sentence("Drew the shapes on the grid"))
+    threads = min(workers or os.cpu_count() or 1, len(runs))
+    fitting = problem.lattice.fitting_workers(len(shapes), len(problem.parts), threads)
+    total = sum(map(len, runs.values()))
+    with runs_in_threads(problem, runs, check, fitting) as pending:
+        frames = in_order(list(runs.values()), runs, as_solved(pending, check), None)
+        for done, frame in enumerate(frames, start=1):
+            fraction = _BEGUN + (1.0 - _BEGUN) * done / total
+            yield FlatStep(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)

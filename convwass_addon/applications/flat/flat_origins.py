@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the matter of a flat blend comes from; :mod:`.origins` says how that is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...transport import Barycenter
+from ..morphs.layouts import Blend
+from ..morphs.origins import Displacements, PartTransport
+
+if TYPE_CHECKING:
+    from .flat_problem import FlatProblem
+
+# Which part has most of the mass is kept for every so many cells.
+_STRIDE = 2
+
+
+@dataclass(frozen=True)
+class FlatOrigins:
+    """The transport maps of a flat blend onto its inputs.
+
+    Attributes
+    ----------
+    maps : tuple of Displacements
+        One per part.
+    active : (a,) int64
+        Inputs of positive weight.
+    owners : (mx, my) int16
+        The part that has most of the mass, for every second cell of both axes.
+    spacing : float
+        Size of a cell in scene units.
+    corner : (2,) float64
+        Low corner of the grid about the blend, scene units.
+    corners : (k, 2) float64
+        The same about every input.
+    """
+
+    maps: tuple[Displacements, ...]
+    active: NDArray[np.int64]
+    owners: NDArray[np.int16]
+    spacing: float
+    corner: NDArray[np.float64]
+    corners: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls,
+        problem: FlatProblem,
+        blend: Blend,
+        solved: Sequence[Barycenter],
+        sigmas: Sequence[float],
+        areas: NDArray[np.float64],
+    ) -> FlatOrigins:
+        """Read the maps of a blend off the potentials of its parts."""
+        lattice, reach = problem.lattice, problem.settings.reach
+        maps = tuple(
+            Displacements.of(PartTransport(part, lattice.grid(sigma), float(area), reach))
+            for part, sigma, area in zip(solved, sigmas, areas, strict=True)
+        )
+        most = np.stack([area * part.density[::_STRIDE, ::_STRIDE] for part, area in zip(solved, areas, strict=True)])
+        return cls(
+            maps,
+            np.flatnonzero(blend.weights),
+            np.argmax(most, axis=0).astype(np.int16),
+            lattice.spacing,
+            lattice.corner(blend.weights),
+            lattice.origin + lattice.centers,
+        )
+
+    def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Places that matter comes from.
+
+        Parameters
+        ----------
+        points : (n, 2)
+            In or on the blend, scene units.
+
+        Returns
+        -------
+        (k, n, 2) float64
+            On every input, where it stands in its plane; for an input of weight 0, which no map leads to, the point
+            itself, moved as the centers of mass are.
+        """
+        cells = (np.asarray(points, dtype=np.float64) - self.corner) / self.spacing
+        found = np.repeat(cells[None], len(self.corners), axis=0)
+        places = np.floor(cells / _STRIDE).astype(np.int64)
+        owner = self.owners[tuple(np.clip(places, 0, np.subtract(self.owners.shape, 1)).T)]
+        for index, own in enumerate(self.maps):
+            chosen = np.flatnonzero(owner == index)
+            if len(chosen):
+                found[np.ix_(self.active, chosen)] += own.at(cells[chosen])
+        return found * self.spacing + self.corners[:, None]

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of a flat input is transported, by parts: the area that curves fill, or the values of an image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry.coverage import coverage
+from ...geometry.pixels import resampled
+from ...geometry.planar_fill import Boundary, filled_boundary
+from .flat_shapes import FlatImage, FlatInput, FlatShape
+
+# A shape that fills less of the square of its extent than this is a line.
+_LEAST_SHARE = 1e-6
+# A silhouette is what of an image is at least half full.
+_HALF = 0.5
+
+
+class FlatPieces(Protocol):
+    """An input in parts, before there is a grid."""
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """Center of mass, (2,), scene units."""
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Low and high corner of all that has mass, (2, 2)."""
+
+    def densities(self, corner: NDArray[np.float64], spacing: float, shape: tuple[int, int]) -> list[NDArray]:
+        """Occupancy of the cells of a grid, (nx, ny) for every part."""
+
+
+@dataclass(frozen=True)
+class FilledPieces:
+    """Curves.
+
+    Attributes
+    ----------
+    parts : tuple of Boundary
+        What every part fills.
+    """
+
+    parts: tuple[Boundary, ...]
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """Center of mass, (2,)."""
+        filled = [part for part in self.parts if part.area > 0]
+        areas = np.array([part.area for part in filled])
+        return areas @ np.stack([part.center for part in filled]) / areas.sum()
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Low and high corner, (2, 2)."""
+        each = np.stack([part.bounds for part in self.parts if len(part.starts)])
+        return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+
+    def densities(self, corner: NDArray[np.float64], spacing: float, shape: tuple[int, int]) -> list[NDArray]:
+        """Exact areas, (nx, ny) for every part."""
+        return [coverage(part.moved(-corner / spacing, 1.0 / spacing), shape) for part in self.parts]
+
+
+@dataclass(frozen=True)
+class ImagePieces:
+    """An image, which is one part.
+
+    Attributes
+    ----------
+    values : (w, h) float64
+        Of its pixels.
+    pixel : float
+        Size of a pixel.
+    corner : (2,) float64
+        Lower left corner.
+    """
+
+    values: NDArray[np.float64]
+    pixel: float
+    corner: NDArray[np.float64]
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """Center of mass, (2,)."""
+        mass = self.values / self.values.sum()
+        places = [np.arange(n) + 0.5 for n in mass.shape]
+        return self.corner + self.pixel * np.array([mass.sum(axis=1) @ places[0], mass.sum(axis=0) @ places[1]])
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Low and high corner of the pixels that are not empty, (2, 2)."""
+        filled = [np.flatnonzero((self.values > 0).any(axis=axis)) for axis in (1, 0)]
+        return self.corner + self.pixel * np.array([[own[0] for own in filled], [own[-1] + 1 for own in filled]])
+
+    def densities(self, corner: NDArray[np.float64], spacing: float, shape: tuple[int, int]) -> list[NDArray]:
+        """Means over the cells, (nx, ny), by exact areas."""
+        return [resampled(self.values, (self.corner - corner) / spacing, self.pixel / spacing, shape)]
+
+
+def flat_pieces(shape: FlatInput, name: str, letters: Sequence[NDArray[np.int64]] | None) -> FlatPieces:
+    """Make an input ready for any grid.
+
+    Parameters
+    ----------
+    shape : FlatShape or FlatImage
+        The input.
+    name : str
+        What messages call it.
+    letters : sequence of (m,) int64 or None
+        Numbers of the rings of every part; None for one part.
+
+    Raises
+    ------
+    InputError
+        Curves or images that fill nothing, or curves that are too tangled.
+    """
+    if isinstance(shape, FlatImage):
+        return _image_pieces(shape, name)
+    if not shape.rings:
+        raise InputError("'{name}' has no closed curve, so there is nothing to move.", name=name)
+    chosen = [np.arange(len(shape.rings))] if letters is None else letters
+    pieces = FilledPieces(tuple(filled_by(shape, rings) for rings in chosen))
+    extent = np.ptp(np.concatenate(shape.rings), axis=0).max()
+    if sum(part.area for part in pieces.parts) <= _LEAST_SHARE * extent**2:
+        raise InputError(
+            "'{name}' fills no area, so there is nothing to move. Its curves must be closed and must not cancel each "
+            "other out; a line needs a width.",
+            name=name,
+        )
+    return pieces
+
+
+def filled_by(shape: FlatShape, rings: NDArray[np.int64]) -> Boundary:
+    """Boundary of what some rings of a shape fill: every layer by the rule, and then all layers together."""
+    layers = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers_of(shape, rings)]
+    return layers[0] if len(layers) == 1 else layers[0].united(layers[1:])
+
+
+def layers_of(shape: FlatShape, rings: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Numbers of the rings of every color, in the order in which the colors come first."""
+    if shape.colors is None:
+        return [rings]
+    _, first, color = np.unique(shape.colors[rings], axis=0, return_index=True, return_inverse=True)
+    return [rings[color.ravel() == index] for index in np.argsort(first)]
+
+
+def _image_pieces(image: FlatImage, name: str) -> ImagePieces:
+    values = np.asarray(image.values, dtype=np.float64)
+    if image.kind == "silhouette":
+        values = (values >= _HALF).astype(np.float64)
+    if values.sum() <= 0:
+        raise InputError("'{name}' is empty: no pixel of it has anything to move.", name=name)
+    return ImagePieces(values, float(image.pixel), np.array(image.corner, dtype=np.float64))

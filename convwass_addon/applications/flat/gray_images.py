@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Simple changes that make an image of a blurred density (Solomon et al. 2015, Fig. 13): grays, a threshold, colors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from .flat_frames import FlatDensity, FlatFrame
+
+
+def thresholded(density: FlatDensity, area: float) -> NDArray[np.bool_]:
+    """Return the densest pixels, as many as an area holds, (nx, ny); that of a frame is in its record."""
+    count = int(np.clip(round(area / density.pixel**2), 0, density.values.size))
+    chosen = np.zeros(density.values.size, bool)
+    chosen[np.argsort(-density.values.ravel(), kind="stable")[:count]] = True
+    return chosen.reshape(density.values.shape)
+
+
+def regraded(frame: FlatFrame, ends: Sequence[FlatDensity]) -> FlatDensity:
+    """Give the density of a blend the grays of the inputs: its pixels keep their order, from dark to bright.
+
+    The brightest pixel becomes as bright as the brightest ones of the inputs are in the mean with the weights, the
+    second as the second ones, and so on: the barycenter of their histograms.
+
+    Parameters
+    ----------
+    frame : FlatFrame
+        A blend with a density.
+    ends : sequence of FlatDensity
+        Those of all inputs as they are, from the same morph.
+
+    Raises
+    ------
+    InputError
+        A frame without density, or densities that are not of its morph.
+    """
+    if frame.density is None:
+        raise InputError("These frames have outlines only; make them again as densities.")
+    values = frame.density.values
+    if len(ends) != len(frame.blend.weights) or any(end.values.shape != values.shape for end in ends):
+        raise InputError("The densities of the inputs must come from the same morph.")
+    grays = sum(weight * np.sort(end.values, axis=None) for weight, end in zip(frame.blend.weights, ends, strict=True))
+    result = np.empty(values.size, np.float32)
+    result[np.argsort(values, axis=None, kind="stable")] = grays
+    return FlatDensity(result.reshape(values.shape), frame.density.pixel, frame.density.corner)
+
+
+def colored(
+    values: NDArray[np.floating], stops: Sequence[float], colors: Sequence[Sequence[float]]
+) -> NDArray[np.float64]:
+    """Color grays between stops.
+
+    Parameters
+    ----------
+    values : (nx, ny)
+        Of a density.
+    stops : (s,)
+        Grays, rising.
+    colors : (s, c)
+        What they become; grays between two of them become mixtures, those beyond the ends what the ends are.
+
+    Returns
+    -------
+    (nx, ny, c) float64
+
+    Raises
+    ------
+    InputError
+        Stops that do not rise, or another number of colors.
+    """
+    places, channels = np.asarray(stops, dtype=np.float64), np.asarray(colors, dtype=np.float64)
+    if places.ndim != 1 or channels.ndim != 2 or len(places) != len(channels) or (np.diff(places) <= 0).any():
+        raise InputError("A color ramp needs rising stops with a color each.")
+    return np.stack([np.interp(values, places, channel) for channel in channels.T], axis=-1)

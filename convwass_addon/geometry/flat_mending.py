@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mend the outlines of flat blends: crumbs are dropped, false holes filled, narrow gaps bridged.
+
+As :mod:`.mending` does it with solids, in a plane, where regions and holes are all there is to count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, label
+
+from .bumps import Bump
+from .contours import LevelOutline, outline_enclosing
+from .gaps import densest_gaps
+from .handles import RAISED
+
+# Regions of a smaller share of the area are crumbs; those of less than the other are strays where no narrow gap leads
+# to them, and are dropped as well.
+_CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
+# A gap is narrow where the density in it does not fall below this share of the level.
+_DEEPEST_GAP = 0.3
+# Radius of a neck in cells, and of the widest.
+_NECK, _WIDEST_NECK = 2.0, 4.0
+_ATTEMPTS = 24
+_ROUNDS = 4
+_ALL_AROUND = np.ones((3, 3), bool)
+
+
+@dataclass(frozen=True)
+class FlatConnectivity:
+    """How a flat shape hangs together.
+
+    Attributes
+    ----------
+    regions, holes : int
+        Parts apart from each other, and what they surround.
+    """
+
+    regions: int
+    holes: int
+
+    @classmethod
+    def of(cls, drawn: LevelOutline) -> FlatConnectivity:
+        """Count the rings of an outline."""
+        return cls(len(drawn.outline.regions), drawn.outline.holes)
+
+    @property
+    def euler_number(self) -> int:
+        """Regions minus holes."""
+        return self.regions - self.holes
+
+    def or_more(self, other: FlatConnectivity) -> FlatConnectivity:
+        """Return the larger number of each kind."""
+        return FlatConnectivity(max(self.regions, other.regions), max(self.holes, other.holes))
+
+    def beyond(self, most: FlatConnectivity) -> int:
+        """Return how many there are of both kinds beyond another's numbers."""
+        return max(self.regions - most.regions, 0) + max(self.holes - most.holes, 0)
+
+
+@dataclass(frozen=True)
+class FlatMending:
+    """An outline and what was done to get it.
+
+    Attributes
+    ----------
+    drawn : LevelOutline
+        Encloses the area.
+    crumbs, filled, bridged : int
+        Regions too small to matter that were dropped, holes that were filled, gaps that were bridged.
+    """
+
+    drawn: LevelOutline
+    crumbs: int = 0
+    filled: int = 0
+    bridged: int = 0
+
+    @property
+    def found(self) -> FlatConnectivity:
+        """What the outline has."""
+        return FlatConnectivity.of(self.drawn)
+
+    def record(self) -> dict[str, object]:
+        """Return all figures, ready for JSON."""
+        mended = {name: getattr(self, name) for name in ("crumbs", "filled", "bridged")}
+        return {"found": asdict(self.found), "mended": mended}
+
+
+def mended_outline(density: NDArray[np.floating], area: float, most: FlatConnectivity) -> FlatMending:
+    """Outline that encloses an area, with no more regions and holes than asked for.
+
+    Only small changes are made. What would take more stays as it is: the record tells.
+
+    Parameters
+    ----------
+    density : (nx, ny)
+        What to take the outline of.
+    area : float
+        In cells.
+    most : FlatConnectivity
+        As many as the shapes have that are blended.
+
+    Raises
+    ------
+    InputError
+        As :func:`.outline_enclosing` does.
+    """
+    best = mending = FlatMending(outline_enclosing(density, area))
+    work = None
+    for _ in range(_ROUNDS):
+        if best.found.beyond(most) == 0:
+            break
+        if work is None:
+            work = np.array(density, dtype=np.float64)
+        before = mending
+        mending = _mended(work, mending, area, most)
+        if mending == before:
+            break
+        mending = replace(mending, drawn=outline_enclosing(work, area))
+        if mending.found.beyond(most) < best.found.beyond(most):
+            best = mending
+    return best
+
+
+def regions_above(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int32], int]:
+    """Label the cells above a level, joined along their sides; return how many regions there are."""
+    return label(density > level)
+
+
+def holes_below(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int32], int]:
+    """Label the cells that regions surround, joined at their corners too; return how many holes there are."""
+    labels, count = label(np.pad(density <= level, 1, constant_values=True), _ALL_AROUND)
+    # The first is what is outside.
+    return np.maximum(labels[1:-1, 1:-1] - 1, 0), count - 1
+
+
+def _mended(density: NDArray[np.float64], mending: FlatMending, area: float, most: FlatConnectivity) -> FlatMending:
+    """Mend in place what is seen at the present level."""
+    level = mending.drawn.level
+    mending = _with_fewer_regions(density, mending, area, most.regions)
+    labels, count = holes_below(density, level)
+    excess = count - most.holes
+    if excess > 0:
+        smallest = 1 + np.argsort(np.bincount(labels.ravel(), minlength=count + 1)[1:], kind="stable")[:excess]
+        filled = binary_dilation(np.isin(labels, smallest))
+        density[filled] = np.maximum(density[filled], RAISED * level)
+        mending = replace(mending, filled=mending.filled + excess)
+    return mending
+
+
+def _with_fewer_regions(density: NDArray[np.float64], mending: FlatMending, area: float, most: int) -> FlatMending:
+    """Drop crumbs and bridge gaps, the densest gaps first."""
+    level = mending.drawn.level
+    for _ in range(_ATTEMPTS):
+        labels, count = regions_above(density, level)
+        if count <= most:
+            break
+        shares = np.bincount(labels.ravel(), minlength=count + 1)[1:] / area
+        crumbs = _drop(density, labels, level, shares < _CRUMB_SHARE)
+        excess = count - crumbs - most
+        # Gaps are looked for in space, of which this is one layer.
+        gaps = []
+        if excess > 0:
+            gaps = densest_gaps(density[..., None], labels[..., None], _DEEPEST_GAP * level, excess)
+        for gap in gaps:
+            radius = min(_NECK + gap.width / 2, _WIDEST_NECK)
+            Bump.to(density, gap.place[:2], RAISED * level, radius).apply(density)
+        strays = 0
+        if not gaps and not crumbs:
+            strays = _drop(density, labels, level, shares < _STRAY_SHARE)
+        mending = replace(mending, crumbs=mending.crumbs + crumbs + strays, bridged=mending.bridged + len(gaps))
+        if not gaps and not crumbs and not strays:
+            break
+    return mending
+
+
+def _drop(density: NDArray[np.float64], labels: NDArray[np.int32], level: float, wanted: NDArray[np.bool_]) -> int:
+    """Press some regions down to half of the level, clear their labels, and return how many there were."""
+    if wanted.any():
+        crumbs = np.append(False, wanted)[labels]
+        labels[crumbs] = 0
+        around = binary_dilation(crumbs) & ((density <= level) | crumbs)
+        density[around] = np.minimum(density[around], level / 2)
+    return int(wanted.sum())

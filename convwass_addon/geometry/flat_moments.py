@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Moments of filled parts of the plane, from their boundaries, and the directions of these."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .outlines import ring_area
+
+# Spread along two axes that differ by less than this share has no long side.
+_ROUND = 0.02
+
+
+@dataclass(frozen=True)
+class FlatMoments:
+    """Area, center and spread.
+
+    Attributes
+    ----------
+    area : float
+        Of what is filled.
+    center : (2,) float64
+        Of its mass.
+    axis : float or None
+        Angle of the long axis, towards the heavy end (where the third moment along it is negative: the tail is on the
+        other side), in radians; None where no axis is longer than another.
+    """
+
+    area: float
+    center: NDArray[np.float64]
+    axis: float | None
+
+    @classmethod
+    def of(cls, starts: NDArray[np.float64], ends: NDArray[np.float64]) -> FlatMoments:
+        """Sum the moments of the triangles of edges, (e, 2), which have the filled side on their left, and a point."""
+        if not len(starts):
+            return cls(0.0, np.zeros(2), None)
+        middle = starts.mean(axis=0)
+        a, b = starts - middle, ends - middle
+        doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        area = 0.5 * float(doubled.sum())
+        if area <= 0:
+            return cls(0.0, middle, None)
+        center = ((a + b) * doubled[:, None]).sum(axis=0) / (6.0 * area)
+        a, b = a - center, b - center
+        doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        # Of a triangle with one corner at the center of the coordinates.
+        outer = np.einsum("ei,ej->eij", a, a) + np.einsum("ei,ej->eij", b, b)
+        outer += 0.5 * (np.einsum("ei,ej->eij", a, b) + np.einsum("ei,ej->eij", b, a))
+        spread = np.einsum("e,eij->ij", doubled, outer) / 12.0
+        values, directions = np.linalg.eigh(spread)
+        if values[1] - values[0] <= _ROUND * values[1]:
+            return cls(area, center + middle, None)
+        along = directions[:, 1]
+        u, v = a @ along, b @ along
+        third = float(doubled @ (u**3 + u * u * v + u * v * v + v**3)) / 20.0
+        if third > 0:
+            along = -along
+        return cls(area, center + middle, float(np.arctan2(along[1], along[0])))
+
+    def angle_from(self, other: FlatMoments) -> float:
+        """Return by how much another one is turned so that its long axis lies on this one's; 0 where one is round."""
+        if self.axis is None or other.axis is None:
+            return 0.0
+        return self.axis - other.axis
+
+
+def directed(rings: Sequence[NDArray[np.float64]], groups: Sequence[int]) -> tuple[NDArray[np.float64], ...]:
+    """Turn closed polygons, (n, 2) each, so that what they turn around other than zero times is what they fill.
+
+    Rings of one group are filled together: one that begins within an odd number of others of them is a hole.
+    """
+    found = []
+    for ring, group in zip(rings, groups, strict=True):
+        others = (other for other, own in zip(rings, groups, strict=True) if own == group and other is not ring)
+        is_hole = sum(_is_within(ring[0], other) for other in others) % 2 == 1
+        found.append(ring if (ring_area(ring) < 0) == is_hole else ring[::-1])
+    return tuple(found)
+
+
+def _is_within(point: NDArray[np.float64], ring: NDArray[np.float64]) -> bool:
+    """Tell whether a point lies within a polygon, by how often a ray to the right meets it."""
+    starts, ends = ring, np.roll(ring, -1, axis=0)
+    crossed = (starts[:, 1] <= point[1]) != (ends[:, 1] <= point[1])
+    a, b = starts[crossed], ends[crossed]
+    places = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+    return bool((places > point[0]).sum() % 2)
