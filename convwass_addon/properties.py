@@ -17,8 +17,10 @@ from bpy.props import (
     StringProperty,
 )
 
+from .applications.flat.flat_settings import FlatSettings
 from .applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from .applications.morphs.morph_settings import MorphSettings
+from .bridge.flat.flat_objects import is_shape
 from .bridge.morphs.stored import FIRST_FRAMES
 
 OUTPUTS = (
@@ -66,6 +68,8 @@ STORED_OPTIONS = (
     "output",
     "output_folder",
     "cache_format",
+    "words",
+    "flat_output",
 )
 """Properties that are stored with a morph besides those of its solver."""
 
@@ -161,6 +165,30 @@ class MorphProperties:
         min=16,
         soft_max=160,
         max=512,
+    )
+    flat_resolution: IntProperty(
+        name="Resolution",
+        description="Cells along the longest side of flat shapes; twice as many take about four times as long and keep "
+        "strokes that are half as wide",
+        default=512,
+        min=256,
+        max=1024,
+    )
+    words: EnumProperty(
+        name="Words",
+        description="How texts and other shapes of several parts travel, where all shapes are flat",
+        items=(
+            ("MASS", "As One Mass", "All that a shape fills travels together"),
+            ("LETTERS", "Letter by Letter", "Letters travel to letters in reading order"),
+        ),
+    )
+    flat_output: EnumProperty(
+        name="Flat Frames",
+        description="What frames of flat shapes are",
+        items=(
+            ("CURVE", "Curves", "Curve objects with the bevel, the extrusion and the fill of the shapes"),
+            ("MESH", "Meshes", "Meshes, filled, beveled and extruded as the curves would be"),
+        ),
     )
     use_custom_blur: BoolProperty(
         name="Set Blur", description="Set the blur by hand instead of one cell (or an eightieth of the resolution)"
@@ -299,6 +327,12 @@ class MorphProperties:
             carry=self.carry,
         )
 
+    def flat_settings(self) -> FlatSettings:
+        """Return the settings of the application where all shapes are flat; raises InputError as above."""
+        shared = self.solver_settings().as_dict()
+        own = {"resolution": self.flat_resolution, "words": self.words.lower(), "parts": "none"}
+        return FlatSettings(**{**shared, **own})
+
     def sorted_shapes(self, objects: list[bpy.types.Object]) -> list[bpy.types.Object]:
         """Return the objects in the order asked for."""
         along_x = self.order == "LEFT_TO_RIGHT"
@@ -318,6 +352,8 @@ def stored_arguments(stored: dict[str, object]) -> dict[str, object]:
     """Return what a baked morph was asked for as values of :class:`MorphProperties`."""
     shared = ("resolution", "level", "thickness", "parts", "locality", "thin_parts", "mend", "carry")
     found = {name: stored[name] for name in (*STORED_OPTIONS, *shared) if name in stored}
+    if stored.get("flat"):
+        found["flat_resolution"] = found.pop("resolution")
     for name in ("blur", "sharpness"):
         found[f"use_custom_{name}"] = stored[name] is not None
         if stored[name] is not None:
@@ -329,15 +365,18 @@ def stored_arguments(stored: dict[str, object]) -> dict[str, object]:
     return found
 
 
-def _is_mesh(_item: CONVWASS_PG_input, obj: bpy.types.Object) -> bool:
-    return obj.type == "MESH"
+def _is_shape(_item: CONVWASS_PG_input, obj: bpy.types.Object) -> bool:
+    return is_shape(obj)
 
 
 class CONVWASS_PG_input(bpy.types.PropertyGroup):
     """A shape on the list of inputs."""
 
     object: PointerProperty(
-        name="Shape", description="Mesh object that takes part in the morph", type=bpy.types.Object, poll=_is_mesh
+        name="Shape",
+        description="Object that takes part in the morph: a mesh, a text, a curve, a drawing or an image",
+        type=bpy.types.Object,
+        poll=_is_shape,
     )
     weight: FloatProperty(
         name="Weight",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +15,7 @@ import bpy
 
 from ..errors import InputError
 from ..sentence import Sentence
+from .flat.flat_objects import is_drawn_flat
 from .objects import frozen_copy
 from .workshop import reason, workshop
 
@@ -107,8 +108,8 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
         The file is missing, a folder, unreadable, damaged, of an unknown format, without a mesh, or without an object
         of that name; the scene is as before then.
     """
-    file = _checked_file(path, names)
-    with _only_kept_data() as kept, workshop() as scene:
+    file = checked_file(path, names, (*READERS, BLEND))
+    with only_kept_data() as kept, workshop() as scene:
         parts = _blend_parts(file, names) if file.suffix.lower() == BLEND else _file_parts(file, scene)
         kept.extend(_joined(part.objects, scene) for part in parts)
     for part, obj in zip(parts, kept, strict=True):
@@ -118,19 +119,19 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
     return kept
 
 
-def _checked_file(path: Path, names: list[str] | None) -> Path:
-    """Return the absolute path of a file that can be tried."""
+def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) -> Path:
+    """Return the absolute path of a file that can be tried; raises InputError otherwise."""
     file = Path(path).expanduser().absolute()
     suffix = file.suffix.lower()
     if file.is_dir():
         raise InputError("{file} is a folder; name a file in it.", file=str(file))
     if not file.exists():
         raise InputError("{file} does not exist; check the spelling and the folder.", file=str(file))
-    if suffix not in (*READERS, BLEND):
+    if suffix not in endings:
         raise InputError(
             "{file} is of an unknown format; these can be read: {formats}.",
             file=file.name,
-            formats=" ".join((*READERS, BLEND)),
+            formats=" ".join(endings),
         )
     if names and suffix != BLEND:
         raise InputError(
@@ -187,6 +188,7 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
     if names:
         return [parts[name] for name in names]
     meshes = [part for part in parts.values() if part.objects[0].type == "MESH"]
+    meshes = meshes or [part for part in parts.values() if is_drawn_flat(part.objects[0])]
     if not meshes:
         kinds = _kinds(file, wanted.objects)
         raise InputError(
@@ -204,7 +206,9 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
 
 
 def _joined(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> bpy.types.Object:
-    """Make one object of several, in world space."""
+    """Make one object of several, in world space; one that is flat by its nature stays what it is."""
+    if len(objects) == 1 and is_drawn_flat(objects[0]):
+        return _standing(objects[0], scene)
     for obj in objects:
         if obj not in set(scene.objects):
             scene.collection.objects.link(obj)
@@ -219,8 +223,22 @@ def _joined(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> bpy.type
     return copies[0]
 
 
+def _standing(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object:
+    """Free an object of what it hangs on, where it stands."""
+    if obj not in set(scene.objects):
+        scene.collection.objects.link(obj)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    depsgraph.update()
+    place = obj.evaluated_get(depsgraph).matrix_world.copy()
+    obj.parent = None
+    obj.constraints.clear()
+    obj.animation_data_clear()
+    obj.matrix_world = place
+    return obj
+
+
 @contextmanager
-def _only_kept_data() -> Iterator[list[bpy.types.Object]]:
+def only_kept_data() -> Iterator[list[bpy.types.Object]]:
     """Remove all data-blocks made meanwhile, except the objects put on the list and what they use."""
     before = {block.session_uid for block in bpy.data.user_map()}
     kept: list[bpy.types.Object] = []

@@ -57,6 +57,20 @@ def is_shown(obj: bpy.types.Object, frame: int) -> bool:
     return not obj.hide_render
 
 
+def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:
+    """Return the F-curves of a data-block, or of a node tree."""
+    data = block.animation_data
+    bag = action_get_channelbag_for_slot(data.action, data.action_slot) if data and data.action else None
+    return list(bag.fcurves) if bag is not None else []
+
+
+def make_linear(block: bpy.types.ID) -> None:
+    """Let all that is keyed go evenly from key to key, whatever the user prefers for new ones."""
+    for curve in curves_of(block):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
 def _channels(obj: bpy.types.Object, action: bpy.types.Action) -> bpy.types.ActionChannelbag:
     """Return the channels of the object in the action, assigned and made as needed."""
     data = obj.animation_data or obj.animation_data_create()

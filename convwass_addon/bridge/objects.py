@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,11 +19,16 @@ from .face_labels import LABELS
 
 _PLACES = 17
 
+MESHED = ("MESH", "FONT", "CURVE")
+"""Types of objects of which Blender makes a mesh that may be solid."""
+
 FLATTENED = 1e-6
 """Ratio of the smallest to the largest scale at which an object counts as squashed; single precision leaves 1e-7."""
 
 
-def triangle_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
+def triangle_mesh(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
+) -> TriangleMesh:
     """Read an object as it stands in the scene: modifiers applied, in world space.
 
     The object may be in edit mode, hidden, or in a collection that is hidden or excluded from the view layer.
@@ -34,6 +39,8 @@ def triangle_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Tria
         A mesh object, as it is in the file (not an evaluated one).
     depsgraph : bpy.types.Depsgraph
         ``context.evaluated_depsgraph_get()``; brought up to date here.
+    kinds : tuple of str
+        Types of objects that are taken, such as `MESHED`.
 
     Returns
     -------
@@ -45,7 +52,7 @@ def triangle_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Tria
     InputError
         Not a mesh, no faces, a scale of zero, or coordinates that are not numbers; the message names the object.
     """
-    with _evaluated(obj, depsgraph) as evaluated:
+    with _evaluated(obj, depsgraph, kinds) as evaluated:
         try:
             return _world_mesh(obj.name, evaluated, evaluated.to_mesh())
         finally:
@@ -69,13 +76,16 @@ class LabeledMesh:
 
 
 def labeled_mesh(
-    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: Literal["vertex-groups", "materials"]
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    kind: Literal["vertex-groups", "materials"],
+    kinds: tuple[str, ...] = ("MESH",),
 ) -> LabeledMesh:
     """Read an object as `triangle_mesh` does, and which part every triangle belongs to, as modifiers leave it.
 
     Parameters
     ----------
-    obj, depsgraph
+    obj, depsgraph, kinds
         As for `triangle_mesh`.
     kind : "vertex-groups" or "materials"
         What tells the parts.
@@ -85,7 +95,7 @@ def labeled_mesh(
     InputError
         As `triangle_mesh`.
     """
-    with _evaluated(obj, depsgraph) as evaluated:
+    with _evaluated(obj, depsgraph, kinds) as evaluated:
         try:
             mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
             return LabeledMesh(_world_mesh(obj.name, evaluated, mesh), LABELS[kind](evaluated, mesh))
@@ -93,14 +103,16 @@ def labeled_mesh(
             evaluated.to_mesh_clear()
 
 
-def frozen_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+def frozen_copy(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
+) -> bpy.types.Mesh:
     """Make a new mesh of an object as it stands in the scene: modifiers applied, in world space.
 
     Polygons, materials, UV maps and attributes stay.
 
     Parameters
     ----------
-    obj, depsgraph
+    obj, depsgraph, kinds
         As for `triangle_mesh`.
 
     Returns
@@ -113,7 +125,7 @@ def frozen_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.ty
     InputError
         As `triangle_mesh`, except that coordinates are not checked.
     """
-    with _evaluated(obj, depsgraph) as evaluated:
+    with _evaluated(obj, depsgraph, kinds) as evaluated:
         matrix = _checked_matrix(evaluated)
         world = evaluated.matrix_world.copy()
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
@@ -165,14 +177,21 @@ def _short(vertices: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.rint(np.asarray(vertices) / step) * step, dtype=np.float32)
 
 
-@contextmanager
-def _evaluated(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Give the evaluated object, though it be hidden, and leave the scene as it was."""
-    if obj.type != "MESH":
+def _evaluated(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
+) -> AbstractContextManager[bpy.types.Object]:
+    """Give the evaluated object if it is of one of some kinds."""
+    if obj.type not in kinds:
         kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
         raise InputError(
             "{name} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.", name=obj.name, kind=kind
         )
+    return evaluated_object(obj, depsgraph)
+
+
+@contextmanager
+def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    """Give the evaluated object, though it be hidden, and leave the scene as it was."""
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     depsgraph.update()

@@ -22,6 +22,11 @@ from .density_options import DENSITY_HELP, add_density_options
 from .density_verb import run_density
 from .morph_options import MORPH_HELP, add_morph_options
 from .morph_verb import run_morph
+from .recolor_options import RECOLOR_HELP, add_recolor_options
+from .recolor_verb import run_recolor
+from .reflect_options import REFLECT_HELP, SKY_HELP, add_reflect_options, add_sky_options
+from .reflect_verb import run_reflect
+from .sky_verb import run_sky
 from .softmap_options import SOFTMAP_HELP, add_softmap_options
 from .softmap_verb import run_softmap
 
@@ -50,6 +55,9 @@ _VERBS = (
         "softmap", "map a mesh to another and transfer what is on it", SOFTMAP_HELP, add_softmap_options, run_softmap
     ),
     _Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
+    _Verb("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
+    _Verb("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
+    _Verb("sky", "make skies between two others", SKY_HELP, add_sky_options, run_sky),
     _Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
 )
 

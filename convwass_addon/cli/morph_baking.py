@@ -11,10 +11,13 @@ from pathlib import Path
 
 import bpy
 
+from ..applications.flat.flat_frames import FlatStep
+from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.cluster import cluster_workers
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
 from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.flat.flat_job import FlatJob
 from ..bridge.morphs.animation import render_animation
 from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
@@ -50,16 +53,17 @@ def baked(
 
 def prepared_job(
     inputs: list[bpy.types.Object], blends: list[Blend], settings: MorphSettings, stored: dict[str, object]
-) -> MorphJob:
+) -> MorphJob | FlatJob:
     """Return the job of a bake, its inputs colored where they bring no material."""
     for index, obj in enumerate(inputs):
-        if not any(obj.data.materials):
+        if not any(slot.material for slot in obj.material_slots):
             obj.color = _PALETTE[index % len(_PALETTE)]
     scene = bpy.context.scene
-    return MorphJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
+    kind = FlatJob if isinstance(settings, FlatSettings) else MorphJob
+    return kind(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
 
 
-def run_job(job: MorphJob, computing: Computing, take: Callable[[MorphStep], None]) -> None:
+def run_job(job: MorphJob | FlatJob, computing: Computing, take: Callable[[MorphStep | FlatStep], None]) -> None:
     """Do all steps of a job, wherever its frames are computed, and hand them on."""
     cluster = cluster_workers(computing.scheduler) if computing.scheduler else nullcontext()
     with cluster as executor, ProgressBar("Morphing") as bar:

@@ -9,10 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.frame_cache import FrameCache
 from ..applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
+from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.morphs.exports import FORMATS
 from ..errors import InputError
 
@@ -36,10 +38,14 @@ class Computing:
     between: Between | None = None
 
 
+# Cells along the longest side where nobody says how many.
+_SOLID_RESOLUTION, _FLAT_RESOLUTION = 100, 512
+
+
 def settings_of(options: Namespace) -> MorphSettings:
-    """Return how the morph is to be made."""
+    """Return how a morph of solid shapes is to be made."""
     return MorphSettings(
-        resolution=options.resolution,
+        resolution=_SOLID_RESOLUTION if options.resolution is None else options.resolution,
         blur=options.blur,
         sharpness=options.sharpness,
         entropy_limit=options.entropy_limit,
@@ -52,6 +58,31 @@ def settings_of(options: Namespace) -> MorphSettings:
         tolerance=options.tolerance,
         carry=not options.no_carry,
     )
+
+
+def flat_settings_of(options: Namespace) -> FlatSettings:
+    """Return how a morph of flat shapes is to be made.
+
+    Raises
+    ------
+    InputError
+        Options that mean nothing for them.
+    """
+    if options.cache is not None or options.scheduler or options.at is not None or options.frames_range is not None:
+        raise InputError(
+            "Frames of flat shapes are neither cached nor sent to other machines; leave out --cache, --scheduler, --at "
+            "and --frames-range."
+        )
+    refuse_volumes(options.output == "volume")
+    shared = settings_of(options).as_dict()
+    resolution = _FLAT_RESOLUTION if options.resolution is None else options.resolution
+    return FlatSettings(**{**shared, "resolution": resolution, "words": options.words, "parts": "none"})
+
+
+def flat_output_of(options: Namespace) -> str:
+    """Return what frames of flat shapes are: "CURVE" or "MESH"."""
+    plain = options.output == "objects" and not (options.render or options.export)
+    return options.flat_output.upper() if plain else "MESH"
 
 
 def blends_of(options: Namespace, count: int) -> list[Blend]:

@@ -16,9 +16,14 @@ MORPH_HELP = """Morph shapes of any topology into each other by optimal transpor
 A shape is a file that Blender reads (OBJ, PLY, STL, glTF, FBX, USD, Alembic), or an object in a .blend, written
 file.blend:Object. It may be open, in several parts, self-intersecting or inside out.
 
+Shapes may also be flat, if all of them are: text:WORD, an SVG file, an image whose silhouette is taken (PNG, JPEG,
+TIFF, BMP, WebP), or a text, a curve, a drawing, an image empty or a flat mesh in a .blend. Frames are curves then.
+
 examples:
   morph cow.obj duck.ply torus.stl --frames 24 --resolution 100 --out morph.blend --render
   morph scene.blend:Cube scene.blend:Suzanne --frames 48
+  morph text:A text:B logo.svg --frames 24 --scale equal-volume --out letters.blend
+  morph text:SPRING text:AUTUMN --words letters
   morph a.obj b.obj c.obj d.obj --layout grid --steps 5 --out sheet.blend --render
   morph a.obj b.obj c.obj --weights 0.2,0.3,0.5 --export blend.ply
   morph a.obj b.obj --frames 240 --cache /shared/frames --frames-range 0-119
@@ -31,7 +36,7 @@ examples:
 def add_morph_options(parser: ArgumentParser) -> None:
     """Add all of them."""
     parser.add_argument(
-        "shapes", nargs="+", metavar="SHAPE", help="a file, or file.blend:Object; two or more, in order"
+        "shapes", nargs="+", metavar="SHAPE", help="a file, file.blend:Object, or text:WORD; two or more, in order"
     )
     parser.add_argument("--out", type=Path, default=Path("morph.blend"), help="the .blend to write (%(default)s)")
     _add_layout_options(parser)
@@ -77,7 +82,7 @@ def _add_layout_options(parser: ArgumentParser) -> None:
 def _add_solver_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("how it is made")
     group.add_argument(
-        "--resolution", type=int, default=100, help="cells along the longest side of the volume (%(default)s)"
+        "--resolution", type=int, help="cells along the longest side: of the volume (100), or of flat shapes (512)"
     )
     group.add_argument(
         "--sharpness",
@@ -126,6 +131,12 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         help="parts of the same name on all shapes travel together: head to head (%(default)s)",
     )
     group.add_argument(
+        "--words",
+        choices=("mass", "letters"),
+        default="mass",
+        help="flat shapes: all of a shape travels together, or letter by letter in reading order (%(default)s)",
+    )
+    group.add_argument(
         "--tolerance",
         type=float,
         help="marginal error at which a blend is done (automatic: 0.01, down to 0.002 with a sharpness of 1)",
@@ -162,6 +173,13 @@ def _add_output_options(parser: ArgumentParser) -> None:
         default="objects",
         help="what shows the morph in the .blend: an object per frame, one player object, a pad to drag on (a sheet), "
         "or files beside it that are read as VDB volumes, Alembic or USD (%(default)s)",
+    )
+    group.add_argument(
+        "--flat-output",
+        choices=("curve", "mesh"),
+        default="curve",
+        help="flat shapes: an object per frame is a curve with bevel and extrusion, or a mesh; anything else than "
+        "objects, --render and --export take meshes (%(default)s)",
     )
     group.add_argument(
         "--render",

@@ -9,17 +9,28 @@ from argparse import Namespace
 
 import bpy
 
+from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.between_frames import places_at
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
-from ..bridge.imports import import_objects, parse_source
+from ..bridge.flat.choosing import asks_for_flat
+from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.outputs import save_as
 from .answer import Answer
 from .morph_baking import baked, prepared_job, rendered, report, run_job
-from .morph_choices import Computing, between_of, blends_of, computing_of, export_format, settings_of
+from .morph_choices import (
+    Computing,
+    between_of,
+    blends_of,
+    computing_of,
+    export_format,
+    flat_output_of,
+    flat_settings_of,
+    settings_of,
+)
 
 
 def run_morph(options: Namespace) -> Answer:
@@ -45,10 +56,13 @@ def run_morph(options: Namespace) -> Answer:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = []
     for text in options.shapes:
-        source = parse_source(text)
-        inputs += import_objects(source.path, [source.object_name] if source.object_name else None)
+        inputs += imported_shape(text)
+    if asks_for_flat(inputs, bpy.context.evaluated_depsgraph_get(), options.thickness):
+        settings = flat_settings_of(options)
     stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
     stored["alignment"], stored["scaling"] = (_as_enum(choice) for choice in (options.align, options.scale))
+    if isinstance(settings, FlatSettings):
+        stored["flat_output"] = flat_output_of(options)
     if between is not None:
         stored["at"] = between.numbers
     if computing.wanted is not None:

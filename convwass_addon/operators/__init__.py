@@ -21,6 +21,12 @@ from . import (
     manage_morph,
     output_morph,
     play_morph,
+    recolor_attribute,
+    recolor_grade,
+    recolor_image,
+    reflectance_blend,
+    reflectance_import,
+    sky_blend,
     soft_map_compute,
     soft_map_pairs,
     soft_map_transfer,
@@ -46,6 +52,12 @@ _MODULES = (
     armature_pins,
     armature_place,
     armature_fit,
+    recolor_image,
+    recolor_grade,
+    recolor_attribute,
+    reflectance_blend,
+    reflectance_import,
+    sky_blend,
 )
 
 register, unregister = bpy.utils.register_classes_factory([cls for module in _MODULES for cls in module.classes])

@@ -19,6 +19,8 @@ from ..translations import translated
 from .reporting import refuse
 
 _TIMER_SECONDS = 0.05
+# Editors whose sidebars show how far a job is.
+_WITH_SIDEBAR = ("VIEW_3D", "IMAGE_EDITOR")
 # The window answers at least this often while many objects wait to be made.
 _BUSY_SECONDS = 0.1
 # Seconds that a job which is stopped may take while the window waits.
@@ -177,7 +179,7 @@ class BackgroundOperator:
         context.workspace.status_text_set(f"{self._title()}: {message}    Esc: {rpt_('stop')}")
         # The sidebar alone: drawing the shapes again may take long, and new ones see to that themselves.
         for area in context.window.screen.areas:
-            for region in area.regions if area.type == "VIEW_3D" else ():
+            for region in area.regions if area.type in _WITH_SIDEBAR else ():
                 if region.type == "UI":
                     region.tag_redraw()
 

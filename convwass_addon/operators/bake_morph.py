@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake a morph of the selected meshes, in the background where there is a window."""
+"""Bake a morph of the selected shapes, in the background where there is a window."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from bpy.props import StringProperty
 
 from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from ..applications.morphs.morph import MorphStep
+from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
+from ..bridge.flat.flat_job import FlatJob
 from ..bridge.morphs.disk_output import packed_bytes
 from ..bridge.morphs.job import MorphJob
 from ..bridge.morphs.replace import replace_bake
@@ -40,7 +42,7 @@ _OUTPUT_OPERATORS = {
 
 
 class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Operator):
-    """Morph shapes into each other by optimal transport: those on the list, or else the selected meshes"""
+    """Morph shapes into each other by optimal transport: those on the list, or else the selected ones"""
 
     bl_idname = "convwass.bake_morph"
     bl_label = "Bake Morph"
@@ -69,7 +71,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         options={"SKIP_SAVE"},
     )
 
-    _job: MorphJob
+    _job: MorphJob | FlatJob
     _computing: dict[str, object]
 
     @classmethod
@@ -78,18 +80,26 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return False
         # Which shapes are meant depends on the arguments.
         if len(bpy.data.objects) < 2:
-            cls.poll_message_set("Select at least two mesh objects")
+            cls.poll_message_set("Select at least two shapes")
             return False
         return True
 
-    def _begin(self, context: bpy.types.Context) -> MorphJob:
+    def _begin(self, context: bpy.types.Context) -> MorphJob | FlatJob:
         """Read the inputs; everything that can be refused is refused here or before the first frame."""
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
         weights = chosen.weights if self.layout == "BLEND" else None
         options = {**self.stored_options(), "weights": weights}
-        blends, settings = self.blends(len(chosen.objects), weights), self.solver_settings()
+        blends = self.blends(len(chosen.objects), weights)
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
+        if asks_for_flat(chosen.objects, depsgraph, self.thickness):
+            # What shows a morph otherwise than by an object per frame takes meshes.
+            kind = self.flat_output if self.output == "OBJECTS" else "MESH"
+            refuse_volumes(self.output == "VOLUME")
+            options["flat_output"] = kind
+            settings = self.flat_settings()
+            return FlatJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+        settings = self.solver_settings()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
 
     def _preferred(self) -> dict[str, object]:
@@ -153,6 +163,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def _summary(self, name: str, count: int) -> str:
         cache = self._computing["cache"]
         if cache is None or not cache.reused:
+            if isinstance(self._job, FlatJob) and self._job.kind == "CURVE":
+                return rpt_("{:s}: {:d} curves").format(name, count)
             return rpt_("{:s}: {:d} meshes").format(name, count)
         return rpt_("{:s}: {:d} meshes, {:d} of them finished before").format(name, count, cache.reused)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..bridge.flat.flat_objects import is_shape
 from ..errors import InputError
 from ..properties import MorphProperties
 
@@ -59,12 +60,14 @@ def chosen_inputs(
                 raise InputError("A shape on the list of inputs has been deleted; remove it from the list.")
         objects, numbers = [item.object for item in listed], [item.weight for item in listed]
     else:
-        objects = settings.sorted_shapes([obj for obj in context.selected_objects if obj.type == "MESH"])
+        objects = settings.sorted_shapes([obj for obj in context.selected_objects if is_shape(obj)])
         numbers = [1.0] * len(objects)
     if weights.strip():
         numbers = _numbers(weights)
     if len(objects) < 2:
-        raise InputError("Select at least two mesh objects, or put them on the list of inputs.")
+        raise InputError(
+            "Select at least two shapes (meshes, texts, curves, drawings or images), or put them on the list of inputs."
+        )
     return ChosenInputs(objects, numbers)
 
 

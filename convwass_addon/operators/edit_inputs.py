@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
 from bpy.props import IntProperty
 
 from ..applications.morphs.shape_check import ShapeFindings, check_shape
+from ..bridge.flat.flat_objects import flat_objects, is_shape, looks_flat
 from ..bridge.objects import triangle_mesh
 from ..errors import ConvwassError, InputError
 from ..preferences import preferences
@@ -41,15 +42,15 @@ class _OnList(_EditInputs):
 
 
 class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
-    """Put the selected meshes on the list of shapes to morph, and check them"""
+    """Put the selected shapes on the list of those to morph, and check them"""
 
     bl_idname = "convwass.add_inputs"
     bl_label = "Add Inputs"
 
     @classmethod
     def poll(cls, context):
-        if not any(obj.type == "MESH" for obj in context.selected_objects):
-            cls.poll_message_set("Select mesh objects to add")
+        if not any(is_shape(obj) for obj in context.selected_objects):
+            cls.poll_message_set("Select meshes, texts, curves, drawings or images to add")
             return False
         return True
 
@@ -58,14 +59,14 @@ class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
         if not settings.inputs and is_untouched(settings):
             apply_preset(preferences(context).default_preset)
         known = {item.object for item in settings.inputs}
-        meshes = [obj for obj in context.selected_objects if obj.type == "MESH" and obj not in known]
+        meshes = [obj for obj in context.selected_objects if is_shape(obj) and obj not in known]
         for obj in settings.sorted_shapes(meshes):
             item = settings.inputs.add()
             item.object = obj
             check(item, context.evaluated_depsgraph_get())
         settings.active_input = len(settings.inputs) - 1
         if not meshes:
-            self.report({"INFO"}, rpt_("All selected meshes are on the list already"))
+            self.report({"INFO"}, rpt_("All selected shapes are on the list already"))
         return {"FINISHED"}
 
 
@@ -160,9 +161,17 @@ def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
         item.verdict, item.finding = "UNUSABLE", rpt_("The object has been deleted")
         return
     try:
+        if item.object.type != "MESH":
+            flat_objects([item.object], depsgraph)
+            item.verdict, item.finding = "SOUND", ""
+            return
         findings = check_shape(triangle_mesh(item.object, depsgraph))
     except ConvwassError as error:
         item.verdict, item.finding = "UNUSABLE", translated(error.sentence).rstrip(".")
+        return
+    if not findings.has_volume and looks_flat(item.object):
+        item.verdict = findings.worst
+        item.finding = rpt_("It is flat: morph it with other flat shapes, or set Thickness")
         return
     item.verdict, item.finding = findings.worst, "; ".join(_sentences(findings))
 

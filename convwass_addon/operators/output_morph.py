@@ -8,10 +8,13 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
+from ..bridge.flat.choosing import refuse_volumes
+from ..bridge.flat.frames_as_meshes import turn_into_meshes
 from ..bridge.morphs.bake import remove_frames
 from ..bridge.morphs.cache_output import as_cache
 from ..bridge.morphs.disk_output import DiskOutput, output_folder
 from ..bridge.morphs.stand_ins import remove_stand_ins
+from ..bridge.morphs.stored import stored_settings
 from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
 from ..properties import CACHE_FORMATS, DEFAULT_FOLDER
@@ -59,6 +62,7 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
     bl_label = "Make Volume"
 
     def _written(self, context, morph):
+        refuse_volumes("flat" in stored_settings(morph))
         folder = output_folder(self.folder, morph)
         return as_volume(morph, folder, lambda share: context.window_manager.progress_update(int(100 * share)))
 
@@ -76,6 +80,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
     )
 
     def _written(self, context, morph):
+        turn_into_meshes(morph)
         return as_cache(morph, output_folder(self.folder, morph), self.kind)
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..bridge.flat.frames_as_meshes import turn_into_meshes
 from ..bridge.morphs.blend_pad import make_blend_pad
 from ..bridge.morphs.player import make_player
 from ..bridge.morphs.stand_ins import remove_stand_ins, stand_ins
@@ -58,6 +59,7 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
     )
 
     def _change(self, morph):
+        turn_into_meshes(morph)
         return make_player(morph, playback=self.playback, easing=self.easing)
 
 
@@ -68,6 +70,7 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
     bl_label = "Make Blend Pad"
 
     def _change(self, morph):
+        turn_into_meshes(morph)
         return make_blend_pad(morph).handle
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from . import armatures, baked, densities, morph, soft_maps
+from . import armatures, baked, densities, light, morph, recolor, soft_maps
 
-register, unregister = bpy.utils.register_classes_factory(
-    (*morph.classes, *baked.classes, *densities.classes, *soft_maps.classes, *armatures.classes)
-)
+_MODULES = (morph, baked, densities, soft_maps, armatures, recolor, light)
+
+register, unregister = bpy.utils.register_classes_factory([cls for module in _MODULES for cls in module.classes])

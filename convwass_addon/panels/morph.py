@@ -8,6 +8,7 @@ import bpy
 from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..bridge.flat.flat_objects import is_shape, looks_flat
 from ..operators.background import CONVWASS_OT_stop_bake
 from ..operators.bake_morph import CONVWASS_OT_bake_morph
 from ..operators.edit_inputs import (
@@ -24,6 +25,12 @@ from .sidebar import Sidebar, draw_wrapped
 # Selected shapes that are named; of more only the number is told.
 _NAMED = 8
 _NEEDED = {"GRID": 4, "TRIANGLE": 3}
+_ICONS = {
+    "FONT": "OUTLINER_OB_FONT",
+    "CURVE": "OUTLINER_OB_CURVE",
+    "GREASEPENCIL": "OUTLINER_OB_GREASEPENCIL",
+    "EMPTY": "IMAGE_DATA",
+}
 
 
 class CONVWASS_UL_inputs(bpy.types.UIList):
@@ -38,7 +45,7 @@ class CONVWASS_UL_inputs(bpy.types.UIList):
         if item.object is None:
             named.prop(item, "object", text="")
         else:
-            named.prop(item.object, "name", text="", emboss=False, icon="MESH_DATA")
+            named.prop(item.object, "name", text="", emboss=False, icon=_icon(item.object))
         if item.warns:
             icon = "ERROR" if item.verdict in ("NO_VOLUME", "UNUSABLE") else "INFO"
             named.operator(CONVWASS_OT_check_inputs.bl_idname, text="", icon=icon, emboss=False).index = index
@@ -66,9 +73,11 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         settings = context.scene.convwass_morph
         if settings.inputs:
             _draw_list(layout, settings)
-            count = len(settings.enabled_inputs)
+            shapes = [item.object for item in settings.enabled_inputs]
         else:
-            count = _draw_selection(layout, context, settings)
+            shapes = _draw_selection(layout, context, settings)
+        count = len(shapes)
+        flat = bool(shapes) and all(obj is not None and looks_flat(obj) for obj in shapes)
 
         column = layout.column()
         column.prop(settings, "layout")
@@ -76,7 +85,11 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
             column.prop(settings, "frames")
         elif settings.layout != "BLEND":
             column.prop(settings, "steps")
-        column.prop(settings, "resolution")
+        if flat:
+            column.prop(settings, "flat_resolution")
+            column.prop(settings, "words")
+        else:
+            column.prop(settings, "resolution")
 
         progress = context.window_manager.convwass_progress
         if progress.running:
@@ -110,14 +123,16 @@ def _draw_list(layout: bpy.types.UILayout, settings: CONVWASS_PG_morph) -> None:
     column.operator(CONVWASS_OT_clear_inputs.bl_idname, text="", icon="X")
 
 
-def _draw_selection(layout: bpy.types.UILayout, context: bpy.types.Context, settings: CONVWASS_PG_morph) -> int:
-    """Name the selected meshes, which are morphed while there is no list, and return how many there are."""
-    shapes = settings.sorted_shapes([obj for obj in context.selected_objects if obj.type == "MESH"])
+def _draw_selection(
+    layout: bpy.types.UILayout, context: bpy.types.Context, settings: CONVWASS_PG_morph
+) -> list[bpy.types.Object]:
+    """Name the selected shapes, which are morphed while there is no list, and return them."""
+    shapes = settings.sorted_shapes([obj for obj in context.selected_objects if is_shape(obj)])
     box = layout.box().column(align=True)
     if len(shapes) < 2:
-        box.label(text="Select two or more meshes", icon="INFO")
+        box.label(text="Select two or more shapes", icon="INFO")
     for index, obj in enumerate(shapes[:_NAMED]):
-        box.label(text=obj.name, icon="MESH_DATA" if index == 0 else "FORWARD", translate=False)
+        box.label(text=obj.name, icon=_icon(obj) if index == 0 else "FORWARD", translate=False)
     if len(shapes) > _NAMED:
         box.label(text=iface_("and {:d} more").format(len(shapes) - _NAMED), icon="BLANK1", translate=False)
     column = layout.column()
@@ -125,7 +140,11 @@ def _draw_selection(layout: bpy.types.UILayout, context: bpy.types.Context, sett
     row.prop(settings, "order")
     row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
     column.operator(CONVWASS_OT_add_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
-    return len(shapes)
+    return shapes
+
+
+def _icon(obj: bpy.types.Object) -> str:
+    return _ICONS.get(obj.type, "MESH_DATA")
 
 
 class _Subpanel(Sidebar):
@@ -175,6 +194,8 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
 
     def draw_settings(self, layout, settings):
         layout.prop(settings, "output", text="Type")
+        if settings.output == "OBJECTS":
+            layout.prop(settings, "flat_output")
         if settings.output in ("VOLUME", "CACHE"):
             layout.prop(settings, "output_folder")
         if settings.output == "CACHE":

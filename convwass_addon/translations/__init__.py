@@ -12,12 +12,20 @@ from . import (
     french,
     french_armatures,
     french_densities,
+    french_flat,
+    french_light,
     french_messages,
+    french_recolor,
+    french_reflectance,
     french_soft_maps,
     german,
     german_armatures,
     german_densities,
+    german_flat,
+    german_light,
     german_messages,
+    german_recolor,
+    german_reflectance,
     german_soft_maps,
 )
 
@@ -25,13 +33,21 @@ TABLES: dict[str, dict[str, str]] = {
     "de_DE": german.TEXTS
     | german_messages.TEXTS
     | german_densities.TEXTS
+    | german_flat.TEXTS
     | german_soft_maps.TEXTS
-    | german_armatures.TEXTS,
+    | german_armatures.TEXTS
+    | german_light.TEXTS
+    | german_reflectance.TEXTS
+    | german_recolor.TEXTS,
     "fr_FR": french.TEXTS
     | french_messages.TEXTS
     | french_densities.TEXTS
+    | french_flat.TEXTS
     | french_soft_maps.TEXTS
-    | french_armatures.TEXTS,
+    | french_armatures.TEXTS
+    | french_light.TEXTS
+    | french_reflectance.TEXTS
+    | french_recolor.TEXTS,
 }
 """For every language, the translation of every English text."""
 

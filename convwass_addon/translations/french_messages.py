@@ -76,7 +76,7 @@ TEXTS: dict[str, str] = {
     "Resolution {resolution} needs about {needed:.1f} GB of memory and {free:.1f} GB are free. Resolution {fitting} would fit.": "La résolution {resolution} demande environ {needed:.1f} Go de mémoire et {free:.1f} Go sont libres. La résolution {fitting} tiendrait.",
     "Resolution {resolution} needs about {needed:.1f} GB of memory and {free:.1f} GB are free. Resolution {fitting} would fit. Fewer workers than {workers} need less.": "La résolution {resolution} demande environ {needed:.1f} Go de mémoire et {free:.1f} Go sont libres. La résolution {fitting} tiendrait. Moins de threads que {workers} en demandent moins.",
     "Save the file first: {folder} is relative to it. Or choose a whole path.": "Enregistrer d'abord le fichier : {folder} lui est relatif. Ou choisir un chemin complet.",
-    "Select at least two mesh objects, or put them on the list of inputs.": "Sélectionner au moins deux objets maillés, ou les mettre dans la liste d'entrées.",
+    "Select at least two shapes (meshes, texts, curves, drawings or images), or put them on the list of inputs.": "Sélectionner au moins deux formes (maillages, textes, courbes, dessins ou images), ou les mettre dans la liste d'entrées.",
     "Sharpness must lie between 0 and 1.": "La netteté doit être comprise entre 0 et 1.",
     "Starting": "Démarrage",
     "Steps, iterations and substeps must be whole numbers.": "Les pas, les itérations et les sous-pas doivent être des nombres entiers.",

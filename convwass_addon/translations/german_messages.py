@@ -76,7 +76,7 @@ TEXTS: dict[str, str] = {
     "Resolution {resolution} needs about {needed:.1f} GB of memory and {free:.1f} GB are free. Resolution {fitting} would fit.": "Auflösung {resolution} braucht etwa {needed:.1f} GB Speicher, und {free:.1f} GB sind frei. Auflösung {fitting} würde passen.",
     "Resolution {resolution} needs about {needed:.1f} GB of memory and {free:.1f} GB are free. Resolution {fitting} would fit. Fewer workers than {workers} need less.": "Auflösung {resolution} braucht etwa {needed:.1f} GB Speicher, und {free:.1f} GB sind frei. Auflösung {fitting} würde passen. Weniger Threads als {workers} brauchen weniger.",
     "Save the file first: {folder} is relative to it. Or choose a whole path.": "Die Datei erst speichern: {folder} ist relativ zu ihr. Oder einen ganzen Pfad wählen.",
-    "Select at least two mesh objects, or put them on the list of inputs.": "Mindestens zwei Netzobjekte auswählen, oder sie auf die Eingabeliste setzen.",
+    "Select at least two shapes (meshes, texts, curves, drawings or images), or put them on the list of inputs.": "Mindestens zwei Formen auswählen (Netze, Texte, Kurven, Zeichnungen oder Bilder), oder sie auf die Eingabeliste setzen.",
     "Sharpness must lie between 0 and 1.": "Die Schärfe muss zwischen 0 und 1 liegen.",
     "Starting": "Beginnt",
     "Steps, iterations and substeps must be whole numbers.": "Schritte, Iterationen und Teilschritte müssen ganze Zahlen sein.",

@@ -215,7 +215,7 @@ def test_too_fine_a_resolution_says_which_fits(monkeypatch):
 
 def test_poll_says_what_is_missing():
     add("cube")
-    with pytest.raises(RuntimeError, match="Select at least two mesh objects"):
+    with pytest.raises(RuntimeError, match="Select at least two shapes"):
         bpy.ops.convwass.bake_morph()
     two_shapes()
     bpy.ops.object.mode_set(mode="EDIT")

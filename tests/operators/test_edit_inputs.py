@@ -63,13 +63,13 @@ def test_adding_keeps_the_order_asked_for_and_takes_nothing_twice(shapes):
     assert listed() == ["B", "A", "C"]
 
 
-def test_only_meshes_are_added(shapes):
+def test_only_shapes_are_added(shapes):
     bpy.ops.object.empty_add()
     select(*shapes, bpy.context.object)
     bpy.ops.convwass.add_inputs()
     assert listed() == ["A", "B", "C"]
     select()
-    with pytest.raises(RuntimeError, match="Select mesh objects"):
+    with pytest.raises(RuntimeError, match="Select meshes, texts, curves"):
         bpy.ops.convwass.add_inputs()
 
 
@@ -188,7 +188,7 @@ def test_names_with_commas_stand_on_lines_of_their_own(shapes):
     ("arguments", "message"),
     [
         ({"inputs": "A, Nobody"}, "no object named Nobody"),
-        ({"inputs": "A"}, "Select at least two mesh objects"),
+        ({"inputs": "A"}, "Select at least two shapes"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "1, x"}, "Weights are numbers"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "1, 2, 3"}, "2 shapes but 3 weights"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "0, 0"}, "All weights are zero"),

@@ -67,7 +67,7 @@ def baked(shapes):
 
 
 def test_an_empty_scene_says_what_to_do():
-    assert ("label", "Select two or more meshes") in draw_all()
+    assert ("label", "Select two or more shapes") in draw_all()
 
 
 def test_the_selection_is_named_until_there_is_a_list(shapes):
@@ -109,6 +109,19 @@ def test_a_wrong_number_of_shapes_is_told(shapes):
     assert "This layout takes 4 shapes, there are 2" in " ".join(text for _, text in draw_all())
 
 
+def test_flat_shapes_have_settings_of_their_own():
+    for text in ("A", "B"):
+        bpy.ops.object.text_add()
+        bpy.context.object.data.body = text
+    bpy.ops.object.select_all(action="SELECT")
+    drawn = draw_all()
+    assert {("label", "Text"), ("prop", "flat_resolution"), ("prop", "words"), ("prop", "flat_output")} <= set(drawn)
+    assert ("prop", "resolution") not in drawn
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.object.select_all(action="SELECT")
+    assert ("prop", "resolution") in draw_all()
+
+
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_setting_is_somewhere(shapes, layout):
     """Each one that the operator takes, for some layout."""
@@ -119,7 +132,8 @@ def test_every_setting_is_somewhere(shapes, layout):
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
     only |= dict.fromkeys(("frame_step", "start", "start_frame"), ("PATH",))
-    expected = {name for name in MorphProperties.__annotations__ if layout in only.get(name, LAYOUTS)}
+    flat = {"flat_resolution", "words", "flat_output"}
+    expected = {name for name in MorphProperties.__annotations__ if layout in only.get(name, LAYOUTS)} - flat
     assert expected == drawn & set(MorphProperties.__annotations__)
 
 

@@ -124,7 +124,7 @@ def test_what_a_late_case_has_reported_counts(tmp_path, monkeypatch):
 
 def test_no_name_means_every_benchmark(monkeypatch):
     started = []
-    for name in ("morph", "quality", "table1", "surface", "skeleton", "correspondences", "peers"):
+    for name in ("morph", "quality", "table1", "surface", "skeleton", "correspondences", "recolor", "peers"):
         module = getattr(command_line, name)
         monkeypatch.setattr(module, "main", lambda *options, name=name: started.append((name, *options)))
     assert command_line.main([]) == 0
@@ -135,6 +135,7 @@ def test_no_name_means_every_benchmark(monkeypatch):
         ("surface", list(surface.SIZES), 24),
         ("skeleton", None),
         ("correspondences", None, 1000),
+        ("recolor",),
         ("peers", [64, 100], 256, list(midpoints.SIZES), 300.0),
     ]
 
@@ -286,7 +287,7 @@ def test_a_peer_gets_the_shapes_and_its_result_is_judged(tmp_path, capsys):
     np.save(tmp_path / "filled.npy", filled.sum(axis=(1, 2)))
     np.save(tmp_path / "densities.npy", filled / filled.sum(axis=(1, 2), keepdims=True))
     # POT is among the test tools, so this Python will do.
-    peers._Runner(sys.executable, 60.0)._peer(str(tmp_path), [24, 24], 2.0, "pot", False)
+    peers.Runner(sys.executable, 60.0)._peer(str(tmp_path), [24, 24], 2.0, "pot", False)
     row = capsys.readouterr().out.split()
     assert row[:5] == ["24", "x", "24", "2.00", "POT"]
     _, _, _, iterations, error, edge = map(float, row[5:])
@@ -375,7 +376,7 @@ def test_a_peer_that_is_not_installed_is_a_row(tmp_path, project, monkeypatch, c
     command = [sys.executable, "-c", start, "geomloss", options]
     printed = subprocess.run(command, cwd=project, capture_output=True, text=True, check=True).stdout
     monkeypatch.setattr(peers, "reports", lambda *_, **__: [json.loads(printed)])
-    peers._Runner(sys.executable, 60.0)._geomloss("folder", [8, 8, 8], 1.0)
+    peers.Runner(sys.executable, 60.0)._geomloss("folder", [8, 8, 8], 1.0)
     assert capsys.readouterr().out.rstrip().endswith("GeomLoss' soft-min on volumes        not installed: torch")
 
 
@@ -384,7 +385,7 @@ def test_rows_of_geomloss_name_the_cube_that_it_ran_on(monkeypatch, capsys):
     monkeypatch.setattr(peers, "measured", lambda *_, **__: {"error": 0.009, "edge": 1.5})
     for cells in ([32, 32], [32, 32, 32]):
         monkeypatch.setattr(peers, "reports", lambda *_, cells=cells, **__: [{**used, "cells": cells}])
-        peers._Runner(sys.executable, 60.0)._geomloss("folder", [24] * len(cells), 1.0)
+        peers.Runner(sys.executable, 60.0)._geomloss("folder", [24] * len(cells), 1.0)
     image, volume = capsys.readouterr().out.splitlines()
     assert image.split()[:6] == ["32", "x", "32", "1.00", "GeomLoss,", "debiased"]
     assert volume.startswith("  32 x 32 x 32  1.00  GeomLoss' soft-min on volumes ")

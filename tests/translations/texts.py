@@ -30,7 +30,15 @@ def registered_texts() -> Iterator[str]:
     """Yield names and descriptions of all that is registered; needs the add-on."""
     import bpy
 
-    from convwass_addon import armature_properties, density_properties, preferences, properties, soft_map_properties
+    from convwass_addon import (
+        armature_properties,
+        density_properties,
+        light_properties,
+        preferences,
+        properties,
+        recolor_properties,
+        soft_map_properties,
+    )
 
     for name in dir(bpy.types):
         if name.startswith("CONVWASS_PT_"):
@@ -49,6 +57,9 @@ def registered_texts() -> Iterator[str]:
         soft_map_properties.CONVWASS_PG_map_pair,
         soft_map_properties.CONVWASS_PG_soft_map,
         armature_properties.CONVWASS_PG_armature,
+        recolor_properties.CONVWASS_PG_recolor,
+        light_properties.CONVWASS_PG_reflectance,
+        light_properties.CONVWASS_PG_sky,
         preferences.CONVWASS_AP_preferences,
     ):
         yield from _texts_of_properties(cls, cls.bl_rna)

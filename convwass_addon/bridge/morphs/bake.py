@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import bpy
 import numpy as np
@@ -18,7 +19,7 @@ from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
-from ..objects import frozen_copy, write_mesh
+from ..objects import MESHED, frozen_copy, write_mesh
 from .changes import signature, store_signatures
 from .disk_output import remove_disk_outputs
 from .materials import MATERIAL_NAME, input_color, is_carrying, morph_material
@@ -30,16 +31,17 @@ SHEET_SPACING = 1.3
 
 
 @dataclass(frozen=True)
-class _Input:
+class FrozenInput:
     """What a bake keeps of an input, so that it may change or vanish while frames are being computed."""
 
     obj: Handle
     name: str
     color: tuple[float, float, float, float]
     mesh: Handle
+    """Its copy: a mesh, or what else the frames show of it."""
     size: float
     foot: np.ndarray
-    """Middle of the underside of its bounds, world space, (3,)."""
+    """Middle of the underside of its bounds, or of a flat shape, world space, (3,)."""
 
 
 @dataclass(frozen=True)
@@ -86,14 +88,21 @@ class MorphBake:
         InputError
             A first frame that Blender does not have, or an input without faces; nothing is left behind then.
         """
-        if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
-            raise InputError(
-                "The first frame must be from {first} to {last}, not {first_frame}.",
-                first=FIRST_FRAMES[0],
-                last=FIRST_FRAMES[1],
-                first_frame=first_frame,
-            )
+        check_first_frame(first_frame)
         shapes = _frozen_inputs(inputs, moves or [None] * len(inputs))
+        return cls._opened(scene, inputs, shapes, blends, settings, first_frame)
+
+    @classmethod
+    def _opened(
+        cls,
+        scene: bpy.types.Scene,
+        inputs: Sequence[bpy.types.Object],
+        shapes: list[FrozenInput],
+        blends: Sequence[Blend],
+        settings: dict[str, object],
+        first_frame: int,
+    ) -> Self:
+        """Make the collection, with the description of the morph on it."""
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
         scene.collection.children.link(collection)
@@ -106,7 +115,7 @@ class MorphBake:
         self,
         scene: bpy.types.Scene,
         collection: bpy.types.Collection,
-        shapes: list[_Input],
+        shapes: list[FrozenInput],
         blends: Sequence[Blend],
         stored: StoredMorph,
     ) -> None:
@@ -169,16 +178,7 @@ class MorphBake:
     def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
         """Make an object at its place and with its keyframes."""
         collection = self._living(self._collection)
-        name = f"Morph {index + 1:04d}"
-        if frame.mesh is None:
-            data = self._living(self._inputs[frame.blend.source].mesh)
-        else:
-            data = bpy.data.meshes.new(name)
-            write_mesh(data, frame.mesh)
-        if not any(data.materials):
-            data.materials.clear()
-            data.materials.append(morph_material())
-        obj = bpy.data.objects.new(name, data)
+        obj = self._made(frame, f"Morph {index + 1:04d}")
         collection.objects.link(obj)
         obj.color = np.average([shape.color for shape in self._inputs], axis=0, weights=frame.blend.weights)
         obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
@@ -188,6 +188,16 @@ class MorphBake:
         elif len(self._blends) > 1:
             obj.location = self._sheet_location(frame.blend)
         return obj
+
+    def _made(self, frame: MorphFrame, name: str) -> bpy.types.Object:
+        """Make an object of a frame, where the frame lies, with a material."""
+        if frame.mesh is None:
+            data = self._living(self._inputs[frame.blend.source].mesh)
+        else:
+            data = bpy.data.meshes.new(name)
+            write_mesh(data, frame.mesh)
+        wear_material(data)
+        return bpy.data.objects.new(name, data)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Store the settings, set the scene's frame range, and return the collection.
@@ -290,6 +300,24 @@ class MorphBake:
         bpy.data.batch_remove([block for block in spare if block.users == 0])
 
 
+def check_first_frame(first_frame: int) -> None:
+    """Refuse a first frame that Blender does not have; raises InputError."""
+    if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
+        raise InputError(
+            "The first frame must be from {first} to {last}, not {first_frame}.",
+            first=FIRST_FRAMES[0],
+            last=FIRST_FRAMES[1],
+            first_frame=first_frame,
+        )
+
+
+def wear_material(data: bpy.types.ID) -> None:
+    """Give data of an object that has no material the one that all frames share."""
+    if not any(data.materials):
+        data.materials.clear()
+        data.materials.append(morph_material())
+
+
 def remove_bake(collection: bpy.types.Collection) -> None:
     """Remove a morph with its frames; whatever else was put into its collection moves up one level."""
     remove_stand_ins(collection)
@@ -321,13 +349,13 @@ def _remove_objects(objects: list[bpy.types.Object]) -> None:
     bpy.data.batch_remove([block for block in data if block.users == 0])
 
 
-def _frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[_Input]:
+def _frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[FrozenInput]:
     """Copy the inputs as they are; none where one of them cannot be copied."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shapes, meshes = [], []
     try:
         for obj, move in zip(inputs, moves, strict=True):
-            meshes.append(frozen_copy(obj, depsgraph))
+            meshes.append(frozen_copy(obj, depsgraph, MESHED))
             if move is not None:
                 meshes[-1].transform(Matrix(move.matrix))
             shapes.append(_described(obj, meshes[-1]))
@@ -337,13 +365,13 @@ def _frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove
     return shapes
 
 
-def _described(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> _Input:
+def _described(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
     """Note what a bake needs to know of an input and its world-space copy."""
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", points)
     low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
     middle = (low + high) / 2.0
-    return _Input(
+    return FrozenInput(
         obj=Handle.of("objects", obj),
         name=obj.name,
         color=input_color(obj),

@@ -31,10 +31,21 @@ def signature(obj: bpy.types.Object) -> list[float]:
     They are at hand without evaluating anything, so that a panel may compare them: counts of its own mesh, bounds as
     modifiers leave them, and its place. An edit that keeps all of these goes unnoticed.
     """
-    counts = [len(obj.data.vertices), len(obj.data.polygons)] if obj.type == "MESH" else [0, 0]
+    counts = _counts(obj)
     bounds = [coordinate for corner in (obj.bound_box[0], obj.bound_box[6]) for coordinate in corner]
     place = [number for row in obj.matrix_world for number in row]
     return [float(number) for number in (*counts, len(obj.modifiers), *bounds, *place)]
+
+
+def _counts(obj: bpy.types.Object) -> list[int]:
+    """Return two numbers of what an object is made of."""
+    if obj.type == "MESH":
+        return [len(obj.data.vertices), len(obj.data.polygons)]
+    if obj.type == "FONT":
+        return [len(obj.data.body), sum(place * ord(sign) for place, sign in enumerate(obj.data.body, 1))]
+    if obj.type == "CURVE":
+        return [len(obj.data.splines), sum(len(own.bezier_points) + len(own.points) for own in obj.data.splines)]
+    return [0, 0]
 
 
 def changed_inputs(collection: bpy.types.Collection) -> list[str]:

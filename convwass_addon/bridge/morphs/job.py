@@ -18,7 +18,7 @@ from ...applications.morphs.parts import FaceLabels, matched, part_notices
 from ...errors import InputError
 from ...geometry.alignment import aligned
 from ...sentence import Sentence
-from ..objects import labeled_mesh, triangle_mesh
+from ..objects import MESHED, labeled_mesh, triangle_mesh
 from .bake import MorphBake
 from .carrying import Carrying
 
@@ -66,9 +66,9 @@ class MorphJob:
         self._names = [obj.name for obj in inputs]
         self._labels: list[FaceLabels] | None = None
         if settings.parts == "none":
-            self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+            self._shapes = [triangle_mesh(obj, depsgraph, MESHED) for obj in inputs]
         else:
-            read = [labeled_mesh(obj, depsgraph, settings.parts) for obj in inputs]
+            read = [labeled_mesh(obj, depsgraph, settings.parts, MESHED) for obj in inputs]
             self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
             # Refuse before anything is made.
             matched(self._labels, self._names)

@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a flat morph into the scene: curve objects, or the meshes that Blender makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, Self
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...applications.morphs.layouts import Blend
+from ...geometry.outlines import ring_area
+from ..handles import Handle, found
+from ..morphs.bake import SHEET_SPACING, FrozenInput, MorphBake, check_first_frame, wear_material
+from ..objects import evaluated_object
+from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
+from .flat_moves import MovedFlat
+from .flat_rings import blended_look
+from .planes import blended_plane
+
+# Lists of Blender's data by the types of objects.
+_LISTS = {"FONT": "curves", "CURVE": "curves", "MESH": "meshes"}
+
+
+class FlatBake(MorphBake):
+    """A flat morph that is being written, as :class:`.bake.MorphBake` is."""
+
+    @classmethod
+    def begin_flat(
+        cls,
+        scene: bpy.types.Scene,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: dict[str, object],
+        first_frame: int,
+        flats: Sequence[MovedFlat],
+        kind: Literal["CURVE", "MESH"],
+    ) -> Self:
+        """Make the collection, and copies of the inputs as they are now.
+
+        Parameters
+        ----------
+        scene, inputs, blends, settings, first_frame
+            As for :meth:`.bake.MorphBake.begin`.
+        flats : sequence of MovedFlat
+            What was read of the inputs.
+        kind : "CURVE" or "MESH"
+            What objects of frames are.
+
+        Raises
+        ------
+        InputError
+            A first frame that Blender does not have; nothing is left behind then.
+        """
+        check_first_frame(first_frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        copies = [_frozen(obj, flat, kind, depsgraph) for obj, flat in zip(inputs, flats, strict=True)]
+        shapes = [_described(*each) for each in zip(inputs, copies, flats, strict=True)]
+        bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
+        bake._copies = [Handle.of("objects", copy) for copy in copies]
+        bake._flats, bake._kind = tuple(flats), kind
+        bake._material = _shared_material(inputs)
+        return bake
+
+    _copies: list[Handle]
+    _flats: tuple[MovedFlat, ...]
+    _kind: Literal["CURVE", "MESH"]
+    _material: Handle | None
+
+    def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
+        """Make the curve or mesh object of a frame; an input is shown as the object that it is."""
+        if frame.outline is None:
+            obj = self._living(self._copies[frame.blend.source]).copy()
+            obj.name = name
+            if obj.type != "GREASEPENCIL":
+                wear_material(obj.data)
+            return obj
+        weights = frame.blend.weights
+        curve = bpy.data.curves.new(name, "CURVE")
+        look = blended_look([flat.look for flat in self._flats], weights)
+        if self._kind == "MESH" and look.fill_mode == "NONE":
+            look = replace(look, fill_mode="BOTH")
+        write_curves(curve, frame.curves, look)
+        material = self._material.find() if self._material is not None else None
+        if material is not None:
+            curve.materials.append(material)
+        wear_material(curve)
+        obj = bpy.data.objects.new(name, curve)
+        if self._kind == "MESH":
+            obj = _as_mesh_object(obj)
+        obj.matrix_world = Matrix(blended_plane([flat.plane for flat in self._flats], weights).matrix)
+        return obj
+
+    def _sheet_location(self, blend: Blend) -> np.ndarray:
+        """Return where a frame of a sheet goes, (3,): columns along the plane's X, rows against its Y."""
+        planes = [flat.plane for flat in self._flats]
+        step = SHEET_SPACING * max(shape.size for shape in self._inputs)
+        column, row = blend.place
+        middles = np.array([shape.foot for shape in self._inputs])
+        x, y = planes[0].axes[:, 0], planes[0].axes[:, 1]
+        away = middles[0] - np.asarray(blend.weights) @ middles + step * (column * x - row * y)
+        if blend.source is not None:
+            return np.array(self._living(self._copies[blend.source]).location) + away
+        return blended_plane(planes, blend.weights).origin + away
+
+    def _drop_unused(self) -> None:
+        bpy.data.batch_remove(found(self._copies))
+        # Before the material that they wear is looked at.
+        bpy.data.batch_remove([data for data in found([shape.mesh for shape in self._inputs]) if data.users == 0])
+        super()._drop_unused()
+
+
+def _frozen(
+    obj: bpy.types.Object, flat: MovedFlat, kind: Literal["CURVE", "MESH"], depsgraph: bpy.types.Depsgraph
+) -> bpy.types.Object:
+    """Copy an input as it stands in the scene: as an object of its own type, or as a mesh."""
+    if obj.type == "EMPTY" or (obj.type == "GREASEPENCIL" and kind == "MESH"):
+        copy = _of_rings(obj, flat)
+        return _as_mesh_object(copy) if kind == "MESH" else copy
+    with evaluated_object(obj, depsgraph) as evaluated:
+        place = Matrix(flat.move.tolist()) @ evaluated.matrix_world
+        if kind == "MESH" or obj.type == "MESH":
+            mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+            copy = bpy.data.objects.new(obj.name, mesh)
+        else:
+            copy = _own_copy(obj)
+    copy.matrix_world = place
+    copy.color = obj.color
+    return copy
+
+
+def _own_copy(obj: bpy.types.Object) -> bpy.types.Object:
+    """Copy an object with its data and modifiers, free of what else holds or moves it."""
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    for block in (copy, copy.data):
+        block.animation_data_clear()
+    copy.parent = None
+    copy.constraints.clear()
+    copy.delta_location = copy.delta_rotation_euler = (0.0, 0.0, 0.0)
+    copy.delta_rotation_quaternion = (1.0, 0.0, 0.0, 0.0)
+    copy.delta_scale = (1.0, 1.0, 1.0)
+    copy.hide_render = copy.hide_viewport = False
+    return copy
+
+
+def _of_rings(obj: bpy.types.Object, flat: MovedFlat) -> bpy.types.Object:
+    """Make a curve object of what was read of an input."""
+    curve = bpy.data.curves.new(obj.name, "CURVE")
+    write_rings(curve, flat.shape.rings, flat.look)
+    copy = bpy.data.objects.new(obj.name, curve)
+    copy.matrix_world = Matrix(flat.plane.matrix)
+    copy.color = _mean_color(flat)
+    return copy
+
+
+def _as_mesh_object(obj: bpy.types.Object) -> bpy.types.Object:
+    """Replace a curve object that stands nowhere yet by one with the mesh that Blender draws of it."""
+    other = bpy.data.objects.new(obj.name, mesh_of(obj))
+    other.matrix_basis, other.color = obj.matrix_basis.copy(), obj.color
+    curve = obj.data
+    bpy.data.batch_remove([obj, curve])
+    return other
+
+
+def _described(obj: bpy.types.Object, copy: bpy.types.Object, flat: MovedFlat) -> FrozenInput:
+    points = np.concatenate(flat.shape.rings)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = flat.plane.origin + flat.plane.axes[:, :2] @ ((low + high) / 2.0)
+    data = Handle.of(_LISTS.get(copy.type, "") or _pencil_list(), copy.data)
+    return FrozenInput(Handle.of("objects", obj), obj.name, _mean_color(flat), data, float((high - low).max()), middle)
+
+
+def _pencil_list() -> str:
+    """Name of Blender's list of Grease Pencil data, which was another kind of drawings' until 5.0."""
+    return "grease_pencils_v3" if hasattr(bpy.data, "grease_pencils_v3") else "grease_pencils"
+
+
+def _mean_color(flat: MovedFlat) -> tuple[float, ...]:
+    """Color of an input, by the areas of its rings."""
+    areas = np.abs([ring_area(ring) for ring in flat.shape.rings])
+    return tuple(float(value) for value in areas @ flat.shape.colors / areas.sum())
+
+
+def _shared_material(inputs: Sequence[bpy.types.Object]) -> Handle | None:
+    """Return the material that all inputs wear, where they wear one."""
+    worn = [{slot.material for slot in obj.material_slots if slot.material} for obj in inputs]
+    common = set.intersection(*worn)
+    if len(common) != 1 or any(len(own) != 1 for own in worn) or any(obj.type == "GREASEPENCIL" for obj in inputs):
+        return None
+    return Handle.of("materials", common.pop())

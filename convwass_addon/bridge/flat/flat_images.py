@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Silhouettes of image empties as polygons."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from ...errors import InputError
+from ...geometry.contours import outline_enclosing
+from ...geometry.fitting import fitted_polygons
+from .flat_rings import FlatRings
+
+# More pixels along a side are brought together.
+_MOST_PIXELS = 1024
+# Opacity below which something must be for it to be what shapes the image.
+_OPAQUE = 0.5
+# Pixels over which stairs are smoothed, and by how much a polygon may leave the outline then.
+_SMOOTHED, _ERROR = 0.7, 0.05
+# Less than this share of an image, or more than all but as much, is no silhouette.
+_LEAST_SHARE = 1e-4
+
+
+def is_image(obj: bpy.types.Object) -> bool:
+    """Tell whether an object is an empty that shows an image."""
+    return obj.type == "EMPTY" and obj.empty_display_type == "IMAGE" and obj.data is not None
+
+
+def image_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
+    """Read the silhouette of an image empty: what is opaque, or else what stands out from the border.
+
+    Raises
+    ------
+    InputError
+        An image that cannot be read, or that is all of one tone.
+    """
+    silhouette = silhouette_of(obj.data)
+    wide, high = obj.data.size
+    count = np.array(silhouette.shape, dtype=np.float64)
+    size = obj.empty_display_size * np.array([wide, high]) / max(wide, high)
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    offset = np.array(obj.empty_image_offset)
+    rings = []
+    for ring in _outlines(silhouette):
+        flat = (ring / count + offset) * size
+        rings.append(flat @ matrix[:3, :2].T + matrix[:3, 3])
+    return FlatRings(rings, matrix, "even-odd", None, (0,) * len(rings))
+
+
+def silhouette_of(image: bpy.types.Image) -> NDArray[np.float64]:
+    """How full every pixel of an image is, from 0 to 1, (w, h), columns from the left, rows from the bottom up.
+
+    Raises
+    ------
+    InputError
+        An image that cannot be read, or that is all of one tone.
+    """
+    wide, high = image.size
+    if not (wide and high and image.channels):
+        raise InputError("The image {name} could not be read; is its file still there?", name=image.name)
+    pixels = np.empty(wide * high * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    pixels = np.nan_to_num(pixels).reshape(high, wide, image.channels)
+    values = _figure(pixels)
+    block = -(-max(wide, high) // _MOST_PIXELS)
+    if block > 1:
+        padded = np.pad(values, ((0, -high % block), (0, -wide % block)), mode="edge")
+        rows, columns = (side // block for side in padded.shape)
+        values = padded.reshape(rows, block, columns, block).mean(axis=(1, 3))
+    share = float((values > 0.5).mean())
+    if not _LEAST_SHARE <= share <= 1.0 - _LEAST_SHARE:
+        raise InputError(
+            "The image {name} is all of one tone; choose a silhouette: black on white, or on a transparent ground.",
+            name=image.name,
+        )
+    return values.T.astype(np.float64)
+
+
+def _figure(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """How much of every pixel, (h, w, c), belongs to the figure."""
+    if pixels.shape[2] == 4 and pixels[:, :, 3].min() < _OPAQUE:
+        return np.clip(pixels[:, :, 3], 0.0, 1.0)
+    gray = pixels[:, :, :3] @ np.array([0.2126, 0.7152, 0.0722], np.float32) if pixels.shape[2] > 2 else pixels[:, :, 0]
+    gray = np.clip(gray, 0.0, 1.0)
+    border = np.concatenate([gray[0], gray[-1], gray[:, 0], gray[:, -1]])
+    return 1.0 - gray if np.median(border) > 0.5 else gray
+
+
+def _outlines(silhouette: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Rings in pixels about what is at least half full, as large as that is."""
+    half = np.clip((silhouette - 0.5) * 2.0 + 0.5, 0.0, 1.0)
+    prepared = gaussian_filter(np.pad(half, 2), _SMOOTHED)
+    outline = fitted_polygons(outline_enclosing(prepared, float(half.sum())).outline, _ERROR)
+    return [ring - 2.0 for ring in outline.rings]

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A morph from flat objects of the scene to curve objects or meshes; see :mod:`.morphs.job`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from typing import Literal
+
+import bpy
+
+from ...applications.flat.flat_frames import FlatStep
+from ...applications.flat.flat_morph import flat_morph
+from ...applications.flat.flat_settings import FlatSettings
+from ...applications.morphs.frame_cache import FrameCache
+from ...applications.morphs.layouts import Blend
+from ...errors import InputError
+from ...sentence import Sentence
+from .flat_bake import FlatBake
+from .flat_curves import FittedFrame
+from .flat_moves import moved_flats
+from .flat_objects import flat_objects
+
+
+class FlatJob:
+    """One bake of flat shapes. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    scene, depsgraph, inputs, blends, options, first_frame
+        As for :class:`.job.MorphJob`; of the options also `flat_output`: "CURVE" or "MESH".
+    settings : FlatSettings
+        How.
+
+    Raises
+    ------
+    InputError
+        Inputs that fill nothing or do not lie in a plane, or texts without letters.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        depsgraph: bpy.types.Depsgraph,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: FlatSettings,
+        options: dict[str, object],
+        first_frame: int,
+    ) -> None:
+        if len(inputs) < 2:
+            raise InputError("A morph needs at least two shapes; select or name one more.")
+        self.records: list[dict[str, object]] = []
+        self._names = [obj.name for obj in inputs]
+        read = flat_objects(inputs, depsgraph)
+        self._notices = [flat.read.notice for flat in read if flat.read.notice is not None]
+        alignment, scaling = (str(options.get(name, "PLACED")) for name in ("alignment", "scaling"))
+        flats = moved_flats(read, alignment, scaling)
+        self._shapes = [flat.shape for flat in flats]
+        self._blends = blends
+        self._settings = settings
+        self.kind: Literal["CURVE", "MESH"] = "MESH" if options.get("flat_output") == "MESH" else "CURVE"
+        stored = {**settings.as_dict(), **options, "flat": True}
+        self._bake = FlatBake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
+
+    def steps(
+        self,
+        check: Callable[[], None] | None = None,
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+        cache: FrameCache | None = None,
+        wanted: range | None = None,
+        previews: bool = False,
+    ) -> Iterator[FlatStep]:
+        """Compute, and touch nothing of Blender; see :func:`.flat_morph.flat_morph`.
+
+        Frames of flat shapes are there soon: they are neither cached nor sent to other machines, nor previewed.
+        """
+        steps = flat_morph(
+            self._shapes, self._names, self._blends, self._settings, check, workers=workers, wanted=wanted
+        )
+        # Curves are fitted here, not while the window waits for objects to be made.
+        for step in steps:
+            fitted = step.frame and FittedFrame.of(step.frame, self._settings.fit_error)
+            yield replace(step, frame=fitted)
+
+    @property
+    def notices(self) -> list[Sentence]:
+        """What the user should know about the inputs."""
+        return self._notices
+
+    def write(self, step: FlatStep) -> None:
+        """Put a finished frame into the scene."""
+        if step.frame is not None:
+            self._bake.add(step.frame)
+            self.records.append(step.frame.record)
+
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
+        return self._bake.finish(hide_inputs)
+
+    def discard(self) -> None:
+        """Remove everything that has been written."""
+        self._bake.discard()

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Boundaries of flat meshes as polygons."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .flat_rings import FlatRings
+from .planes import plane_of
+
+
+def is_flat_mesh(evaluated: bpy.types.Object) -> bool:
+    """Tell whether all points of a mesh with faces, as modifiers leave it, lie in one plane."""
+    mesh = evaluated.data
+    if evaluated.type != "MESH" or not len(mesh.polygons):
+        return False
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    points = _points(mesh, matrix)
+    return bool(np.isfinite(points).all()) and plane_of(points, matrix) is not None
+
+
+def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
+    """Read what borders the faces of a flat mesh, by materials; whichever way the faces look."""
+    mesh = evaluated.data
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    points = _points(mesh, matrix)
+    plane = plane_of(points, matrix)
+    corners, loops = plane.coordinates(points), np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", loops)
+    starts, totals, slots = (np.empty(len(mesh.polygons), np.int32) for _ in range(3))
+    for name, values in (("loop_start", starts), ("loop_total", totals), ("material_index", slots)):
+        mesh.polygons.foreach_get(name, values)
+    rings: list[NDArray[np.int64]] = []
+    owners: list[int] = []
+    for slot in np.unique(slots):
+        chosen = np.flatnonzero(slots == slot)
+        found = _border([loops[starts[face] : starts[face] + totals[face]] for face in chosen], corners)
+        rings += found
+        owners += [int(slot)] * len(found)
+    return FlatRings([points[ring] for ring in rings], matrix, "non-zero", None, tuple(owners))
+
+
+def _points(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    found = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> list[NDArray[np.int64]]:
+    """Chain the edges of polygons that none runs along the other way, once all polygons are turned alike."""
+    begins, ends = [], []
+    for face in faces:
+        x, y = corners[face].T
+        turned = face if x @ np.roll(y, -1) >= y @ np.roll(x, -1) else face[::-1]
+        begins.append(turned)
+        ends.append(np.roll(turned, -1))
+    start, end = np.concatenate(begins).astype(np.int64), np.concatenate(ends).astype(np.int64)
+    # What runs one way more often than the other is left as often as it does.
+    count = len(corners)
+    keys, place = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
+    surplus = np.bincount(place.ravel(), np.where(start < end, 1, -1), minlength=len(keys)).astype(np.int64)
+    low, high = keys // count, keys % count
+    times = np.abs(surplus)
+    first = np.repeat(np.where(surplus > 0, low, high), times)
+    second = np.repeat(np.where(surplus > 0, high, low), times)
+    return _chains(first, second)
+
+
+def _chains(first: NDArray[np.int64], second: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Walk along directed edges, of which as many end as begin everywhere, until all are used."""
+    leaving: dict[int, list[int]] = {}
+    for start, end in zip(first.tolist(), second.tolist(), strict=True):
+        leaving.setdefault(start, []).append(end)
+    chains = []
+    for start, following in leaving.items():
+        while following:
+            chain, place = [start], following.pop()
+            while place != start:
+                chain.append(place)
+                place = leaving[place].pop()
+            if len(chain) >= 3:
+                chains.append(np.array(chain))
+    return chains

@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat inputs laid onto the first one before they are morphed: moved, turned, and scaled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.flat.flat_pieces import filled_by
+from ...applications.flat.flat_shapes import FlatShape
+from ...geometry.flat_moments import FlatMoments
+from .flat_objects import FlatObject
+from .flat_rings import CurveLook
+from .planes import Plane
+
+
+@dataclass(frozen=True)
+class MovedFlat:
+    """A flat input where the morph has it.
+
+    Attributes
+    ----------
+    shape : FlatShape
+        In coordinates of the plane.
+    plane : Plane
+        Where it lies.
+    look : CurveLook
+        Depth.
+    move : (4, 4) float64
+        What brings the object from where it stands to there, in world space.
+    """
+
+    shape: FlatShape
+    plane: Plane
+    look: CurveLook
+    move: NDArray[np.float64]
+
+
+def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> list[MovedFlat]:
+    """Lay flat shapes onto the first one.
+
+    Parameters
+    ----------
+    flats : sequence of FlatObject
+        As they stand in the scene.
+    alignment : "PLACED", "CENTERED" or "PRINCIPAL_AXES"
+        As they are; center of mass on center of mass in the plane of the first one; also long side on long side and
+        heavy end on heavy end.
+    scaling : "PLACED" or "EQUAL_VOLUME"
+        As they are, or with the area of the first one.
+    """
+    if (alignment, scaling) == ("PLACED", "PLACED"):
+        return [MovedFlat(flat.shape, flat.plane, flat.read.look, np.eye(4)) for flat in flats]
+    moments = [_moments(flat.shape) for flat in flats]
+    first = moments[0]
+    found = []
+    for flat, own in zip(flats, moments, strict=True):
+        factor = 1.0 if scaling == "PLACED" or own.area <= 0 else float(np.sqrt(first.area / own.area))
+        angle = first.angle_from(own) if alignment == "PRINCIPAL_AXES" and flat is not flats[0] else 0.0
+        target, plane = (own.center, flat.plane) if alignment == "PLACED" else (first.center, flats[0].plane)
+        turn = factor * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        rings = tuple((ring - own.center) @ turn.T + target for ring in flat.shape.rings)
+        within = np.diag([1.0, 1.0, factor, 1.0])
+        within[:2, :2], within[:2, 3] = turn, target - turn @ own.center
+        move = plane.matrix @ within @ np.linalg.inv(flat.plane.matrix)
+        found.append(MovedFlat(replace(flat.shape, rings=rings), plane, flat.read.look.scaled(factor), move))
+    return found
+
+
+def _moments(shape: FlatShape) -> FlatMoments:
+    filled = filled_by(shape, np.arange(len(shape.rings)))
+    return FlatMoments.of(filled.starts, filled.ends)

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects are flat, and what they are as flat shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.flat.flat_shapes import FlatShape
+from ...errors import InputError
+from ...geometry.flat_moments import directed
+from ..morphs.materials import base_color, input_color
+from ..objects import evaluated_object
+from .flat_images import image_rings, is_image
+from .flat_meshes import is_flat_mesh, mesh_rings
+from .flat_pencils import pencil_rings
+from .flat_rings import FlatRings
+from .flat_splines import curve_rings
+from .planes import Plane, common_planes, plane_of
+
+FLAT_KINDS = ("FONT", "CURVE", "GREASEPENCIL")
+"""Types of objects that are flat by their nature, besides empties that show an image."""
+
+# Ratio of two scales in a plane at which an object counts as squashed to a line.
+_SQUASHED = 1e-6
+
+
+def is_shape(obj: bpy.types.Object) -> bool:
+    """Tell whether an object can take part in a morph, flat or solid."""
+    return obj.type == "MESH" or is_drawn_flat(obj)
+
+
+def is_drawn_flat(obj: bpy.types.Object) -> bool:
+    """Tell whether an object is flat by its nature."""
+    return obj.type in FLAT_KINDS or is_image(obj)
+
+
+def looks_flat(obj: bpy.types.Object) -> bool:
+    """Tell by its kind or its bounds, without evaluating anything, whether an object is flat."""
+    sizes = sorted(obj.dimensions)
+    return is_drawn_flat(obj) or (obj.type == "MESH" and sizes[2] > 0 and sizes[0] <= 1e-4 * sizes[2])
+
+
+def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Tell whether an object is flat: by its nature, or because all points of its mesh lie in one plane."""
+    if obj.type != "MESH":
+        return is_drawn_flat(obj)
+    with evaluated_object(obj, depsgraph) as evaluated:
+        return is_flat_mesh(evaluated)
+
+
+@dataclass(frozen=True)
+class FlatObject:
+    """A flat object as a shape in a plane.
+
+    Attributes
+    ----------
+    read : FlatRings
+        What was read of it.
+    plane : Plane
+        Where it lies.
+    shape : FlatShape
+        In coordinates of that plane.
+    """
+
+    read: FlatRings
+    plane: Plane
+    shape: FlatShape
+
+
+def flat_objects(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[FlatObject]:
+    """Read flat objects as they stand in the scene, in planes with the same axes where they are parallel.
+
+    Raises
+    ------
+    InputError
+        What no flat shape can be read of; the message names the object and says what to do.
+    """
+    read = [read_rings(obj, depsgraph) for obj in objects]
+    planes = common_planes([_plane(obj.name, own) for obj, own in zip(objects, read, strict=True)])
+    return [
+        FlatObject(own, plane, FlatShape(_in_plane(own, plane), own.rule, _colors(obj, own), own.letters))
+        for obj, own, plane in zip(objects, read, planes, strict=True)
+    ]
+
+
+def read_rings(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRings:
+    """Read what a flat object fills, as closed polygons in world space.
+
+    Raises
+    ------
+    InputError
+        Nothing is closed or filled, or numbers that are none.
+    """
+    with evaluated_object(obj, depsgraph) as evaluated:
+        matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+        if not np.isfinite(matrix).all():
+            raise InputError(
+                "{name}: its location, rotation or scale is not a number (NaN or infinite).", name=obj.name
+            )
+        if obj.type == "MESH":
+            read = mesh_rings(evaluated)
+        elif obj.type == "GREASEPENCIL":
+            read = pencil_rings(obj, evaluated)
+        elif obj.type == "EMPTY":
+            read = image_rings(obj, evaluated)
+        else:
+            read = curve_rings(obj, evaluated, depsgraph)
+    if not np.isfinite(read.points).all():
+        raise InputError("{name} has points whose places are no numbers; delete them.", name=obj.name)
+    return read
+
+
+def _plane(name: str, read: FlatRings) -> Plane:
+    points = read.points
+    sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if sizes[1] <= _SQUASHED * sizes[0] or sizes[0] <= 0:
+        raise InputError(
+            "{name} is squashed to a line or a point, so it fills no area; give it another scale in Item > Transform.",
+            name=name,
+        )
+    plane = plane_of(points, read.matrix)
+    if plane is None:
+        raise InputError(
+            "{name} does not lie in one plane; flatten it: in Edit Mode, scale it by 0 along its normal.", name=name
+        )
+    return plane
+
+
+def _in_plane(read: FlatRings, plane: Plane) -> tuple[NDArray[np.float64], ...]:
+    rings = tuple(plane.coordinates(ring) for ring in read.rings)
+    return rings if read.fills is None else directed(rings, read.fills)
+
+
+def _colors(obj: bpy.types.Object, read: FlatRings) -> NDArray[np.float64]:
+    """Colors of rings by their material slots, (r, 4)."""
+    own = [_slot_color(slot.material, obj) for slot in obj.material_slots] or [input_color(obj)]
+    return np.array([own[min(slot, len(own) - 1)] for slot in read.slots or (0,) * len(read.rings)], dtype=np.float64)
+
+
+def _slot_color(material: bpy.types.Material | None, obj: bpy.types.Object) -> tuple[float, float, float, float]:
+    if material is None:
+        return tuple(obj.color)
+    if obj.type == "GREASEPENCIL" and material.grease_pencil is not None:
+        return tuple(material.grease_pencil.fill_color)
+    base = base_color(material)
+    return tuple(material.diffuse_color if base is None or base.is_linked else base.default_value)

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Filled strokes of Grease Pencil objects as polygons."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from .flat_rings import FlatRings
+
+
+def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
+    """Read the filled strokes of a drawing, at the frame that the scene shows, as polygons of their points.
+
+    Raises
+    ------
+    InputError
+        No stroke is filled.
+    """
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    rings, slots, fills = [], [], []
+    known: dict[tuple[int, int], int] = {}
+    for number, (own, drawing) in enumerate(_drawings(evaluated.data)):
+        place = matrix @ own
+        for index, stroke in enumerate(drawing.strokes):
+            fill = _fill_of(obj, stroke, index)
+            if fill is None or len(stroke.points) < 3:
+                continue
+            points = np.array([tuple(point.position) for point in stroke.points], dtype=np.float64)
+            rings.append(points @ place[:3, :3].T + place[:3, 3])
+            slots.append(stroke.material_index)
+            fills.append(known.setdefault((number, fill), len(known)))
+    if not rings:
+        raise InputError(
+            "{name} has no filled stroke at this frame; fill its strokes, or close and fill them anew.", name=obj.name
+        )
+    return FlatRings(rings, matrix, "non-zero", None, tuple(slots), fills=tuple(fills))
+
+
+def _drawings(data: bpy.types.ID) -> Iterator[tuple[NDArray[np.float64], object]]:
+    """Yield what is drawn on every layer that shows, with the place of the layer, (4, 4)."""
+    for layer in data.layers:
+        frame = layer.current_frame()
+        if not layer.hide and frame is not None and frame.drawing is not None:
+            yield np.array(layer.matrix_local, dtype=np.float64), frame.drawing
+
+
+def _fill_of(obj: bpy.types.Object, stroke: object, index: int) -> int | None:
+    """Return which fill a stroke belongs to; None where it is not filled."""
+    if hasattr(stroke, "fill_id"):
+        # From 5.2 on strokes of one number are filled together, and 0 is none.
+        return stroke.fill_id or None
+    slots = obj.material_slots
+    material = slots[stroke.material_index].material if stroke.material_index < len(slots) else None
+    filled = material is not None and material.grease_pencil is not None and material.grease_pencil.show_fill
+    return index if filled else None

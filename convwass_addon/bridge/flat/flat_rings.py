@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is read of a flat input: closed rings in space, and how deep a curve of them is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.outlines import Rule
+from ...sentence import Sentence
+
+
+@dataclass(frozen=True)
+class CurveLook:
+    """What makes a curve object solid.
+
+    Attributes
+    ----------
+    extrude, bevel_depth, offset : float
+        As of Blender's curves, in scene units.
+    bevel_resolution : int
+        Steps of a round bevel.
+    fill_mode : str
+        Which sides are filled: one of those of flat curves in Blender.
+    """
+
+    extrude: float = 0.0
+    bevel_depth: float = 0.0
+    offset: float = 0.0
+    bevel_resolution: int = 4
+    fill_mode: str = "BOTH"
+
+    @property
+    def is_deep(self) -> bool:
+        """Whether there is any thickness."""
+        return self.extrude > 0 or self.bevel_depth > 0
+
+    def scaled(self, factor: float) -> CurveLook:
+        """Return the look of a shape that is so many times as large."""
+        sizes = (factor * size for size in (self.extrude, self.bevel_depth, self.offset))
+        return CurveLook(*sizes, self.bevel_resolution, self.fill_mode)
+
+
+@dataclass(frozen=True)
+class FlatRings:
+    """A flat input as it stands in the scene.
+
+    Attributes
+    ----------
+    rings : list of (n, 3) float64
+        Closed polygons in world space, the first corner not repeated.
+    matrix : (4, 4) float64
+        The object's.
+    rule : "non-zero" or "even-odd"
+        What the rings fill.
+    letters : tuple of int or None
+        Number of the letter of every ring in reading order, where the object has letters.
+    slots : tuple of int
+        Material slot of every ring.
+    look : CurveLook
+        Depth.
+    notice : Sentence or None
+        What the user should know about it.
+    fills : tuple of int or None
+        Where rings have no direction of their own: rings of the same number are filled together, one within another
+        is a hole, and fills lie over each other.
+    """
+
+    rings: list[NDArray[np.float64]]
+    matrix: NDArray[np.float64]
+    rule: Rule
+    letters: tuple[int, ...] | None = None
+    slots: tuple[int, ...] = ()
+    look: CurveLook = field(default_factory=CurveLook)
+    notice: Sentence | None = None
+    fills: tuple[int, ...] | None = None
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """All corners, (n, 3)."""
+        return np.concatenate([np.zeros((0, 3)), *self.rings])
+
+
+def blended_look(looks: list[CurveLook], weights: tuple[float, ...]) -> CurveLook:
+    """Depths between those of the inputs, and the fill of the nearest of those that have one."""
+    order = np.argsort(-np.asarray(weights), kind="stable")
+    filled = [looks[index] for index in order if looks[index].fill_mode != "NONE"]
+    nearest = (filled or looks)[0]
+    depths = np.asarray(weights) @ np.array([[look.extrude, look.bevel_depth, look.offset] for look in looks])
+    # What has no bevel has no resolution that counts.
+    beveled = [look for look in looks if look.bevel_depth > 0] or [nearest]
+    return CurveLook(*(float(depth) for depth in depths), beveled[0].bevel_resolution, nearest.fill_mode)

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes in the place of the curve and text objects of a flat morph, for whatever shows or writes meshes only."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import bpy
+
+from ...errors import InputError
+from ..morphs.bake import wear_material
+from ..morphs.stand_ins import stand_ins
+from ..morphs.stored import frame_objects, store, stored_morph
+
+
+def turn_into_meshes(collection: bpy.types.Collection) -> None:
+    """Replace the frames of a morph that are no meshes by the meshes that Blender draws of them.
+
+    They keep their names, places, materials and keys. Nothing happens where the morph is shown by something already.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        A morph, flat or not.
+
+    Raises
+    ------
+    InputError
+        A frame is a drawing; nothing is changed then.
+    """
+    curves = [obj for obj in frame_objects(collection) if obj.type != "MESH"]
+    if not curves or stand_ins(collection):
+        return
+    if any(obj.type not in ("FONT", "CURVE") for obj in curves):
+        raise InputError(
+            "{name} shows drawings as they are; bake it again with meshes as flat frames.", name=collection.name
+        )
+    meshes = _meshes_of(curves)
+    others = [_standing_for(obj, mesh) for obj, mesh in zip(curves, meshes, strict=True)]
+    names, data = [obj.name for obj in curves], {obj.data for obj in curves}
+    bpy.data.batch_remove(curves)
+    bpy.data.batch_remove([curve for curve in data if curve.users == 0])
+    for obj, name in zip(others, names, strict=True):
+        obj.name = name
+    morph = stored_morph(collection)
+    store(collection, replace(morph, settings={**morph.settings, "flat_output": "MESH"}))
+
+
+def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
+    """Make the meshes that Blender draws of curve and text objects, filled ones, though keys hide them."""
+    copies = []
+    for obj in frames:
+        if obj.data.dimensions == "2D" and obj.data.fill_mode == "NONE":
+            obj.data.fill_mode = "BOTH"
+        copy = obj.copy()
+        copy.animation_data_clear()
+        copy.hide_viewport = False
+        bpy.context.scene.collection.objects.link(copy)
+        copies.append(copy)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    meshes = []
+    for obj, copy in zip(frames, copies, strict=True):
+        evaluated = copy.evaluated_get(depsgraph)
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh.name = obj.name
+        wear_material(mesh)
+        meshes.append(mesh)
+    bpy.data.batch_remove(copies)
+    return meshes
+
+
+def _standing_for(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
+    """Put an object of a mesh where another one is."""
+    other = bpy.data.objects.new(obj.name, mesh)
+    other.matrix_world, other.color = obj.matrix_world.copy(), obj.color
+    for key, value in obj.items():
+        other[key] = value
+    if obj.animation_data is not None and obj.animation_data.action is not None:
+        own = other.animation_data_create()
+        own.action, own.action_slot = obj.animation_data.action, obj.animation_data.action_slot
+    other.hide_render, other.hide_viewport = obj.hide_render, obj.hide_viewport
+    for home in obj.users_collection:
+        home.objects.link(other)
+    return other

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Color attributes of meshes as pictures, and back."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.palettes.pixels import PixelFormat
+from ...applications.palettes.recolor_job import Picture
+from ...errors import InputError
+from ..color_attributes import color_kind, read_colors, require_color_name, show_colors
+from .image_pixels import scene_to_rec709
+
+
+def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
+    """Read the active color attribute of a mesh object as a picture of one pixel a row, weighted by area.
+
+    Raises
+    ------
+    InputError
+        In Edit Mode, where attributes cannot be read, or a mesh without faces.
+    """
+    mesh = obj.data
+    if mesh.is_editmode:
+        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
+    name = mesh.color_attributes.active_color_name
+    colors = read_colors(obj, name).astype(np.float32)[:, None]
+    highest = 1.0 if color_kind(obj, name) == "BYTE_COLOR" else np.inf
+    form = PixelFormat("linear", "ignored", scene_to_rec709(), highest)
+    corners = _corner_areas(mesh)
+    if mesh.color_attributes[name].domain == "CORNER":
+        areas = corners
+    else:
+        vertices = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", vertices)
+        areas = np.bincount(vertices, corners, len(mesh.vertices))
+    if not areas.sum() > 0:
+        raise InputError("{object} has no faces, so its colors cover nothing.", object=obj.name)
+    return Picture(colors, form, weights=areas[:, None] / areas.mean())
+
+
+def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: NDArray[np.float32]) -> None:
+    """Write a picture as a color attribute of the same domain and kind as another one, and show it.
+
+    Raises
+    ------
+    InputError
+        Something else has the name, or the mesh has changed.
+    """
+    require_color_name(obj, name)
+    mesh = obj.data
+    like = mesh.color_attributes.get(source)
+    if like is None or len(like.data) != len(pixels):
+        raise InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+    kind, domain = like.data_type, like.domain
+    present = mesh.color_attributes.get(name)
+    if present is not None and (present.data_type, present.domain) != (kind, domain):
+        mesh.color_attributes.remove(present)
+        present = None
+    if present is None:
+        present = mesh.color_attributes.new(name, kind, domain)
+    present.data.foreach_set("color", np.ascontiguousarray(pixels, dtype=np.float32).ravel())
+    mesh.update()
+    show_colors(obj, name)
+
+
+def _corner_areas(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
+    """Share the area of every face among its corners, (l,)."""
+    areas, counts = np.empty(len(mesh.polygons), np.float32), np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("area", areas)
+    mesh.polygons.foreach_get("loop_total", counts)
+    return np.repeat(areas.astype(np.float64) / np.maximum(counts, 1), counts)

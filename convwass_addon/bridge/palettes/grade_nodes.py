@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A node group for the compositor that applies a table of colors.
+
+Blender has no node for tables, but *Map UV* reads any pixel of an image. The table lies in an image as tiles, one for
+each blue; eight of its pixels around every color are read and mixed, as other programs interpolate between the entries.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, sqrt
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.palettes.lookup_table import LookupTable
+from ..node_math import math_node
+
+Socket = bpy.types.NodeSocket
+
+_COLUMN = 180.0
+
+
+def grade_group(table: LookupTable, name: str) -> bpy.types.NodeTree:
+    """Make a node group for the compositor: an image comes in, and goes out with the table applied.
+
+    Values of the table's domain become what other programs make of them; what is brighter keeps what it has above.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Of colors encoded as sRGB.
+    name : str
+        Of the group and of the image that holds the table.
+    """
+    group = bpy.data.node_groups.new(name, "CompositorNodeTree")
+    group.interface.new_socket("Image", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    tiles = _Tiles(len(table.colors))
+    grade = _Grade(group, tiles, _table_image(table, tiles, name))
+    came_in = group.nodes.new("NodeGroupInput").outputs["Image"]
+    encoded, alpha = grade.encoded(came_in)
+    lows, spans = table.lowest.tolist(), (table.highest - table.lowest).tolist()
+    shares = [
+        math_node(group, "DIVIDE", math_node(group, "SUBTRACT", channel, low), span)
+        for channel, low, span in zip(encoded, lows, spans, strict=True)
+    ]
+    inside = [grade.limited(share, 0.0, 1.0) for share in shares]
+    beyond = [
+        math_node(group, "MULTIPLY", math_node(group, "SUBTRACT", share, own), span)
+        for share, own, span in zip(shares, inside, spans, strict=True)
+    ]
+    found = grade.separated(grade.looked_up(inside))
+    result = [math_node(group, "ADD", own, rest) for own, rest in zip(found, beyond, strict=True)]
+    group.links.new(grade.decoded(result, alpha), group.nodes.new("NodeGroupOutput").inputs["Image"])
+    _arrange(group)
+    return group
+
+
+@dataclass(frozen=True)
+class _Tiles:
+    """Where the colors of a table lie in an image: red to the right and green up in a tile for each blue."""
+
+    size: int
+
+    @property
+    def columns(self) -> int:
+        """Tiles side by side."""
+        return ceil(sqrt(self.size))
+
+    @property
+    def rows(self) -> int:
+        """Rows of tiles."""
+        return ceil(self.size / self.columns)
+
+    def laid_out(self, colors: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the pixels of the image, (height, width, 4)."""
+        size = self.size
+        pixels = np.ones((self.rows * size, self.columns * size, 4), dtype=np.float32)
+        for blue in range(size):
+            row, column = divmod(blue, self.columns)
+            tile = colors[:, :, blue].transpose(1, 0, 2)
+            pixels[row * size : (row + 1) * size, column * size : (column + 1) * size, :3] = tile
+        return pixels
+
+
+def _table_image(table: LookupTable, tiles: _Tiles, name: str) -> bpy.types.Image:
+    pixels = tiles.laid_out(table.colors)
+    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=False, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    image.pack()
+    return image
+
+
+@dataclass(frozen=True)
+class _Grade:
+    """Builds the parts of the group."""
+
+    group: bpy.types.NodeTree
+    tiles: _Tiles
+    image: bpy.types.Image
+
+    def encoded(self, came_in: Socket) -> tuple[list[Socket], Socket]:
+        """Return red, green and blue as sRGB encodes them, without alpha in them, and alpha."""
+        straight = self._alpha_node(came_in, to_straight=True)
+        convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
+        convert.to_color_space = "sRGB"
+        self.group.links.new(straight, convert.inputs[0])
+        split = self.group.nodes.new("CompositorNodeSeparateColor")
+        self.group.links.new(convert.outputs[0], split.inputs[0])
+        return list(split.outputs)[:3], split.outputs[3]
+
+    def decoded(self, channels: list[Socket], alpha: Socket) -> Socket:
+        """Undo it."""
+        join = self.group.nodes.new("CompositorNodeCombineColor")
+        for source, target in zip((*channels, alpha), join.inputs, strict=True):
+            self.group.links.new(source, target)
+        convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
+        # The new node goes from the space of scenes, whatever it is, to nothing yet.
+        scene, convert.from_color_space = convert.from_color_space, "sRGB"
+        convert.to_color_space = scene
+        self.group.links.new(join.outputs[0], convert.inputs[0])
+        return self._alpha_node(convert.outputs[0], to_straight=False)
+
+    def _alpha_node(self, color: Socket, *, to_straight: bool) -> Socket:
+        node = self.group.nodes.new("CompositorNodePremulKey")
+        if "Type" in node.inputs:
+            node.inputs["Type"].default_value = "To Straight" if to_straight else "To Premultiplied"
+        else:
+            node.mapping = "PREMUL_TO_STRAIGHT" if to_straight else "STRAIGHT_TO_PREMUL"
+        self.group.links.new(color, node.inputs["Image"])
+        return node.outputs[0]
+
+    def limited(self, value: Socket, least: float, most: float) -> Socket:
+        """Return a value within limits."""
+        return math_node(self.group, "MINIMUM", math_node(self.group, "MAXIMUM", value, least), most)
+
+    def separated(self, color: Socket) -> list[Socket]:
+        """Return red, green and blue."""
+        split = self.group.nodes.new("CompositorNodeSeparateColor")
+        self.group.links.new(color, split.inputs[0])
+        return list(split.outputs)[:3]
+
+    def looked_up(self, shares: list[Socket]) -> Socket:
+        """Return the color of the table at a place from 0 to 1 along its three edges."""
+        last = self.tiles.size - 1
+        scaled = [math_node(self.group, "MULTIPLY", share, float(last)) for share in shares]
+        below = [self.limited(math_node(self.group, "FLOOR", own), 0.0, last - 1.0) for own in scaled]
+        parts = [math_node(self.group, "SUBTRACT", own, low) for own, low in zip(scaled, below, strict=True)]
+        slices = []
+        for step in (0.0, 1.0):
+            column, row = self._tile(math_node(self.group, "ADD", below[2], step))
+            corners = [
+                [self._read(column, row, below[0], below[1], right, up) for right in (0.0, 1.0)] for up in (0.0, 1.0)
+            ]
+            rows = [self._mixed(parts[0], *pair) for pair in corners]
+            slices.append(self._mixed(parts[1], *rows))
+        return self._mixed(parts[2], *slices)
+
+    def _tile(self, blue: Socket) -> tuple[Socket, Socket]:
+        """Return the column and the row of a tile."""
+        # Half a step keeps rounding from falling into the row before.
+        middle = math_node(self.group, "ADD", blue, 0.5)
+        row = math_node(self.group, "FLOOR", math_node(self.group, "DIVIDE", middle, float(self.tiles.columns)))
+        column = math_node(self.group, "MULTIPLY_ADD", row, -float(self.tiles.columns), blue)
+        return column, row
+
+    def _read(self, column: Socket, row: Socket, red: Socket, green: Socket, right: float, up: float) -> Socket:
+        """Read the pixel of a color."""
+        size, place = float(self.tiles.size), self.group.nodes.new("ShaderNodeCombineXYZ")
+        counts = (self.tiles.columns, self.tiles.rows)
+        for tile, own, step, count, axis in zip((column, row), (red, green), (right, up), counts, "XY", strict=True):
+            pixel = math_node(self.group, "ADD", math_node(self.group, "MULTIPLY_ADD", tile, size, own), step + 0.5)
+            self.group.links.new(math_node(self.group, "DIVIDE", pixel, size * count), place.inputs[axis])
+        # In Blender 4.5 this is how opaque the result is.
+        place.inputs["Z"].default_value = 1.0
+        source = self.group.nodes.new("CompositorNodeImage")
+        source.image = self.image
+        reader = self.group.nodes.new("CompositorNodeMapUV")
+        if "Interpolation" in reader.inputs:
+            reader.inputs["Interpolation"].default_value = "Nearest"
+        else:
+            reader.filter_type = "NEAREST"
+        self.group.links.new(source.outputs["Image"], reader.inputs["Image"])
+        self.group.links.new(place.outputs[0], reader.inputs["UV"])
+        return reader.outputs[0]
+
+    def _mixed(self, share: Socket, first: Socket, second: Socket) -> Socket:
+        node = self.group.nodes.new("ShaderNodeMix")
+        node.data_type, node.clamp_factor = "RGBA", False
+        factor, *_ = (socket for socket in node.inputs if socket.name == "Factor" and socket.type == "VALUE")
+        ends = [socket for socket in node.inputs if socket.type == "RGBA"]
+        for source, target in zip((share, first, second), (factor, *ends), strict=True):
+            self.group.links.new(source, target)
+        return next(socket for socket in node.outputs if socket.type == "RGBA")
+
+
+def _arrange(group: bpy.types.NodeTree) -> None:
+    """Put every node to the right of what it needs."""
+    depths: dict[str, int] = {}
+    # Nodes were made in an order in which most come after what they need; links settle the rest.
+    for _ in range(len(group.nodes)):
+        before = dict(depths)
+        for link in group.links:
+            reached = max(depths.get(link.to_node.name, 0), depths.get(link.from_node.name, 0) + 1)
+            depths[link.to_node.name] = reached
+        if depths == before:
+            break
+    filled: dict[int, int] = {}
+    for node in group.nodes:
+        depth = depths.get(node.name, 0)
+        filled[depth] = filled.get(depth, 0) + 1
+        node.location = (_COLUMN * depth, -_COLUMN * filled[depth])
+        node.hide = True

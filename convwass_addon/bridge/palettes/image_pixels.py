@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images of Blender as arrays of pixels, and arrays as images."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from mathutils import Color
+from numpy.typing import NDArray
+
+from ...applications.palettes.pixels import PixelFormat
+from ...applications.palettes.recolor_job import Picture
+from ...errors import InputError
+
+RESULT_OF = "convwass_recolored"
+"""Custom property of a result: the name of the image that it was made from."""
+
+_LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
+_SRGB = ("sRGB", "sRGB OETF", "Utility - sRGB - Texture", "Non-Color", "Raw", "Generic Data")
+
+
+def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None) -> Picture:
+    """Read an image, and a mask of the same size.
+
+    Raises
+    ------
+    InputError
+        No pixels, a color space that is not known here, or a mask of another size.
+    """
+    pixels = read_pixels(image)
+    return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image))
+
+
+def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
+    """Return the pixels of an image, (height, width, 4), from the bottom up; what it lacks is opaque and gray.
+
+    Raises
+    ------
+    InputError
+        It has none in memory: a file that is missing, or the result of a render that is only shown.
+    """
+    width, height = image.size
+    # Asking for a pixel loads the file.
+    if not width * height or not len(image.pixels):
+        raise InputError(
+            "{image} has no pixels that could be read; load it, or save a render as a file first.", image=image.name
+        )
+    channels = image.channels
+    raw = np.empty(width * height * channels, dtype=np.float32)
+    image.pixels.foreach_get(raw)
+    found = raw.reshape(height, width, channels)
+    if channels == 4:
+        return found
+    full = np.ones((height, width, 4), dtype=np.float32)
+    full[..., :3] = found[..., :3] if channels == 3 else found[..., :1]
+    if channels == 2:
+        full[..., 3] = found[..., 1]
+    return full
+
+
+def image_format(image: bpy.types.Image) -> PixelFormat:
+    """Tell what the pixels of an image mean.
+
+    Blender converts what it keeps as floats to the linear space of scenes, and multiplies it by alpha; bytes stay as
+    they are in the file.
+
+    Raises
+    ------
+    InputError
+        Bytes in a color space that is neither sRGB nor linear.
+    """
+    ignores_alpha = image.alpha_mode in ("NONE", "CHANNEL_PACKED")
+    if image.is_float:
+        alpha = "ignored" if ignores_alpha else "associated"
+        return PixelFormat("linear", alpha, scene_to_rec709(), np.inf)
+    space = image.colorspace_settings.name
+    if space not in (*_LINEAR, *_SRGB):
+        raise InputError(
+            "{image} is in the color space {space}, which this does not read; set it to sRGB or Linear Rec.709, or "
+            "convert the image to floats.",
+            image=image.name,
+            space=space,
+        )
+    return PixelFormat("linear" if space in _LINEAR else "srgb", "ignored" if ignores_alpha else "straight")
+
+
+def scene_to_rec709() -> NDArray[np.float64]:
+    """Return the matrix from the linear space of scenes to Rec.709; exactly one where they are the same."""
+    columns = [Color(unit).from_scene_linear_to_rec709_linear() for unit in np.eye(3)]
+    matrix = np.array(columns, dtype=np.float64).T
+    return np.eye(3) if np.abs(matrix - np.eye(3)).max() < 1e-4 else matrix
+
+
+def _mask(mask: bpy.types.Image, image: bpy.types.Image) -> NDArray[np.float32]:
+    if tuple(mask.size) != tuple(image.size):
+        raise InputError(
+            "The mask {mask} is {width} x {height} pixels large, and {image} is not; scale it: Image > Resize.",
+            mask=mask.name,
+            width=mask.size[0],
+            height=mask.size[1],
+            image=image.name,
+        )
+    values = read_pixels(mask)[..., :3].mean(axis=2)
+    return np.clip(np.nan_to_num(values), 0.0, 1.0)
+
+
+def result_image(source: bpy.types.Image) -> bpy.types.Image:
+    """Return an image for what becomes of another one: the last result of the same size and kind, or a new one."""
+    width, height = source.size
+    wanted = (source.name, (width, height), source.is_float, None)
+    for image in bpy.data.images:
+        if (image.get(RESULT_OF), tuple(image.size), image.is_float, image.library) == wanted:
+            return image
+    image = bpy.data.images.new(f"{source.name} recolored", width, height, alpha=True, float_buffer=source.is_float)
+    if not source.is_float:
+        image.colorspace_settings.name = source.colorspace_settings.name
+    image.alpha_mode = source.alpha_mode
+    image[RESULT_OF] = source.name
+    return image
+
+
+def write_pixels(image: bpy.types.Image, pixels: NDArray[np.float32]) -> None:
+    """Put pixels, (height, width, 4), into an image of the same size.
+
+    Raises
+    ------
+    InputError
+        The image has another size by now, or comes from another file.
+    """
+    if image.library is not None:
+        raise InputError(
+            "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
+        )
+    if tuple(image.size) != pixels.shape[1::-1]:
+        raise InputError("{image} has another size than when the work on it began; start again.", image=image.name)
+    channels = image.channels
+    if channels == 4:
+        own = pixels
+    elif channels == 2:
+        own = np.stack([pixels[..., :3].mean(axis=2), pixels[..., 3]], axis=-1)
+    else:
+        own = pixels[..., :3] if channels == 3 else pixels[..., :3].mean(axis=2)
+    image.pixels.foreach_set(np.ascontiguousarray(own, dtype=np.float32).ravel())
+    image.update()
+
+
+def keep_in_file(image: bpy.types.Image) -> None:
+    """Store the pixels of a result with the .blend; those that are in no file would be lost."""
+    image.pack()

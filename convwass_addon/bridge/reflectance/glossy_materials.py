@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The highlights of Blender's materials in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...applications.reflectance.materials import Ggx
+from ...errors import InputError
+from ...sentence import Sentence
+
+_QUARTER_TOLERANCE = 1e-3
+# Glossy BSDF goes to an aspect of 0, which no table could show.
+_MOST_GLOSSY_ANISOTROPY = 0.99
+
+
+@dataclass(frozen=True)
+class GlossyMaterial:
+    """What of a material is interpolated.
+
+    Attributes
+    ----------
+    name : str
+        Of the material.
+    lobe : Ggx
+        Its highlight, in the color that it has seen from above.
+    base_color : (3,) float
+        As Principled BSDF has it.
+    metallic : float
+        The same.
+    notices : tuple of Sentence
+        What was left out.
+    """
+
+    name: str
+    lobe: Ggx
+    base_color: tuple[float, float, float]
+    metallic: float
+    notices: tuple[Sentence, ...] = ()
+
+    @property
+    def diffuse(self) -> tuple[float, float, float]:
+        """Color of what is scattered evenly: nothing for metals."""
+        return tuple((1.0 - self.metallic) * part for part in self.base_color)
+
+
+def read_glossy(material: bpy.types.Material) -> GlossyMaterial:
+    """Read the highlight of a material with a Principled or Glossy BSDF.
+
+    Raises
+    ------
+    InputError
+        It has neither, its values come from a texture, or its grain runs aslant.
+    """
+    node = _shader(material)
+    if node.type == "BSDF_GLOSSY":
+        return _read_glossy(material, node)
+    values = {name: _value(material, node, name) for name in ("Roughness", "Anisotropic", "Metallic")}
+    base, notices = _color(material, node, "Base Color")
+    level = _value(material, node, "Specular IOR Level")
+    ior = _value(material, node, "IOR")
+    dielectric = min(2.0 * level * ((ior - 1.0) / (ior + 1.0)) ** 2, 1.0)
+    tint, more = _color(material, node, "Specular Tint")
+    metallic = values["Metallic"]
+    color = tuple(
+        float(min(metallic * own + (1.0 - metallic) * dielectric * part, 1.0))
+        for own, part in zip(base, tint, strict=True)
+    )
+    lobe = Ggx.principled(values["Roughness"], values["Anisotropic"], color)
+    if _is_turned(material, node, "Anisotropic Rotation", lobe):
+        lobe = Ggx(lobe.alpha_y, lobe.alpha_x, color)
+    return GlossyMaterial(material.name, lobe, base, metallic, (*notices, *more))
+
+
+def _read_glossy(material: bpy.types.Material, node: bpy.types.Node) -> GlossyMaterial:
+    color, notices = _color(material, node, "Color")
+    # The sign says along which axis; Cycles divides by what the other one is multiplied with.
+    anisotropy = float(np.clip(_value(material, node, "Anisotropy"), -_MOST_GLOSSY_ANISOTROPY, _MOST_GLOSSY_ANISOTROPY))
+    alpha, aspect = max(_value(material, node, "Roughness") ** 2, 1e-3), 1.0 - abs(anisotropy)
+    small, large = alpha * aspect, min(alpha / aspect, 1.0)
+    lobe = Ggx(max(small, 1e-3), large, color) if anisotropy > 0 else Ggx(large, max(small, 1e-3), color)
+    if _is_turned(material, node, "Rotation", lobe):
+        lobe = Ggx(lobe.alpha_y, lobe.alpha_x, color)
+    return GlossyMaterial(material.name, lobe, color, 1.0, notices)
+
+
+def _shader(material: bpy.types.Material) -> bpy.types.Node:
+    """Return the BSDF that the active output shows; raises InputError where it shows something else."""
+    tree = material.node_tree
+    output = tree.get_output_node("CYCLES") if tree is not None else None
+    links = output.inputs["Surface"].links if output is not None else ()
+    node = links[0].from_node if links else None
+    if node is None or node.type not in ("BSDF_PRINCIPLED", "BSDF_GLOSSY"):
+        raise InputError(
+            "{material} does not end in a Principled or Glossy BSDF, so its highlight is not known.",
+            material=material.name,
+        )
+    return node
+
+
+def _value(material: bpy.types.Material, node: bpy.types.Node, name: str) -> float:
+    socket = node.inputs[name]
+    if socket.is_linked:
+        raise InputError(
+            "{name} of {material} comes from another node; unlink it and give it one value.",
+            name=name,
+            material=material.name,
+        )
+    return float(socket.default_value)
+
+
+def _color(
+    material: bpy.types.Material, node: bpy.types.Node, name: str
+) -> tuple[tuple[float, float, float], tuple[Sentence, ...]]:
+    socket = node.inputs[name]
+    color = tuple(float(min(max(part, 0.0), 1.0)) for part in tuple(socket.default_value)[:3])
+    if not socket.is_linked:
+        return color, ()
+    values = {"name": name, "material": material.name}
+    return color, (Sentence("{name} of {material} comes from another node; its unlinked color counts.", values),)
+
+
+def _is_turned(material: bpy.types.Material, node: bpy.types.Node, name: str, lobe: Ggx) -> bool:
+    """Tell whether the grain runs across the tangent instead of along it."""
+    if lobe.is_isotropic:
+        return False
+    quarters = 4.0 * _value(material, node, name)
+    if abs(quarters - round(quarters)) > _QUARTER_TOLERANCE:
+        raise InputError(
+            "The grain of {material} runs aslant; set its rotation to 0 or a quarter.", material=material.name
+        )
+    return round(quarters) % 2 == 1

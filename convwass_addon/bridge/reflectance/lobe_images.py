@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of lobes by half and difference angle as images, and as files of OpenEXR."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import ConvwassError, InputError
+from ..files import checked_target
+
+WIDTH, HEIGHT = 256, 64
+"""Texels of one table: half angles along X, difference angles along Y."""
+
+# No lobe that a table can hold is brighter; a file that says so is none.
+_LARGEST = 1e9
+_MOST_STEPS = 256
+
+
+def lobe_image(name: str, tables: Sequence[NDArray[np.float32]]) -> bpy.types.Image:
+    """Make an image of one or more tables, stacked from the bottom up, that stays in the file.
+
+    Parameters
+    ----------
+    name : str
+        Of the image.
+    tables : sequence of (64, 256, 3) float32
+        f in 1/sr, as :func:`..applications.reflectance.lobe_lookup.half_angle_table` gives it.
+    """
+    stack = np.concatenate(tables)
+    image = bpy.data.images.new(name, stack.shape[1], stack.shape[0], alpha=False, float_buffer=True, is_data=True)
+    fill_image(image, stack)
+    return image
+
+
+def fill_image(image: bpy.types.Image, values: NDArray[np.float32]) -> None:
+    """Write values, (height, width, 3), into a float image of that size, and pack it."""
+    rgba = np.ones((*values.shape[:2], 4), dtype=np.float32)
+    rgba[..., :3] = values
+    image.pixels.foreach_set(rgba.ravel())
+    image.update()
+    image.pack()
+
+
+def write_lobe_exr(path: Path, tables: Sequence[NDArray[np.float32]]) -> Path:
+    """Write tables as one OpenEXR file of 32-bit floats, stacked as in the image; whole or not at all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    ConvwassError
+        The file could not be written.
+    """
+    target = checked_target(path)
+    draft = target.with_name(f".{uuid.uuid4().hex}.exr")
+    image = lobe_image("Lobes", tables)
+    try:
+        image.file_format = "OPEN_EXR"
+        image.filepath_raw = str(draft)
+        image.save()
+        os.replace(draft, target)
+    except (RuntimeError, OSError) as error:
+        reason = str(error).strip()
+        raise ConvwassError("{file} could not be written: {reason}", file=str(target), reason=reason) from error
+    finally:
+        draft.unlink(missing_ok=True)
+        bpy.data.images.remove(image)
+    return target
+
+
+def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
+    """Read what :func:`write_lobe_exr` has written.
+
+    Raises
+    ------
+    InputError
+        No such file, none that Blender reads, another size, or values that no material has.
+    """
+    file = Path(path).expanduser().absolute()
+    if not file.is_file():
+        raise InputError("There is no file {file}.", file=str(file))
+    try:
+        image = bpy.data.images.load(str(file))
+    except RuntimeError as error:
+        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
+    try:
+        image.colorspace_settings.name = "Non-Color"
+        width, height = image.size
+        steps = height // HEIGHT
+        fits = width == WIDTH and height == steps * HEIGHT and 1 <= steps <= _MOST_STEPS and image.is_float
+        if not fits or len(image.pixels) != width * height * image.channels or image.channels < 3:
+            raise InputError("{name} is no table of lobes.", name=file.name)
+        values = np.empty(width * height * image.channels, dtype=np.float32)
+        image.pixels.foreach_get(values)
+    finally:
+        bpy.data.images.remove(image)
+    values = values.reshape(steps, HEIGHT, WIDTH, -1)[..., :3]
+    if not np.isfinite(values).all() or values.min() < 0 or values.max() > _LARGEST:
+        raise InputError("{name} has values that no table of lobes has.", name=file.name)
+    return list(values)

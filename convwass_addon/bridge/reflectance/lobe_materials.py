@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that show lobes between others: as they are tabulated, or by the nearest Principled BSDF."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.reflectance.materials import Ggx
+from ..keyframes import curves_of, make_linear
+from .lobe_images import lobe_image
+from .lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH, lobe_group
+
+RESULT_OF = "convwass_lobes"
+"""Custom property of a result: from what it was made, and how it shows it."""
+
+# The direction from which a lamp shines is its Z axis, written with its quaternion; Blender evaluates that by itself.
+_Z_AXIS = ("2*(x*z+w*y)", "2*(y*z-w*x)", "1-2*(x*x+y*y)")
+
+
+@dataclass(frozen=True)
+class FittedLook:
+    """What a Principled BSDF is set to.
+
+    Attributes
+    ----------
+    lobe : Ggx
+        The nearest one.
+    base_color : (3,) float
+        Mixed in proportion to the weights.
+    metallic : float
+        The same.
+    """
+
+    lobe: Ggx
+    base_color: tuple[float, float, float]
+    metallic: float
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames of the scene from the first to the last step."""
+
+    first: int
+    last: int
+
+    def of(self, count: int) -> list[float]:
+        """Return where so many steps lie."""
+        return np.linspace(self.first, self.last, count).tolist()
+
+
+def mixed(colors: Sequence[Sequence[float]], weights: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Mix colors, (k, 3), in proportion to weights of sum 1."""
+    return tuple(float(part) for part in weights @ np.asarray(colors, dtype=np.float64))
+
+
+def lobe_material(
+    name: str,
+    tables: Sequence[NDArray[np.float32]],
+    diffuse: Sequence[tuple[float, float, float]],
+    sun: bpy.types.Object | None,
+    frames: Frames | None = None,
+) -> bpy.types.Material:
+    """Make a material that shows tables, or fill the one that shows the last result of that name.
+
+    Parameters
+    ----------
+    name : str
+        Of the material.
+    tables : sequence of (64, 256, 3) float32
+        f in 1/sr; more than one are the steps of a blend that has a slider.
+    diffuse : sequence of (3,) float
+        Matte color of every step.
+    sun : bpy.types.Object or None
+        A sun whose direction, color and strength it follows.
+    frames : Frames, optional
+        Where the slider is keyed from 0 to 1.
+    """
+    material, tree = _emptied(name, "LOBES")
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.name = node.label = GROUP
+    node.node_tree = lobe_group(lobe_image(name, tables))
+    node.location = (-220.0, 0.0)
+    node.width = 200.0
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
+    if sun is not None:
+        _follow(node, sun)
+    node.inputs[DIFFUSE].default_value = (*diffuse[len(diffuse) // 2], 1.0)
+    if len(tables) > 1 and frames is not None:
+        _key(node.inputs[BLEND], frames.of(2), [0.0, 1.0])
+        _key(node.inputs[DIFFUSE], frames.of(len(diffuse)), [(*color, 1.0) for color in diffuse])
+        make_linear(tree)
+    return material
+
+
+def fitted_material(name: str, looks: Sequence[FittedLook], frames: Frames | None = None) -> bpy.types.Material:
+    """Make a material with a Principled BSDF, keyed where there are several steps and frames; see `lobe_material`."""
+    material, tree = _emptied(name, "FITTED")
+    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node.location = (-300.0, 0.0)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+    steps = {name: [_settings(look)[name] for look in looks] for name in _settings(looks[0])}
+    for name, values in steps.items():
+        if len(looks) > 1 and frames is not None:
+            _key(node.inputs[name], frames.of(len(looks)), values)
+        else:
+            node.inputs[name].default_value = values[len(values) // 2]
+    if frames is not None:
+        make_linear(tree)
+        _hold(tree, node.inputs["Anisotropic Rotation"])
+    return material
+
+
+def _settings(look: FittedLook) -> dict[str, object]:
+    lobe = look.lobe
+    return {
+        "Base Color": (*look.base_color, 1.0),
+        "Metallic": look.metallic,
+        "Roughness": min(lobe.roughness, 1.0),
+        "Anisotropic": lobe.anisotropic,
+        "Anisotropic Rotation": 0.25 if lobe.alpha_x < lobe.alpha_y else 0.0,
+    }
+
+
+def _emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTree]:
+    """Return the material of a former result, emptied, or a new one: what wears it goes on doing so."""
+    own = f"{kind} {name}"
+    found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None)
+    material = next(found, None) or bpy.data.materials.new(name)
+    material[RESULT_OF] = own
+    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+        material.use_nodes = True
+    tree = material.node_tree
+    groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
+    tree.animation_data_clear()
+    tree.nodes.clear()
+    for group in groups:
+        _remove_unused(group)
+    return material, tree
+
+
+def _remove_unused(group: bpy.types.NodeTree) -> None:
+    if group.users:
+        return
+    images = {node.image for node in group.nodes if node.type == "TEX_IMAGE" and node.image is not None}
+    bpy.data.node_groups.remove(group)
+    for image in images:
+        if not image.users:
+            bpy.data.images.remove(image)
+
+
+def _follow(node: bpy.types.Node, sun: bpy.types.Object) -> None:
+    """Let a node go by a sun: its direction by drivers, its color and strength too."""
+    for axis, expression in enumerate(_Z_AXIS):
+        driver = node.inputs[DIRECTION].driver_add("default_value", axis).driver
+        for letter in "wxyz":
+            variable = driver.variables.new()
+            variable.name, variable.type = letter, "TRANSFORMS"
+            target = variable.targets[0]
+            target.id, target.transform_type, target.rotation_mode = sun, f"ROT_{letter.upper()}", "QUATERNION"
+        driver.expression = expression
+    _drive(node.inputs[STRENGTH].driver_add("default_value").driver, sun, "data.energy")
+    for channel in range(3):
+        _drive(node.inputs[LIGHT].driver_add("default_value", channel).driver, sun, f"data.color[{channel}]")
+
+
+def _drive(driver: bpy.types.Driver, sun: bpy.types.Object, path: str) -> None:
+    variable = driver.variables.new()
+    variable.type = "SINGLE_PROP"
+    variable.targets[0].id, variable.targets[0].data_path = sun, path
+    driver.type = "AVERAGE"
+
+
+def _key(socket: bpy.types.NodeSocket, frames: Sequence[float], values: Sequence[object]) -> None:
+    for frame, value in zip(frames, values, strict=True):
+        socket.default_value = value
+        socket.keyframe_insert("default_value", frame=frame)
+
+
+def _hold(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket) -> None:
+    """Keep a value until its next key: a grain runs along or across, and what lies between would turn it."""
+    path = socket.path_from_id("default_value")
+    for curve in curves_of(tree):
+        if curve.data_path == path:
+            for point in curve.keyframe_points:
+                point.interpolation = "CONSTANT"

@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Environment images of Blender as skies, and skies as files of OpenEXR."""
+
+from __future__ import annotations
+
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
+
+from ...errors import ConvwassError, InputError
+from ...transport.sphere import solid_angles
+
+
+def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
+    """Read an equirectangular image.
+
+    Returns
+    -------
+    (rows, columns, 3) float32
+        Radiance in the linear space of scenes; the top row first, column j at the longitude (j + 1/2) 360 degrees /
+        columns from +X towards +Y, as Blender lays such images around a scene.
+
+    Raises
+    ------
+    InputError
+        No pixels, or not twice as wide as high.
+    """
+    width, height = image.size
+    # Asking for a pixel loads the file.
+    if not width * height or not len(image.pixels) or image.channels < 3:
+        raise InputError("{image} has no pixels that could be read as a sky.", image=image.name)
+    if width != 2 * height:
+        raise InputError(
+            "{image} is {width} x {height} pixels large; a sky must be twice as wide as high.",
+            image=image.name,
+            width=width,
+            height=height,
+        )
+    values = np.empty(width * height * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(values)
+    colors = values.reshape(height, width, -1)[::-1, :, :3]
+    if not image.is_float and image.colorspace_settings.name == "sRGB":
+        colors = np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
+    return turned(colors)
+
+
+def read_sky_file(path: Path) -> NDArray[np.float32]:
+    """Read a file as :func:`read_sky` does.
+
+    Raises
+    ------
+    InputError
+        No such file, none that Blender reads, or no sky.
+    """
+    file = Path(path).expanduser().absolute()
+    if not file.is_file():
+        raise InputError("There is no file {file}.", file=str(file))
+    try:
+        image = bpy.data.images.load(str(file))
+    except RuntimeError as error:
+        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
+    try:
+        return read_sky(image)
+    finally:
+        bpy.data.images.remove(image)
+
+
+def turned(colors: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Change between Blender's columns, which run against the longitude and begin at -X, and those of skies.
+
+    The same both ways.
+    """
+    return np.ascontiguousarray(np.roll(colors[:, ::-1], colors.shape[1] // 2, axis=1), dtype=np.float32)
+
+
+def resized(sky: ArrayLike, height: int) -> NDArray[np.float64]:
+    """Average a sky, (rows, columns, 3), over the pixels of another size, (height, 2 * height, 3); light is kept."""
+    values = np.asarray(sky, dtype=np.float64)
+    rows, columns = values.shape[:2]
+    if rows == height:
+        return values
+    lit = values * solid_angles(rows, columns)[..., None]
+    # Zones of the sphere are as large as they are high.
+    down = _overlaps(-np.cos(np.pi * _edges(rows)), -np.cos(np.pi * _edges(height)))
+    across = _overlaps(_edges(columns), _edges(2 * height))
+    tall = (down @ lit.reshape(rows, -1)).reshape(height, columns, 3)
+    light = np.stack([(across @ tall[..., channel].T).T for channel in range(3)], axis=-1)
+    return light / solid_angles(height, 2 * height)[..., None]
+
+
+def _edges(count: int) -> NDArray[np.float64]:
+    return np.arange(count + 1) / count
+
+
+def _overlaps(before: NDArray[np.float64], after: NDArray[np.float64]) -> csr_array:
+    """Share of every old interval that lies in every new one, (new, old), by their edges."""
+    edges = np.union1d(before, after)
+    middles, lengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    old, new = (np.clip(np.searchsorted(own, middles) - 1, 0, len(own) - 2) for own in (before, after))
+    return csr_array((lengths / np.diff(before)[old], (new, old)), shape=(len(after) - 1, len(before) - 1))
+
+
+def write_sky(path: Path, sky: NDArray[np.float32]) -> None:
+    """Write a sky as OpenEXR of 32-bit floats; the file is there as a whole or not at all.
+
+    Raises
+    ------
+    ConvwassError
+        Blender or the system could not write the file.
+    """
+    height, width = sky.shape[:2]
+    image = bpy.data.images.new("Sky", width, height, alpha=False, float_buffer=True)
+    draft = path.with_name(f".{uuid.uuid4().hex}.exr")
+    try:
+        rgba = np.ones((height, width, 4), dtype=np.float32)
+        rgba[..., :3] = turned(sky)[::-1]
+        image.pixels.foreach_set(rgba.ravel())
+        # Image.save would encode the values for a screen, and Cycles would mix neighbors as they are encoded.
+        with _format_scene() as scene:
+            image.save_render(str(draft), scene=scene)
+        os.replace(draft, path)
+    except (RuntimeError, OSError) as error:
+        reason = str(error).strip()
+        raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
+    finally:
+        draft.unlink(missing_ok=True)
+        bpy.data.images.remove(image)
+
+
+@contextmanager
+def _format_scene() -> Iterator[bpy.types.Scene]:
+    """Give a scene whose render settings say how to write a sky."""
+    scene = bpy.data.scenes.new("Sky")
+    try:
+        settings = scene.render.image_settings
+        settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
+        settings.exr_codec = "ZIP"
+        yield scene
+    finally:
+        bpy.data.scenes.remove(scene)

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Skies of worlds, and a world that shows a sequence of skies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import ConvwassError
+from ..keyframes import make_linear
+from .sky_pixels import read_sky, read_sky_file, resized
+
+RESULT_OF = "convwass_skies"
+"""Custom property of a world that shows a sequence: what it was made from."""
+
+# The disc of a sun has two to four pixels; fewer samples would miss its edge.
+_SAMPLES = 32
+# No scene begins before.
+_LONG_AGO = -100000
+# So that the middle of a panorama looks to +X, as that of an environment image does.
+_POSE = (math.radians(90.0), 0.0, math.radians(-90.0))
+
+
+def world_sky(world: bpy.types.World, height: int) -> NDArray[np.float64]:
+    """Return the sky of a world, (height, 2 * height, 3), as :func:`.sky_pixels.read_sky` does.
+
+    Of a world that shows an environment image as it is these are its pixels; others are rendered by Cycles.
+
+    Raises
+    ------
+    InputError
+        An image that is no sky.
+    ConvwassError
+        The world could not be rendered.
+    """
+    image = _plain_image(world)
+    return resized(read_sky(image) if image is not None else _rendered(world, height), height)
+
+
+def _plain_image(world: bpy.types.World) -> bpy.types.Image | None:
+    """Return the environment image of a world where nothing changes it on the way."""
+    tree = world.node_tree
+    output = tree.get_output_node("CYCLES") if tree is not None else None
+    background = _source(output, "Surface", "BACKGROUND")
+    texture = _source(background, "Color", "TEX_ENVIRONMENT")
+    if texture is None or background.inputs["Strength"].is_linked or texture.inputs["Vector"].is_linked:
+        return None
+    mapping = texture.texture_mapping
+    is_turned = any(mapping.rotation) or any(mapping.translation) or tuple(mapping.scale) != (1.0, 1.0, 1.0)
+    image = texture.image
+    if is_turned or background.inputs["Strength"].default_value != 1.0 or image is None:
+        return None
+    return image if image.source != "SEQUENCE" and texture.projection == "EQUIRECTANGULAR" else None
+
+
+def _source(node: bpy.types.Node | None, name: str, kind: str) -> bpy.types.Node | None:
+    links = node.inputs[name].links if node is not None else ()
+    return links[0].from_node if links and links[0].from_node.type == kind else None
+
+
+def _rendered(world: bpy.types.World, height: int) -> NDArray[np.float32]:
+    with _panorama(world, height) as scene, TemporaryDirectory() as folder:
+        file = Path(folder) / "sky.exr"
+        scene.render.filepath = str(file)
+        try:
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+        except RuntimeError as error:
+            raise ConvwassError(
+                "The world {world} could not be rendered: {reason}", world=world.name, reason=str(error).strip()
+            ) from error
+        return read_sky_file(file)
+
+
+@contextmanager
+def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
+    """Give an empty scene with a camera that sees all around."""
+    scene = bpy.data.scenes.new("Sky")
+    data = bpy.data.cameras.new("Sky")
+    camera = bpy.data.objects.new("Sky", data)
+    try:
+        data.type = "PANO"
+        # Blender 5 has taken this over from Cycles.
+        owner = data if hasattr(data, "panorama_type") else data.cycles
+        owner.panorama_type = "EQUIRECTANGULAR"
+        camera.rotation_euler = _POSE
+        scene.collection.objects.link(camera)
+        scene.camera, scene.world = camera, world
+        scene.frame_set(bpy.context.scene.frame_current)
+        render = scene.render
+        render.engine, render.resolution_percentage = "CYCLES", 100
+        render.resolution_x, render.resolution_y = 2 * height, height
+        render.use_compositing = render.use_sequencer = False
+        render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+        cycles = scene.cycles
+        cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = _SAMPLES, False, False
+        # One pixel must not shine into the next.
+        cycles.pixel_filter_type = "BOX"
+        yield scene
+    finally:
+        bpy.data.scenes.remove(scene)
+        bpy.data.objects.remove(camera)
+        bpy.data.cameras.remove(data)
+
+
+def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.World:
+    """Make a world that shows a file for every frame, or change the one of that name that did.
+
+    Parameters
+    ----------
+    name : str
+        Of the world.
+    files : list of Path
+        Named alike but for the number, which is that of the frame; the first and the last one stay on.
+    first_frame : int
+        The number of the first one.
+    """
+    own = (item for item in bpy.data.worlds if item.get(RESULT_OF) == name and item.library is None)
+    world = next(own, None) or bpy.data.worlds.new(name)
+    world[RESULT_OF] = name
+    if world.node_tree is not None:
+        world.node_tree.animation_data_clear()
+    if world.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+        world.use_nodes = True
+    tree = world.node_tree
+    old = {node.image for node in tree.nodes if node.type == "TEX_ENVIRONMENT" and node.image is not None}
+    tree.nodes.clear()
+    for image in old:
+        if not image.users:
+            bpy.data.images.remove(image)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    background = tree.nodes.new("ShaderNodeBackground")
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    background.location, texture.location = (-200.0, 0.0), (-500.0, 0.0)
+    texture.image = bpy.data.images.load(str(files[0]))
+    texture.image.name = name
+    texture.image.source = "SEQUENCE"
+    _key_numbers(texture, first_frame, len(files))
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    tree.links.new(background.outputs["Background"], output.inputs["Surface"])
+    return world
+
+
+def _key_numbers(texture: bpy.types.Node, first_frame: int, count: int) -> None:
+    """Key which file a texture shows; before the first key and after the last one those stay on.
+
+    Left to itself a sequence shows the file before its first one until it starts, which is not there.
+    """
+    user = texture.image_user
+    user.frame_start, user.frame_duration, user.use_auto_refresh = _LONG_AGO, 1, True
+    for frame in (first_frame, first_frame + count - 1):
+        user.frame_offset = frame - 1
+        texture.id_data.keyframe_insert(f"{texture.path_from_id()}.image_user.frame_offset", frame=frame)
+    make_linear(texture.id_data)

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options of the verbs ``reflect`` and ``sky``."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from pathlib import Path
+
+from ..applications.reflectance.reflectance_settings import ReflectanceSettings
+from ..applications.skies.sky_settings import SkySettings
+from .argument_types import numbers
+
+REFLECT_HELP = """Make a material between two to four others. A material is
+
+  principled:ROUGHNESS[,ANISOTROPY]   a metal of Blender's Principled BSDF
+  ggx:ALPHA_X,ALPHA_Y                 microfacets
+  blinn:EXPONENT                      Blinn's highlight
+  ashikhmin:NU,NV                     Ashikhmin and Shirley's
+  FILE.binary                         a measured material of the MERL database
+  FILE.npz                            a table that this verb has written; all of them tables then
+
+  convwass reflect principled:0.2 principled:0.6 --weights 0.5,0.5 --out half.npz
+  convwass reflect blinn:400 principled:0.7 --steps 9 --out path.exr
+"""
+
+SKY_HELP = """Make the skies between two equirectangular images: suns move with their glow, the rest fades.
+
+  convwass sky morning.exr noon.exr --steps 25 --out skies
+"""
+
+
+def add_reflect_options(parser: ArgumentParser) -> None:
+    """Add what ``reflect`` takes."""
+    parser.add_argument("materials", nargs="+", metavar="MATERIAL", help="two to four, see above")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FILE", help=".npz for one blend, .exr for what Blender looks up"
+    )
+    parser.add_argument("--json", action="store_true", help="print a record for programs")
+    group = parser.add_argument_group("blend")
+    choice = group.add_mutually_exclusive_group()
+    choice.add_argument("--weights", type=numbers, metavar="W,…", help="one blend with these weights (all alike)")
+    choice.add_argument("--steps", type=int, metavar="N", help="so many blends from the first material to the last")
+    settings = parser.add_argument_group("transport")
+    default = ReflectanceSettings()
+    settings.add_argument("--rows", type=int, default=default.rows, metavar="N", help="rows of a lobe (%(default)s)")
+    settings.add_argument("--sigma", type=float, default=default.sigma, metavar="X", help="blur in rows (%(default)s)")
+    settings.add_argument(
+        "--sharpness", type=float, default=default.sharpness, metavar="X", help="0 to 1 (%(default)s)"
+    )
+    settings.add_argument(
+        "--entropy", choices=("free", "largest", "mean"), default=default.entropy, help="bound (%(default)s)"
+    )
+
+
+def add_sky_options(parser: ArgumentParser) -> None:
+    """Add what ``sky`` takes."""
+    parser.add_argument("skies", nargs=2, type=Path, metavar="IMAGE", help="twice as wide as high; .exr or .hdr")
+    parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="where the images go")
+    parser.add_argument("--json", action="store_true", help="print a record for programs")
+    parser.add_argument("--steps", type=int, default=25, metavar="N", help="images, both ends included (%(default)s)")
+    parser.add_argument("--first", type=int, default=1, metavar="N", help="number of the first one (%(default)s)")
+    parser.add_argument("--width", type=int, metavar="PIXELS", help="of the images (that of the first sky)")
+    settings = parser.add_argument_group("suns")
+    default = SkySettings()
+    settings.add_argument(
+        "--near", type=float, default=default.near, metavar="DEGREES", help="glow goes along so far (%(default)s)"
+    )
+    settings.add_argument(
+        "--far", type=float, default=default.far, metavar="DEGREES", help="and not at all from here (%(default)s)"
+    )
+    settings.add_argument(
+        "--least-share", type=float, default=default.least_share, metavar="X", help="of a lamp's light (%(default)s)"
+    )

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``sky``."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from ..applications.skies.sky_settings import SkySettings
+from ..bridge.skies.sky_pixels import read_sky_file, resized
+from ..bridge.skies.sky_sequence import SkyFiles, fitting_height, sky_steps
+from ..console import ProgressBar
+from ..errors import InputError
+from .answer import Answer
+
+
+def run_sky(options: Namespace) -> Answer:
+    """Do what the command line asks for.
+
+    Raises
+    ------
+    InputError
+        Images or options that cannot work.
+    """
+    if options.steps < 2:
+        raise InputError("--steps must be 2 or more.")
+    if options.width is not None and not 64 <= options.width <= 16384:
+        raise InputError("--width must be 64 to 16384.")
+    settings = SkySettings(near=options.near, far=options.far, least_share=options.least_share)
+    files = SkyFiles(options.out, options.first, options.steps)
+    skies = [read_sky_file(path) for path in options.skies]
+    height = fitting_height(options.width or skies[0].shape[1], settings)
+    records = []
+    try:
+        with ProgressBar("Blending skies") as bar:
+            for step in sky_steps(*(resized(sky, height) for sky in skies), options.steps, settings):
+                bar.show(step.fraction, str(step.message))
+                files.write(step)
+                if step.frame is not None:
+                    records.append(step.frame.record)
+    except BaseException:
+        files.discard()
+        raise
+    record = {"skies": [str(path) for path in options.skies], "frames": records}
+    return Answer.of_files(record, files.paths)

@@ -1,0 +1,232 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of materials and skies between others, as each scene has its own."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+from .applications.reflectance.reflectance_settings import ReflectanceSettings
+from .applications.skies.sky_settings import SkySettings
+from .bridge.reflectance.lobe_materials import Frames
+
+MATERIALS = ("material", "material_2", "material_3", "material_4")
+"""Names of the properties of materials; their weights are called weight, weight_2 and so on."""
+
+
+class ReflectanceProperties:
+    """What a material between others is asked for."""
+
+    blend: EnumProperty(
+        name="Blend",
+        description="What is made of the materials",
+        items=(
+            ("PATH", "Over Time", "From the first material through the others to the last, over frames"),
+            ("WEIGHTS", "By Weights", "One material between all of them"),
+        ),
+    )
+    blends: IntProperty(
+        name="Steps",
+        description="Blends that are computed on the way; between two of them the values are mixed",
+        default=5,
+        min=2,
+        soft_max=17,
+        max=65,
+    )
+    frame_start: IntProperty(name="Start", description="Frame that shows the first material", default=1)
+    frame_end: IntProperty(name="End", description="Frame that shows the last material", default=60)
+    output: EnumProperty(
+        name="Output",
+        description="What shows the highlights",
+        items=(
+            (
+                "BOTH",
+                "Both",
+                "Two materials, one of either kind; of materials with a grain only the fitted one",
+            ),
+            (
+                "LOBES",
+                "Lobes",
+                "A node group that looks the highlights up in a table, for the light of one sun without "
+                "shadows; made for Cycles",
+            ),
+            ("FITTED", "Fitted", "The nearest Principled BSDF, for any light; it has one simple highlight"),
+        ),
+    )
+    detail: IntProperty(
+        name="Detail",
+        description="Rows of a highlight from the normal to the horizon: narrow ones need more, and time grows with "
+        "the third power",
+        default=ReflectanceSettings.rows,
+        min=8,
+        soft_min=32,
+        soft_max=96,
+        max=128,
+    )
+    blur: FloatProperty(
+        name="Blur",
+        description="Blur of the transport, in rows",
+        default=ReflectanceSettings.sigma,
+        min=0.5,
+        soft_min=1.5,
+        soft_max=4.0,
+        max=20.0,
+    )
+    sharpness: FloatProperty(
+        name="Sharpness",
+        description="How much of that blur is taken out of the result",
+        default=ReflectanceSettings.sharpness,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    entropy: EnumProperty(
+        name="Limit Spread",
+        description="How widely a highlight between others may spread",
+        items=(
+            ("FREE", "No Limit", "As transport leaves it"),
+            ("LARGEST", "As the Widest", "No more than the widest of the materials, as in the paper"),
+            ("MEAN", "As Their Mean", "No more than their weighted mean"),
+        ),
+    )
+
+    def reflectance_settings(self) -> ReflectanceSettings:
+        """Return the settings of the application; raises InputError where they make no sense."""
+        return ReflectanceSettings(
+            rows=self.detail, sigma=self.blur, sharpness=self.sharpness, entropy=self.entropy.lower()
+        )
+
+    def frame_span(self) -> Frames:
+        """Return the frames of the scene that a path takes."""
+        return Frames(self.frame_start, self.frame_end)
+
+
+class SkyProperties:
+    """What skies between others are asked for."""
+
+    frame_start: IntProperty(name="Start", description="Frame that shows the first sky", default=1)
+    frame_end: IntProperty(name="End", description="Frame that shows the last sky", default=24)
+    width: IntProperty(
+        name="Width",
+        description="Pixels of the images around the horizon; there are half as many from top to bottom",
+        default=1024,
+        min=64,
+        soft_max=4096,
+        max=16384,
+        subtype="PIXEL",
+    )
+    folder: StringProperty(
+        name="Folder",
+        description="Where the images go, one for every frame; those that are there are replaced",
+        default="//skies",
+        subtype="DIR_PATH",
+    )
+    near: FloatProperty(
+        name="Glow",
+        description="Degrees around a sun within which all that is brighter than the other sky goes along with it",
+        default=SkySettings.near,
+        min=1.0,
+        soft_max=60.0,
+        max=170.0,
+    )
+    far: FloatProperty(
+        name="Fade Out",
+        description="Degrees around a sun from which on nothing goes along with it",
+        default=SkySettings.far,
+        min=2.0,
+        soft_max=120.0,
+        max=180.0,
+    )
+    least_share: FloatProperty(
+        name="Least Share",
+        description="Share of all light that a lamp must have to move; smaller ones fade in place",
+        default=SkySettings.least_share,
+        min=0.0,
+        soft_max=0.1,
+        max=0.99,
+        precision=3,
+    )
+
+    def sky_settings(self) -> SkySettings:
+        """Return the settings of the application; raises InputError where they make no sense."""
+        return SkySettings(near=self.near, far=self.far, least_share=self.least_share)
+
+
+def _material() -> object:
+    return PointerProperty(
+        name="Material",
+        description="Material with a Principled or Glossy BSDF without textures",
+        type=bpy.types.Material,
+    )
+
+
+def _weight() -> object:
+    return FloatProperty(name="Weight", description="How much this material counts", default=1.0, min=0.0, soft_max=1.0)
+
+
+def _world(name: str, description: str) -> object:
+    return PointerProperty(name=name, description=description, type=bpy.types.World)
+
+
+def _is_sun(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+    return obj.type == "LIGHT" and obj.data.type == "SUN"
+
+
+class CONVWASS_PG_reflectance(ReflectanceProperties, bpy.types.PropertyGroup):
+    """Settings of materials between others in a scene."""
+
+    material: _material()
+    material_2: _material()
+    material_3: _material()
+    material_4: _material()
+    weight: _weight()
+    weight_2: _weight()
+    weight_3: _weight()
+    weight_4: _weight()
+    sun: PointerProperty(
+        name="Sun",
+        description="Light that tabulated highlights follow; while there is none, the first sun of the scene",
+        type=bpy.types.Object,
+        poll=_is_sun,
+    )
+
+    @property
+    def chosen_materials(self) -> list[tuple[bpy.types.Material, float]]:
+        """The materials that are chosen, with their weights."""
+        weights = [name.replace("material", "weight") for name in MATERIALS]
+        pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in zip(MATERIALS, weights, strict=True)]
+        return [(material, weight) for material, weight in pairs if material is not None]
+
+
+class CONVWASS_PG_sky(SkyProperties, bpy.types.PropertyGroup):
+    """Settings of skies between others in a scene."""
+
+    first: _world("First", "World whose sky the first frame shows")
+    last: _world("Last", "World whose sky the last frame shows")
+
+
+def sun_of(context: bpy.types.Context) -> bpy.types.Object | None:
+    """Return the sun that tabulated highlights follow; None where the scene has none."""
+    chosen = context.scene.convwass_reflectance.sun
+    if chosen is not None and chosen.users_scene:
+        return chosen
+    return next((obj for obj in context.scene.objects if obj.type == "LIGHT" and obj.data.type == "SUN"), None)
+
+
+_classes = (CONVWASS_PG_reflectance, CONVWASS_PG_sky)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
+
+
+def register() -> None:
+    """Add the settings to scenes."""
+    _register_classes()
+    bpy.types.Scene.convwass_reflectance = PointerProperty(type=CONVWASS_PG_reflectance)
+    bpy.types.Scene.convwass_sky = PointerProperty(type=CONVWASS_PG_sky)
+
+
+def unregister() -> None:
+    """Take them away."""
+    del bpy.types.Scene.convwass_sky
+    del bpy.types.Scene.convwass_reflectance
+    _unregister_classes()

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Give the color attribute of an object the palette of that of another one."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..bridge.handles import Handle
+from ..bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
+from ..errors import InputError
+from ..recolor_properties import RecolorProperties, attribute_name_property
+from ..sentence import Sentence
+from .background import BackgroundOperator, is_idle
+from .density_targets import tell
+from .recolor_image import RecolorJob
+
+
+class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.types.Operator):
+    """Carry the palette of another object's active color attribute to that of the active object; colors count by the area that they cover"""  # noqa: E501
+
+    bl_idname = "convwass.recolor_attribute"
+    bl_label = "Recolor Attribute"
+    bl_options = {"REGISTER", "UNDO"}
+
+    result: attribute_name_property()
+
+    _job: RecolorJob
+
+    @classmethod
+    def poll(cls, context):
+        obj, giver = context.object, context.scene.convwass_recolor.palette_object
+        if obj is None or obj.type != "MESH" or obj.data.color_attributes.active_color is None:
+            cls.poll_message_set("Select a mesh with a color attribute")
+            return False
+        if giver is None or giver.data.color_attributes.active_color is None:
+            cls.poll_message_set("Choose an object whose color attribute gives the palette")
+            return False
+        return is_idle(cls, context)
+
+    def _begin(self, context):
+        obj, giver = context.object, context.scene.convwass_recolor.palette_object
+        self._name = obj.data.color_attributes.active_color_name
+        pictures = [read_colors_as_picture(own) for own in (obj, giver)]
+        return RecolorJob(Handle.of("objects", obj), pictures[0], pictures[1:], [1.0], self.recolor_settings())
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Recoloring")
+
+    def _waits_for(self, context):
+        obj = self._job.target()
+        return Sentence("Done; leave Edit Mode to get the result") if obj.data.is_editmode else None
+
+    def _finish(self, context, job):
+        obj = job.target()
+        if not self.result:
+            raise InputError("Give the color attribute of the result a name.")
+        write_picture_colors(obj, self._name, self.result, job.pixels)
+        giver = context.scene.convwass_recolor.palette_object
+        name = giver.name if giver is not None else ""
+        tell(self, rpt_("{:s} of {:s} has the colors of {:s}").format(self.result, obj.name, name))
+        return {"FINISHED"}
+
+
+classes = (CONVWASS_OT_recolor_attribute,)

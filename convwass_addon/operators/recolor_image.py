@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Give an image the palette of others, beside the user's work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import EnumProperty
+from numpy.typing import NDArray
+
+from ..applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.recolor_job import Picture, RecolorStep, recolor_steps
+from ..bridge.handles import Handle
+from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
+from ..errors import InputError
+from ..recolor_properties import RecolorProperties
+from .background import BackgroundOperator
+from .density_targets import tell
+from .recolor_targets import OnImage, chosen_image, image_property, read_pictures
+
+
+class RecolorJob:
+    """One recoloring. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    target : Handle
+        Of what gets the result.
+    source : Picture
+        What is recolored.
+    palettes : sequence of Picture
+        Where the colors come from.
+    weights : sequence of float
+        One for each.
+    settings : RecolorSettings
+        How.
+    """
+
+    def __init__(
+        self,
+        target: Handle,
+        source: Picture,
+        palettes: Sequence[Picture],
+        weights: Sequence[float],
+        settings: RecolorSettings,
+    ) -> None:
+        self._target = target
+        self._inputs = source, palettes, weights, settings
+        self._pixels: NDArray[np.float32] | None = None
+
+    def steps(self, check: Callable[[], None] | None = None) -> Iterator[RecolorStep]:
+        """Yield the steps of the work."""
+        yield from recolor_steps(*self._inputs, check)
+
+    def write(self, step: RecolorStep) -> None:
+        """Take what a step has brought; the file stays as it is until the end."""
+        if step.pixels is not None:
+            self._pixels = step.pixels
+
+    def discard(self) -> None:
+        """Forget it."""
+        self._pixels = None
+
+    @property
+    def pixels(self) -> NDArray[np.float32]:
+        """The result, (height, width, 4)."""
+        return self._pixels
+
+    def target(self) -> bpy.types.ID:
+        """Return what gets the result; raises InputError where it is gone."""
+        found = self._target.find()
+        if found is None:
+            raise InputError("What was recolored was deleted, or undone, meanwhile; start again.")
+        return found
+
+
+class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, bpy.types.Operator):
+    """Carry the palette of another image to this one, or the blend of several: every color goes where transport takes it, at the least change in all. The pixels of an image that is replaced cannot be undone; reload it instead"""  # noqa: E501
+
+    bl_idname = "convwass.recolor_image"
+    bl_label = "Recolor Image"
+
+    image: image_property()
+    output: EnumProperty(
+        name="Output",
+        description="Where the result goes",
+        items=(
+            ("NEW", "New Image", "An image of its own, packed into the file; the next result replaces it"),
+            ("REPLACE", "Replace", "The image itself; its file stays as it is until the image is saved"),
+        ),
+    )
+
+    _job: RecolorJob
+
+    def _begin(self, context):
+        image = chosen_image(context, self.image)
+        if self.output == "REPLACE" and image.library is not None:
+            raise InputError(
+                "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
+            )
+        return RecolorJob(Handle.of("images", image), *read_pictures(context, image), self.recolor_settings())
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Recoloring")
+
+    def _finish(self, context, job):
+        image = job.target()
+        result = image if self.output == "REPLACE" else result_image(image)
+        write_pixels(result, job.pixels)
+        if result != image:
+            keep_in_file(result)
+        space = context.space_data
+        if space is not None and space.type == "IMAGE_EDITOR" and space.image == image:
+            space.image = result
+        tell(self, rpt_("{:s} has the colors of {:s}").format(result.name, self._palette_names(context)))
+        return {"FINISHED"}
+
+    def _palette_names(self, context: bpy.types.Context) -> str:
+        return ", ".join(image.name for image, weight in context.scene.convwass_recolor.chosen_palettes if weight > 0)
+
+
+classes = (CONVWASS_OT_recolor_image,)

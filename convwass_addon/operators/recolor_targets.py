@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which image is recolored, by which palettes, and when the buttons for it can be pressed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import bpy
+from bpy.props import StringProperty
+
+from ..applications.palettes.recolor_job import Picture
+from ..bridge.palettes.image_pixels import RESULT_OF, read_picture
+from ..errors import InputError
+from .background import is_idle
+
+
+def image_property() -> object:
+    """Return the property by which a script names an image."""
+    return StringProperty(
+        name="Image",
+        description="Name of the image; empty for the one that the Image Editor shows",
+        options={"SKIP_SAVE"},
+    )
+
+
+def shown_image(context: bpy.types.Context) -> bpy.types.Image | None:
+    """Return the image of the editor that the user is in; of a result, the image that it was made from."""
+    space = context.space_data
+    image = space.image if space is not None and space.type == "IMAGE_EDITOR" else None
+    return None if image is None else bpy.data.images.get(image.get(RESULT_OF, ""), image)
+
+
+def chosen_image(context: bpy.types.Context, name: str) -> bpy.types.Image:
+    """Return the image that is named, or else shown.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    image = bpy.data.images.get(name) if name else shown_image(context)
+    if image is None and name:
+        raise InputError("There is no image {name}.", name=name)
+    if image is None:
+        raise InputError("Open an image in the Image Editor first, or name one.")
+    return image
+
+
+class OnImage:
+    """An operator on an image and the palettes that are chosen for it."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.convwass_recolor.chosen_palettes:
+            cls.poll_message_set("Choose a palette, an image whose colors are wanted")
+            return False
+        space = context.space_data
+        if space is not None and space.type == "IMAGE_EDITOR" and space.image is None:
+            cls.poll_message_set("Open an image first")
+            return False
+        return is_idle(cls, context)
+
+
+def read_pictures(context: bpy.types.Context, image: bpy.types.Image) -> tuple[Picture, list[Picture], list[float]]:
+    """Read the image, its mask, and the palettes with their weights.
+
+    Raises
+    ------
+    InputError
+        Images that cannot be read, or masks of other sizes.
+    """
+    own = context.scene.convwass_recolor
+    source = read_picture(image, own.mask)
+    palettes = [read_picture(palette) for palette, _ in own.chosen_palettes]
+    if own.palette_mask is not None and own.palette is not None:
+        masked = read_picture(own.palette, own.palette_mask)
+        palettes[0] = replace(palettes[0], mask=masked.mask)
+    return source, palettes, [weight for _, weight in own.chosen_palettes]

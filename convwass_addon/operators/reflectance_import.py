@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make a material of a table of lobes that lies in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import StringProperty
+
+from ..bridge.reflectance.lobe_files import read_lobe_file
+from ..bridge.reflectance.lobe_materials import Frames, lobe_material
+from ..errors import ConvwassError
+from ..light_properties import sun_of
+from .background import is_idle
+from .density_targets import tell
+from .reporting import refuse
+
+
+class CONVWASS_OT_import_lobes(bpy.types.Operator):
+    """Make a material of a table of highlights: .exr or .npz as this add-on writes them, or a .binary of the MERL database"""  # noqa: E501
+
+    bl_idname = "convwass.import_lobes"
+    bl_label = "Import Highlights"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filepath: StringProperty(name="File", description="Table of highlights", subtype="FILE_PATH")
+    filter_glob: StringProperty(name="File Filter", default="*.exr;*.npz;*.binary", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        return is_idle(cls, context)
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        path = Path(bpy.path.abspath(self.filepath))
+        scene = context.scene
+        try:
+            tables = read_lobe_file(path)
+            frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))
+            dark = [(0.0, 0.0, 0.0)] * len(tables)
+            made = lobe_material(path.stem, tables, dark, sun_of(context), frames if len(tables) > 1 else None)
+        except ConvwassError as error:
+            return refuse(self, error)
+        tell(self, rpt_("Made {:s}").format(made.name))
+        return {"FINISHED"}
+
+
+classes = (CONVWASS_OT_import_lobes,)

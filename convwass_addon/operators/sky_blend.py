@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make skies between two worlds, beside the user's work: a sequence of images, and a world that shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import StringProperty
+from numpy.typing import NDArray
+
+from ..applications.skies.sky_frames import SkyFrame
+from ..applications.skies.sky_settings import SkySettings
+from ..bridge.skies.sky_sequence import SkyFiles, SkyStep, fitting_height, sky_steps
+from ..bridge.skies.world_skies import sequence_world, world_sky
+from ..errors import InputError
+from ..light_properties import SkyProperties
+from ..sentence import Sentence
+from .background import BackgroundOperator, is_idle
+from .chosen_inputs import split_names
+from .density_targets import tell
+
+
+class SkyJob:
+    """One sequence. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    skies : list of (rows, columns, 3) array
+        The first and the last.
+    files : SkyFiles
+        Where they go.
+    settings : SkySettings
+        How.
+    """
+
+    def __init__(self, skies: list[NDArray[np.float64]], files: SkyFiles, settings: SkySettings) -> None:
+        self.files = files
+        self._skies, self._settings = skies, settings
+        self.ends: list[SkyFrame] = []
+
+    def steps(self, check: Callable[[], None] | None = None) -> Iterator[SkyStep]:
+        """Yield the steps of the work."""
+        yield from sky_steps(*self._skies, len(self.files.paths), self._settings, check)
+
+    def write(self, step: SkyStep) -> None:
+        """Write the sky that a step has brought."""
+        self.files.write(step)
+        if step.frame is not None and step.place in (0, len(self.files.paths) - 1):
+            self.ends.append(step.frame)
+
+    def discard(self) -> None:
+        """Remove the files."""
+        self.files.discard()
+
+    def notices(self) -> list[Sentence]:
+        """Say where no sun was found: there is nothing to move then."""
+        if all(end.lamps for end in self.ends):
+            return []
+        return [Sentence("One of the skies has no sun that could move; what shines in the other one fades.")]
+
+
+class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.Operator):
+    """Make the skies between two worlds: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them"""  # noqa: E501
+
+    bl_idname = "convwass.interpolate_sky"
+    bl_label = "Blend Skies"
+    bl_options = {"REGISTER", "UNDO"}
+
+    worlds: StringProperty(
+        name="Worlds",
+        description="Names of two worlds, one per line or with a comma between them; empty for those that are chosen "
+        "in the panel",
+        options={"SKIP_SAVE"},
+    )
+
+    _job: SkyJob
+    _names: list[str]
+
+    @classmethod
+    def poll(cls, context):
+        return is_idle(cls, context)
+
+    def _begin(self, context):
+        worlds = self._chosen(context)
+        if self.frame_end <= self.frame_start:
+            raise InputError("The last frame must come after the first one.")
+        settings = self.sky_settings()
+        height = fitting_height(self.width, settings)
+        files = SkyFiles(self.folder, self.frame_start, self.frame_end - self.frame_start + 1)
+        self._names = [world.name for world in worlds]
+        return SkyJob([world_sky(world, height) for world in worlds], files, settings)
+
+    def _chosen(self, context: bpy.types.Context) -> list[bpy.types.World]:
+        own = context.scene.convwass_sky
+        worlds = [world for world in (own.first, own.last) if world is not None]
+        if self.worlds.strip():
+            worlds = [_named(name) for name in split_names(self.worlds)]
+        if len(worlds) != 2:
+            raise InputError("Choose two worlds, not {count}.", count=len(worlds))
+        return worlds
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Blending skies")
+
+    def _finish(self, context, job):
+        name = "{} {}".format(rpt_("Sky"), "-".join(self._names))
+        world = sequence_world(name, job.files.paths, self.frame_start)
+        context.scene.world = world
+        text = rpt_("{:s} shows {:d} skies from {:s}")
+        paths = job.files.paths
+        tell(self, text.format(world.name, len(paths), str(paths[0].parent)), (), job.notices())
+        return {"FINISHED"}
+
+
+def _named(name: str) -> bpy.types.World:
+    world = bpy.data.worlds.get(name)
+    if world is None:
+        raise InputError("There is no world {name}.", name=name)
+    return world
+
+
+classes = (CONVWASS_OT_interpolate_sky,)

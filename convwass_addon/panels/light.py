@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels of light: materials between others, and skies between others."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..light_properties import MATERIALS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
+from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
+from ..operators.reflectance_import import CONVWASS_OT_import_lobes
+from ..operators.sky_blend import CONVWASS_OT_interpolate_sky
+from .sidebar import Sidebar, fill_operator
+
+
+class CONVWASS_PT_light(Sidebar, bpy.types.Panel):
+    """Blend what surfaces reflect and what skies shine, so that highlights and suns move"""
+
+    bl_label = "Light"
+    bl_idname = "CONVWASS_PT_light"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        progress = context.window_manager.convwass_progress
+        if progress.running:
+            self.layout.progress(factor=progress.fraction, text=progress.message)
+            self.layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
+
+
+class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
+    """Materials between others"""
+
+    bl_label = "Materials"
+    bl_idname = "CONVWASS_PT_reflectance"
+    bl_parent_id = "CONVWASS_PT_light"
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_reflectance
+        layout.row().prop(own, "blend", expand=True)
+        _draw_materials(layout, own)
+        row = layout.row()
+        row.scale_y = 1.6
+        row.enabled = len(own.chosen_materials) >= 2
+        operator = row.operator(CONVWASS_OT_interpolate_reflectance.bl_idname, icon="MATERIAL")
+        fill_operator(operator, own, ReflectanceProperties)
+        if own.blend == "PATH":
+            column = layout.column(align=True)
+            for name in ("blends", "frame_start", "frame_end"):
+                column.prop(own, name)
+
+
+def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) -> None:
+    """Draw the materials that are chosen and room for one more; weights where they count."""
+    column = layout.column(align=True)
+    empty = 0
+    for name in MATERIALS:
+        chosen = getattr(own, name) is not None
+        empty += not chosen
+        if chosen or empty == 1:
+            row = column.row(align=True)
+            row.prop(own, name, text="")
+            if chosen and own.blend == "WEIGHTS":
+                weight = row.row(align=True)
+                weight.ui_units_x = 3.5
+                weight.prop(own, name.replace("material", "weight"), text="")
+
+
+class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
+    """Settings with good defaults"""
+
+    bl_label = "Material Settings"
+    bl_idname = "CONVWASS_PT_reflectance_settings"
+    bl_parent_id = "CONVWASS_PT_reflectance"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_reflectance
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("output", "sun", "detail", "blur", "sharpness", "entropy"):
+            layout.prop(own, name)
+        layout.operator(CONVWASS_OT_import_lobes.bl_idname, icon="IMPORT")
+
+
+class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
+    """Skies between two others"""
+
+    bl_label = "Sky"
+    bl_idname = "CONVWASS_PT_sky"
+    bl_parent_id = "CONVWASS_PT_light"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_sky
+        column = layout.column(align=True)
+        column.prop(own, "first")
+        column.prop(own, "last")
+        row = layout.row()
+        row.scale_y = 1.6
+        row.enabled = own.first is not None and own.last is not None
+        fill_operator(row.operator(CONVWASS_OT_interpolate_sky.bl_idname, icon="WORLD"), own, SkyProperties)
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("folder", "width", "frame_start", "frame_end", "near", "far", "least_share"):
+            layout.prop(own, name)
+
+
+classes = (CONVWASS_PT_light, CONVWASS_PT_reflectance, CONVWASS_PT_reflectance_settings, CONVWASS_PT_sky)

@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panels that recolor: images in the Image Editor, color attributes in the 3D viewport."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
+from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_lut
+from ..operators.recolor_image import CONVWASS_OT_recolor_image
+from ..recolor_properties import PALETTES, CONVWASS_PG_recolor, RecolorProperties
+from .sidebar import Sidebar, fill_operator
+
+
+class _ImageSidebar:
+    """A panel on the add-on's tab of the Image Editor."""
+
+    bl_space_type = "IMAGE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Convwass"
+
+
+class CONVWASS_PT_recolor_image(_ImageSidebar, bpy.types.Panel):
+    """Give an image the palette of another one, or the blend of several"""
+
+    bl_label = "Recolor"
+    bl_idname = "CONVWASS_PT_recolor_image"
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_recolor
+        _draw_palettes(layout, own)
+        layout.prop(own, "strength", slider=True)
+        progress = context.window_manager.convwass_progress
+        if progress.running:
+            layout.progress(factor=progress.fraction, text=progress.message)
+            layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
+            return
+        row = layout.row()
+        row.scale_y = 1.6
+        operator = row.operator(CONVWASS_OT_recolor_image.bl_idname, icon="COLOR")
+        fill_operator(operator, own, RecolorProperties)
+        operator.output = own.output
+        layout.row().prop(own, "output", expand=True)
+
+
+def _draw_palettes(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
+    """Draw the palettes that are chosen and room for one more; weights where there are several."""
+    count = len(own.chosen_palettes)
+    column = layout.column(align=True)
+    empty = 0
+    for name in PALETTES:
+        chosen = getattr(own, name) is not None
+        empty += not chosen
+        if chosen or empty == 1:
+            row = column.row(align=True)
+            row.prop(own, name, text="")
+            if chosen and count > 1:
+                weight = row.row(align=True)
+                weight.ui_units_x = 3.5
+                weight.prop(own, name.replace("palette", "weight"), text="")
+
+
+class CONVWASS_PT_recolor_settings(_ImageSidebar, bpy.types.Panel):
+    """Settings with good defaults"""
+
+    bl_label = "Recolor Settings"
+    bl_idname = "CONVWASS_PT_recolor_settings"
+    bl_parent_id = "CONVWASS_PT_recolor_image"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_recolor
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("mask", "palette_mask", *_SETTINGS):
+            layout.prop(own, name)
+
+
+_SETTINGS = ("lightness", "smoothing", "steepest", "gamut", "edge_radius")
+
+
+class CONVWASS_PT_recolor_grade(_ImageSidebar, bpy.types.Panel):
+    """The same colors for a whole clip"""
+
+    bl_label = "Grade to Reuse"
+    bl_idname = "CONVWASS_PT_recolor_grade"
+    bl_parent_id = "CONVWASS_PT_recolor_image"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_recolor
+        layout.prop(own, "cube_size")
+        for kind, icon in ((CONVWASS_OT_write_lut, "EXPORT"), (CONVWASS_OT_build_grade_nodes, "NODE_COMPOSITING")):
+            operator = layout.operator(kind.bl_idname, icon=icon)
+            fill_operator(operator, own, RecolorProperties)
+            operator.cube_size = own.cube_size
+
+
+class CONVWASS_PT_recolor_attribute(Sidebar, bpy.types.Panel):
+    """Give a color attribute the palette of another object's"""
+
+    bl_label = "Recolor Attribute"
+    bl_idname = "CONVWASS_PT_recolor_attribute"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_recolor
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(own, "palette_object")
+        for name in ("result", "strength", "lightness", "smoothing", "steepest", "gamut"):
+            layout.prop(own, name)
+        row = layout.row()
+        row.scale_y = 1.6
+        operator = row.operator(CONVWASS_OT_recolor_attribute.bl_idname, icon="COLOR")
+        fill_operator(operator, own, RecolorProperties)
+        # Neighbors of vertices are not those of pixels.
+        operator.edge_radius = 0
+        operator.result = own.result
+
+
+classes = (
+    CONVWASS_PT_recolor_image,
+    CONVWASS_PT_recolor_settings,
+    CONVWASS_PT_recolor_grade,
+    CONVWASS_PT_recolor_attribute,
+)

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the add-on says about the lobes of materials and about skies, in French."""
+
+from __future__ import annotations
+
+TEXTS: dict[str, str] = {
+    "A lamp must be brighter than its surroundings.": "Une lampe doit être plus claire que son entourage.",
+    "A lobe must have {least} to {most} rows.": "Un lobe doit avoir de {least} à {most} lignes.",
+    "A material with a grain cannot be looked up by its half angles; export the table.": "Un matériau anisotrope ne peut pas être lu par ses demi-angles ; exporter la table.",
+    "A sky has no light.": "Un ciel n’a pas de lumière.",
+    "A sky has pixels that are no numbers.": "Un ciel a des pixels qui ne sont pas des nombres.",
+    "A sky must be a picture with three channels that is twice as wide as high.": "Un ciel doit être une image à trois canaux, deux fois plus large que haute.",
+    "Choose two to four materials, not {count}.": "Choisir de deux à quatre matériaux, pas {count}.",
+    "Direction {done} of {total}": "Direction {done} sur {total}",
+    "The anisotropy of a material must lie between 0 and 1.": "L’anisotropie d’un matériau doit être comprise entre 0 et 1.",
+    "The blur of a lobe must lie between 0.5 and 20 rows.": "Le flou d’un lobe doit être compris entre 0,5 et 20 lignes.",
+    "The blur of the glow must lie between 0.5 and 20 rows.": "Le flou du halo doit être compris entre 0,5 et 20 lignes.",
+    "The bound of the entropy must be 'free', 'largest' or 'mean'.": "La borne de l’entropie doit être « free », « largest » ou « mean ».",
+    "The color of a material must be three numbers between 0 and 1.": "La couleur d’un matériau doit être faite de trois nombres entre 0 et 1.",
+    "The exponent of a material must be a positive number, {most} at most.": "L’exposant d’un matériau doit être un nombre positif, {most} au plus.",
+    "The glow must end between where it is whole and 180 degrees.": "Le halo doit finir entre l’angle où il est entier et 180 degrés.",
+    "The glow must travel on 16, 32, 64 or 128 rows.": "Le halo doit voyager sur 16, 32, 64 ou 128 lignes.",
+    "The glows are too far apart for this blur; blur the glow more.": "Les halos sont trop éloignés pour ce flou ; rendre le halo plus flou.",
+    "The height of a sky must be a multiple of {rows} pixels.": "La hauteur d’un ciel doit être un multiple de {rows} pixels.",
+    "The highlights are too far apart for this blur; blur the lobes more.": "Les reflets sont trop éloignés pour ce flou ; rendre les lobes plus flous.",
+    "The lobes are there": "Les lobes sont prêts",
+    "The roughness of a material must be a positive number, 1 at most.": "La rugosité d’un matériau doit être un nombre positif, 1 au plus.",
+    "The share of a lamp must lie between 0 and 1.": "La part d’une lampe doit être comprise entre 0 et 1.",
+    "The skies have different sizes; make them equally large.": "Les ciels ont des tailles différentes ; leur donner la même taille.",
+    "The time of a sky must lie between 0 and 1.": "Le moment d’un ciel doit être compris entre 0 et 1.",
+    "There can be 0 to 64 lamps.": "Il peut y avoir de 0 à 64 lampes.",
+    "There must be 1 to 90 directions around the normal.": "Il faut de 1 à 90 directions autour de la normale.",
+    "There must be 2 to 90 incoming angles.": "Il faut de 2 à 90 angles d’incidence.",
+    "There must be one weight for each of the {count} materials.": "Il faut un poids pour chacun des {count} matériaux.",
+    "These tables have other directions than the first one; tabulate them alike.": "Ces tables ont d’autres directions que la première ; les établir de la même façon.",
+    "Weights must be zero or positive numbers, and one of them positive.": "Les poids doivent être nuls ou positifs, et l’un d’eux positif.",
+    "{count} of {total} lobes did not converge (error {error:.2g}); allow more iterations or blur more.": "{count} lobes sur {total} n’ont pas convergé (erreur {error:.2g}) ; autoriser plus d’itérations ou flouter davantage.",
+    "{name} cannot be read: {problem}": "{name} ne peut pas être lu : {problem}",
+    "{name} cannot be written: {problem}": "{name} ne peut pas être écrit : {problem}",
+    "{name} has values that no material has.": "{name} contient des valeurs qu’aucun matériau n’a.",
+    "{name} has values that no table of lobes has.": "{name} contient des valeurs qu’aucune table de lobes n’a.",
+    "{name} is larger than any table of lobes.": "{name} est plus grand que toute table de lobes.",
+    "{name} is no material of the MERL database: its header is wrong.": "{name} n’est pas un matériau de la base MERL : son en-tête est faux.",
+    "{name} is no material of the MERL database: its size is wrong.": "{name} n’est pas un matériau de la base MERL : sa taille est fausse.",
+    "{name} is no table of lobes.": "{name} n’est pas une table de lobes.",
+}

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the add-on says about the lobes of materials and about skies, in German."""
+
+from __future__ import annotations
+
+TEXTS: dict[str, str] = {
+    "A lamp must be brighter than its surroundings.": "Eine Lampe muss heller sein als ihre Umgebung.",
+    "A lobe must have {least} to {most} rows.": "Eine Keule muss {least} bis {most} Zeilen haben.",
+    "A material with a grain cannot be looked up by its half angles; export the table.": "Ein Material mit Faserrichtung lässt sich nicht über seine Halbwinkel nachschlagen; die Tabelle exportieren.",
+    "A sky has no light.": "Ein Himmel hat kein Licht.",
+    "A sky has pixels that are no numbers.": "Ein Himmel hat Pixel, die keine Zahlen sind.",
+    "A sky must be a picture with three channels that is twice as wide as high.": "Ein Himmel muss ein Bild mit drei Kanälen sein, das doppelt so breit wie hoch ist.",
+    "Choose two to four materials, not {count}.": "Zwei bis vier Materialien wählen, nicht {count}.",
+    "Direction {done} of {total}": "Richtung {done} von {total}",
+    "The anisotropy of a material must lie between 0 and 1.": "Die Anisotropie eines Materials muss zwischen 0 und 1 liegen.",
+    "The blur of a lobe must lie between 0.5 and 20 rows.": "Die Unschärfe einer Keule muss zwischen 0,5 und 20 Zeilen liegen.",
+    "The blur of the glow must lie between 0.5 and 20 rows.": "Die Unschärfe des Scheins muss zwischen 0,5 und 20 Zeilen liegen.",
+    "The bound of the entropy must be 'free', 'largest' or 'mean'.": "Die Schranke der Entropie muss „free“, „largest“ oder „mean“ sein.",
+    "The color of a material must be three numbers between 0 and 1.": "Die Farbe eines Materials muss aus drei Zahlen zwischen 0 und 1 bestehen.",
+    "The exponent of a material must be a positive number, {most} at most.": "Der Exponent eines Materials muss eine positive Zahl sein, höchstens {most}.",
+    "The glow must end between where it is whole and 180 degrees.": "Der Schein muss zwischen der Stelle, bis zu der er ganz ist, und 180 Grad enden.",
+    "The glow must travel on 16, 32, 64 or 128 rows.": "Der Schein muss auf 16, 32, 64 oder 128 Zeilen wandern.",
+    "The glows are too far apart for this blur; blur the glow more.": "Die Scheine liegen für diese Unschärfe zu weit auseinander; den Schein unschärfer machen.",
+    "The height of a sky must be a multiple of {rows} pixels.": "Die Höhe eines Himmels muss ein Vielfaches von {rows} Pixeln sein.",
+    "The highlights are too far apart for this blur; blur the lobes more.": "Die Glanzlichter liegen für diese Unschärfe zu weit auseinander; die Keulen unschärfer machen.",
+    "The lobes are there": "Die Keulen sind da",
+    "The roughness of a material must be a positive number, 1 at most.": "Die Rauheit eines Materials muss eine positive Zahl sein, höchstens 1.",
+    "The share of a lamp must lie between 0 and 1.": "Der Anteil einer Lampe muss zwischen 0 und 1 liegen.",
+    "The skies have different sizes; make them equally large.": "Die Himmel sind verschieden groß; sie gleich groß machen.",
+    "The time of a sky must lie between 0 and 1.": "Die Zeit eines Himmels muss zwischen 0 und 1 liegen.",
+    "There can be 0 to 64 lamps.": "Es kann 0 bis 64 Lampen geben.",
+    "There must be 1 to 90 directions around the normal.": "Es muss 1 bis 90 Richtungen um die Normale geben.",
+    "There must be 2 to 90 incoming angles.": "Es muss 2 bis 90 Einfallswinkel geben.",
+    "There must be one weight for each of the {count} materials.": "Für jedes der {count} Materialien muss es ein Gewicht geben.",
+    "These tables have other directions than the first one; tabulate them alike.": "Diese Tabellen haben andere Richtungen als die erste; alle gleich tabellieren.",
+    "Weights must be zero or positive numbers, and one of them positive.": "Gewichte müssen null oder positive Zahlen sein, und eines davon positiv.",
+    "{count} of {total} lobes did not converge (error {error:.2g}); allow more iterations or blur more.": "{count} von {total} Keulen haben nicht konvergiert (Fehler {error:.2g}); mehr Iterationen zulassen oder unschärfer machen.",
+    "{name} cannot be read: {problem}": "{name} lässt sich nicht lesen: {problem}",
+    "{name} cannot be written: {problem}": "{name} lässt sich nicht schreiben: {problem}",
+    "{name} has values that no material has.": "{name} enthält Werte, die kein Material hat.",
+    "{name} has values that no table of lobes has.": "{name} enthält Werte, die keine Tabelle von Keulen hat.",
+    "{name} is larger than any table of lobes.": "{name} ist größer als jede Tabelle von Keulen.",
+    "{name} is no material of the MERL database: its header is wrong.": "{name} ist kein Material der MERL-Datenbank: Der Kopf stimmt nicht.",
+    "{name} is no material of the MERL database: its size is wrong.": "{name} ist kein Material der MERL-Datenbank: Die Größe stimmt nicht.",
+    "{name} is no table of lobes.": "{name} ist keine Tabelle von Keulen.",
+}

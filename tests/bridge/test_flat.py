@@ -1,0 +1,370 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat objects as outlines in a plane, and outlines as curve objects."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+
+from convwass_addon.applications.flat.flat_pieces import filled_by
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.bridge.flat.choosing import asks_for_flat
+from convwass_addon.bridge.flat.flat_curves import mesh_of, write_curves
+from convwass_addon.bridge.flat.flat_images import silhouette_of
+from convwass_addon.bridge.flat.flat_job import FlatJob
+from convwass_addon.bridge.flat.flat_moves import moved_flats
+from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat, looks_flat
+from convwass_addon.bridge.flat.flat_rings import CurveLook
+from convwass_addon.bridge.flat.planes import Plane, blended_plane, plane_of
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.errors import Cancelled, InputError
+from convwass_addon.geometry.fitting import fitted_beziers
+from convwass_addon.geometry.outlines import FlatRegion, Outline
+
+SQUARE = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+
+
+def linked(name, data):
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def text(body, **options):
+    curve = bpy.data.curves.new(body or "Text", "FONT")
+    curve.body = body
+    for name, value in options.items():
+        setattr(curve, name, value)
+    return linked(curve.name, curve)
+
+
+def polygon(points, *, kind="POLY", cyclic=True, dimensions="2D"):
+    curve = bpy.data.curves.new("Curve", "CURVE")
+    curve.dimensions = dimensions
+    spline = curve.splines.new(kind)
+    spline.points.add(len(points) - 1)
+    spline.points.foreach_set("co", np.array([(*point, 1.0) for point in points], np.float32).ravel())
+    spline.use_cyclic_u = cyclic
+    return linked("Curve", curve)
+
+
+def circle(**options):
+    bpy.ops.curve.primitive_bezier_circle_add(**options)
+    return bpy.context.object
+
+
+def area(flat):
+    return filled_by(flat.shape, np.arange(len(flat.shape.rings))).area
+
+
+def read(*objects):
+    return flat_objects(objects, bpy.context.evaluated_depsgraph_get())
+
+
+def drawn_area(obj):
+    """What Blender fills of an object."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
+    return sum(polygon.area for polygon in mesh.polygons)
+
+
+@pytest.mark.parametrize("body", ["A", "B8%", "qgi!", "Straße"])
+def test_a_text_fills_what_blender_fills(body):
+    assert area(read(text(body))[0]) == pytest.approx(drawn_area(bpy.context.scene.objects[0]), rel=5e-3)
+
+
+def test_letters_are_numbered_in_reading_order():
+    (flat,) = read(text("a B\ni8"))
+    numbers = np.array(flat.shape.letters)
+    assert sorted(set(numbers)) == [0, 2, 4, 5] or sorted(set(numbers)) == [0, 2, 3, 4]
+    assert [int((numbers == number).sum()) for number in np.unique(numbers)] == [2, 3, 2, 3]
+
+
+def test_a_circle_is_read_within_a_thousandth():
+    assert area(read(circle(radius=2.0))[0]) == pytest.approx(4 * np.pi, rel=1e-3)
+
+
+def test_splines_of_all_kinds_are_read_as_blender_draws_them():
+    bpy.ops.curve.primitive_nurbs_circle_add()
+    nurbs = bpy.context.object
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    points = np.array([vertex.co[:] for vertex in bpy.data.meshes.new_from_object(nurbs).vertices])
+    x, y = points[:, :2].T
+    expected = 0.5 * abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    assert area(flat_objects([nurbs], depsgraph)[0]) == pytest.approx(expected, rel=1e-2)
+    assert area(read(polygon(SQUARE))[0]) == pytest.approx(4.0, rel=1e-6)
+
+
+def test_open_splines_whose_ends_touch_are_closed():
+    assert area(read(polygon([*SQUARE, SQUARE[0]], cyclic=False))[0]) == pytest.approx(4.0, rel=1e-6)
+
+
+def test_open_splines_beside_closed_ones_are_left_out_with_a_notice():
+    obj = polygon(SQUARE)
+    spline = obj.data.splines.new("POLY")
+    spline.points.add(1)
+    spline.points[1].co.x = 3.0
+    (flat,) = read(obj)
+    assert area(flat) == pytest.approx(4.0, rel=1e-6)
+    assert "1 open splines" in str(flat.read.notice)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: text(""), "is empty; type something"),
+        (lambda: text("  \n "), "is empty; type something"),
+        (lambda: text("A\ue001"), "has no \ue001; choose another font"),
+        (lambda: polygon(SQUARE, cyclic=False), "open splines only, which fill nothing; close them"),
+        (lambda: linked("None", bpy.data.curves.new("None", "CURVE")), "no splines"),
+        (lambda: polygon([(0, 0, 0), (1, 0, 0), (2, 0, 0)]), "squashed to a line"),
+        (lambda: polygon([*SQUARE[:3], (-1, 1, 1)], dimensions="3D"), "does not lie in one plane"),
+    ],
+)
+def test_what_cannot_be_read_is_told(make, message):
+    obj = make()
+    with pytest.raises(InputError, match=message):
+        read(obj)
+
+
+def test_signs_that_fonts_have_are_not_refused():
+    assert len(read(text("É – ß «A»"))[0].shape.rings) > 8
+
+
+def test_a_flat_mesh_is_its_border(make_object):
+    grid = make_object("Ring", np.array([(x, y, 3) for x in range(4) for y in range(4)], float), faces=[])
+    faces = [
+        (4 * x + y, 4 * x + 4 + y, 4 * x + 5 + y, 4 * x + 1 + y) for x in range(3) for y in range(3) if (x, y) != (1, 1)
+    ]
+    # Every second face looks the other way.
+    faces = [face if index % 2 else face[::-1] for index, face in enumerate(faces)]
+    grid.data.clear_geometry()
+    grid.data.from_pydata([(x, y, 3) for x in range(4) for y in range(4)], [], faces)
+    (flat,) = read(grid)
+    assert sorted(len(ring) for ring in flat.shape.rings) == [4, 12]
+    assert area(flat) == pytest.approx(8.0, rel=1e-6)
+    assert is_flat(grid, bpy.context.evaluated_depsgraph_get())
+    assert flat.plane.origin[2] == pytest.approx(3.0)
+
+
+def test_meshes_are_told_flat_in_any_place(make_object):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    flat = make_object("Flat", SQUARE, faces=[(0, 1, 2, 3)])
+    flat.matrix_world = Matrix.LocRotScale((5, 6, 7), Euler((0.4, 0.5, 0.6)), (2, 1, 0))
+    assert is_flat(flat, depsgraph)
+    assert looks_flat(flat)
+    assert not is_flat(make_object("Solid"), depsgraph)
+    assert not is_flat(make_object("Edges", SQUARE, [(0, 1)]), depsgraph)
+
+
+def test_modifiers_count(make_object):
+    flat = make_object("Flat", SQUARE, faces=[(0, 1, 2, 3)])
+    flat.modifiers.new("Array", "ARRAY").count = 3
+    assert area(read(flat)[0]) == pytest.approx(12.0, rel=1e-5)
+    flat.modifiers.new("Solidify", "SOLIDIFY")
+    assert not is_flat(flat, bpy.context.evaluated_depsgraph_get())
+
+
+def painted(values, name="Picture"):
+    """An image empty of values (h, w), or (h, w, 4)."""
+    values = np.asarray(values, np.float32)
+    pixels = values if values.ndim == 3 else np.stack([values] * 3 + [np.ones_like(values)], axis=-1)
+    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True)
+    image.pixels.foreach_set(np.ascontiguousarray(pixels).ravel())
+    obj = linked(name, None)
+    obj.empty_display_type, obj.data = "IMAGE", image
+    return obj
+
+
+def disc(size=(96, 128), radius=30.0):
+    y, x = np.mgrid[: size[0], : size[1]]
+    return np.clip(radius + 0.5 - np.hypot(x + 0.5 - size[1] / 2, y + 0.5 - size[0] / 2), 0, 1)
+
+
+@pytest.mark.parametrize("how", ["black on white", "white on black", "alpha"])
+def test_silhouettes_of_images_are_read(how):
+    mask = disc()
+    if how == "alpha":
+        obj = painted(np.dstack([np.ones((*mask.shape, 3)), mask]))
+    else:
+        obj = painted(1 - mask if how == "black on white" else mask)
+    obj.empty_display_size = 2.0
+    (flat,) = read(obj)
+    pixel = 2.0 / 128
+    assert area(flat) == pytest.approx(np.pi * (30 * pixel) ** 2, rel=5e-3)
+    np.testing.assert_allclose(flat.plane.origin, 0.0, atol=0.5 * pixel)
+
+
+def test_images_without_a_figure_are_refused():
+    with pytest.raises(InputError, match="all of one tone"):
+        read(painted(np.ones((8, 8))))
+    with pytest.raises(InputError, match="could not be read"):
+        silhouette_of(_missing())
+
+
+def _missing():
+    image = bpy.data.images.new("Gone", 4, 4)
+    image.source = "FILE"
+    image.filepath = "/nowhere/gone.png"
+    return image
+
+
+def test_parallel_shapes_share_axes_and_others_keep_their_own():
+    one, other, turned = text("A"), text("B"), text("C")
+    other.matrix_world = Matrix.LocRotScale((4, 0, 2), Euler((0, 0, 1.0)), (1, 1, 1))
+    turned.rotation_euler.x = np.pi / 2
+    bpy.context.view_layer.update()
+    first, second, third = read(one, other, turned)
+    np.testing.assert_allclose(first.plane.axes, second.plane.axes)
+    np.testing.assert_allclose(second.plane.origin - first.plane.origin, (0, 0, 2), atol=1e-6)
+    np.testing.assert_allclose(third.plane.axes[:, 2], (0, -1, 0), atol=1e-6)
+    assert area(second) == pytest.approx(drawn_area(other), rel=5e-3)
+
+
+def test_planes_turn_the_short_way():
+    ends = [Plane(np.zeros(3), np.array(Euler((angle, 0, 0)).to_matrix())) for angle in (0.0, np.pi / 2)]
+    middle = blended_plane(ends, (0.5, 0.5))
+    np.testing.assert_allclose(middle.axes, np.array(Euler((np.pi / 4, 0, 0)).to_matrix()), atol=1e-6)
+
+
+def test_planes_keep_to_the_axes_of_their_object():
+    points = np.random.default_rng(1).normal(size=(50, 3))
+    points[:, 1] = 4.0
+    plane = plane_of(points, np.eye(4))
+    np.testing.assert_allclose(np.abs(plane.axes[:, 2]), (0, 1, 0), atol=1e-9)
+    np.testing.assert_allclose(plane.axes[:, 0], (1, 0, 0), atol=1e-9)
+    assert np.linalg.det(plane.axes) == pytest.approx(1.0)
+    assert plane_of(np.random.default_rng(2).normal(size=(50, 3)), np.eye(4)) is None
+
+
+def test_shapes_are_laid_onto_the_first_one():
+    corners = np.array([(0, 0, 0), (6, 0, 0), (6, 2, 0), (0, 1, 0)], float)
+    near, far = polygon(corners), polygon(corners / 2)
+    far.data.extrude = 0.5
+    far.matrix_world = Matrix.LocRotScale((9, 9, 3), Euler((0, 0, 2.0)), (1, 1, 1))
+    bpy.context.view_layer.update()
+    first, second = moved_flats(read(near, far), "PRINCIPAL_AXES", "EQUAL_VOLUME")
+    np.testing.assert_allclose(second.shape.rings[0], first.shape.rings[0], atol=1e-4)
+    assert second.look.extrude == pytest.approx(1.0, rel=1e-4)
+    moved = Matrix(second.move.tolist()) @ far.matrix_world
+    np.testing.assert_allclose(np.array(moved.translation), (0, 0, 0), atol=1e-3)
+
+
+def test_flat_and_solid_shapes_are_not_mixed_without_a_thickness(make_object):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    solid, flat, plane = make_object("Solid"), text("A"), make_object("Plane", SQUARE, faces=[(0, 1, 2, 3)])
+    with pytest.raises(InputError, match=r"A is flat and Solid is solid; .* set Thickness"):
+        asks_for_flat([solid, flat], depsgraph, 0.0)
+    assert not asks_for_flat([solid, flat, plane], depsgraph, 0.1)
+    assert asks_for_flat([flat, plane], depsgraph, 0.0)
+    assert not asks_for_flat([plane, plane], depsgraph, 0.1)
+    assert not asks_for_flat([solid, solid], depsgraph, 0.0)
+    flat.data.extrude = 0.2
+    assert not asks_for_flat([solid, flat], depsgraph, 0.0)
+    with pytest.raises(InputError, match="cannot be made solid"):
+        asks_for_flat([solid, painted(disc())], depsgraph, 0.1)
+
+
+def test_an_outline_becomes_a_curve_that_blender_fills():
+    angle = np.linspace(0, 2 * np.pi, 300, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    outline = Outline((FlatRegion(2.0 * ring, (ring[::-1],)),))
+    curve = bpy.data.curves.new("Ring", "CURVE")
+    write_curves(curve, fitted_beziers(outline, 1e-3), CurveLook(extrude=0.25))
+    assert all(spline.use_cyclic_u and len(spline.bezier_points) < 30 for spline in curve.splines)
+    mesh = mesh_of(bpy.data.objects.new("Ring", curve))
+    low, high = (np.array([vertex.co[:] for vertex in mesh.vertices])[:, 2].min(), 0.25)
+    assert low == pytest.approx(-high)
+    caps = sum(face.area for face in mesh.polygons if abs(face.normal.z) > 0.9)
+    assert caps == pytest.approx(2 * 3 * np.pi, rel=5e-3)
+
+
+def drawing(rings, fills):
+    """A drawing of strokes, filled with a number each, or not where that is 0."""
+    lists = bpy.data.grease_pencils_v3 if hasattr(bpy.data, "grease_pencils_v3") else bpy.data.grease_pencils
+    data = lists.new("Drawing")
+    for name, filled in (("Line", False), ("Fill", True)):
+        material = bpy.data.materials.new(name)
+        bpy.data.materials.create_gpencil_data(material)
+        if bpy.app.version < (5, 2):
+            material.grease_pencil.show_fill = filled
+        material.grease_pencil.fill_color = (0.1, 0.2, 0.3, 1.0)
+        data.materials.append(material)
+    strokes = data.layers.new("Layer").frames.new(1).drawing
+    strokes.add_strokes([len(ring) for ring in rings])
+    for ring, fill, stroke in zip(rings, fills, strokes.strokes, strict=True):
+        for (x, y), point in zip(ring, stroke.points, strict=True):
+            point.position = (x, 0.0, y)
+        stroke.material_index = int(fill > 0)
+        if hasattr(stroke, "fill_id"):
+            stroke.fill_id = fill
+    return linked("Drawing", data)
+
+
+def square(size, x=0.0):
+    return size * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2 + (x, 0.0)
+
+
+def test_filled_strokes_of_a_drawing_lie_over_each_other():
+    # Two that overlap, in opposite directions, and a line.
+    obj = drawing([square(2.0), square(2.0, 1.0)[::-1], square(9.0)], [1, 2, 0])
+    (flat,) = read(obj)
+    assert area(flat) == pytest.approx(6.0, rel=1e-6)
+    np.testing.assert_allclose(flat.shape.colors, [(0.1, 0.2, 0.3, 1.0)] * 2, atol=1e-6)
+    np.testing.assert_allclose(np.abs(flat.plane.axes[:, 2]), (0, 1, 0), atol=1e-6)
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 2), reason="Each stroke is filled by itself")
+def test_strokes_of_one_fill_make_holes():
+    assert area(read(drawing([square(4.0), square(2.0)], [3, 3]))[0]) == pytest.approx(12.0, rel=1e-6)
+
+
+def test_drawings_without_fills_are_refused():
+    with pytest.raises(InputError, match="no filled stroke"):
+        read(drawing([square(2.0)], [0]))
+
+
+def test_a_job_that_is_stopped_keeps_what_is_finished():
+    letters = [text("A"), text("B")]
+    settings = FlatSettings(resolution=256)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    job = FlatJob(bpy.context.scene, depsgraph, letters, path_blends(2, 9), settings, {}, 1)
+    frames = 0
+
+    def check():
+        if frames >= 3:
+            raise Cancelled("Cancelled.")
+
+    with pytest.raises(Cancelled):
+        for step in job.steps(check, workers=1):
+            job.write(step)
+            frames += step.frame is not None
+    collection = job.finish(hide_inputs=False)
+    shown = frame_objects(collection)
+    assert 3 <= len(shown) < 10
+    bpy.context.scene.frame_set(30)
+    assert [obj.hide_render for obj in shown] == [True] * (len(shown) - 1) + [False]
+
+
+def test_a_job_that_is_given_up_leaves_nothing(inventory):
+    letters = [text("A"), text("B")]
+    before = inventory()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for kind in ("CURVE", "MESH"):
+        job = FlatJob(
+            bpy.context.scene,
+            depsgraph,
+            letters,
+            path_blends(2, 2),
+            FlatSettings(resolution=256),
+            {"flat_output": kind},
+            1,
+        )
+        for step in job.steps():
+            job.write(step)
+        job.discard()
+        assert inventory() == before

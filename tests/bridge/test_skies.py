@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Skies as images, files and worlds: what Cycles sees is what is in the file, where it is in the file."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from convwass_addon.applications.skies.sky_images import light_of
+from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
+from convwass_addon.bridge.skies.sky_sequence import SkyFiles, fitting_height, sky_steps
+from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
+from convwass_addon.errors import InputError
+from tests.lights import sky
+
+
+def test_a_sky_survives_a_file(tmp_path):
+    image = np.random.default_rng(1).random((16, 32, 3), np.float32) * 1e5
+    write_sky(tmp_path / "a.exr", image)
+    np.testing.assert_allclose(read_sky_file(tmp_path / "a.exr"), image, rtol=1e-6)
+    assert [item.name for item in tmp_path.iterdir()] == ["a.exr"]
+    assert not bpy.data.images
+
+
+def test_columns_are_turned_there_and_back():
+    image = np.random.default_rng(1).random((4, 8, 3), np.float32)
+    np.testing.assert_array_equal(turned(turned(image)), image)
+
+
+@given(st.integers(1, 24), st.integers(1, 24))
+def test_another_size_has_the_same_light(before, after):
+    image = np.random.default_rng(before).random((before, 2 * before, 3))
+    np.testing.assert_allclose(light_of(resized(image, after)), light_of(image), rtol=1e-10)
+
+
+@given(st.integers(1, 24), st.integers(1, 24))
+def test_an_even_sky_stays_even_in_another_size(before, after):
+    np.testing.assert_allclose(resized(np.full((before, 2 * before, 3), 0.7), after), 0.7)
+
+
+def test_cycles_sees_a_file_where_and_as_bright_as_it_is(tmp_path):
+    """A lamp towards +Y, a little up: rendered from a world, it is read there."""
+    image = sky((0, 1, 0.3), rows=32)
+    write_sky(tmp_path / "sky.0001.exr", image)
+    world = sequence_world("Shown", [tmp_path / "sky.0001.exr"], 1)
+    seen = world_sky(world, 32)
+    np.testing.assert_allclose(light_of(seen), light_of(image), rtol=0.01)
+    assert np.unravel_index(seen[..., 0].argmax(), (32, 64)) == np.unravel_index(image[..., 0].argmax(), (32, 64))
+    far = seen.max(axis=2) < 3.0
+    np.testing.assert_allclose(seen[far], image[far], atol=0.05)
+
+
+def test_a_world_with_a_plain_image_is_read_and_not_rendered(tmp_path, monkeypatch):
+    image = sky((1, 0, 1), rows=32)
+    write_sky(tmp_path / "a.exr", image)
+    world = sequence_world("Plain", [tmp_path / "a.exr"], 1)
+    next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT").image.source = "FILE"
+    np.testing.assert_allclose(world_sky(world, 32), image, rtol=1e-6)
+
+
+def test_every_frame_shows_its_file_and_the_ends_stay_on(tmp_path):
+    files = [tmp_path / f"sky.{frame:04d}.exr" for frame in (4, 5, 6)]
+    for value, path in enumerate(files, 1):
+        write_sky(path, np.full((8, 16, 3), value, np.float32))
+    world = sequence_world("Frames", files, 4)
+    for frame, value in ((-3, 1), (1, 1), (4, 1), (5, 2), (6, 3), (20, 3)):
+        bpy.context.scene.frame_set(frame)
+        np.testing.assert_allclose(world_sky(world, 8), value, atol=1e-3)
+    assert sequence_world("Frames", files, 4) == world
+    assert [image.name for image in bpy.data.images if image.source != "VIEWER"] == ["Frames"]
+
+
+def test_the_sun_of_the_middle_is_on_the_great_circle():
+    steps = list(sky_steps(sky((1, 0, 0.4)), sky((0, 1, 0.4)), 3, SkySettings()))
+    frames = [step.frame for step in steps if step.frame is not None]
+    assert [frame.time for frame in frames] == [0.0, 0.5, 1.0]
+    first, middle, last = (frame.lamps[0].direction for frame in frames)
+    expected = (first + last) / np.linalg.norm(first + last)
+    np.testing.assert_allclose(middle, expected, atol=1e-6)
+    lights = [light_of(frame.image.astype(float)) for frame in frames]
+    np.testing.assert_allclose(lights[1], (lights[0] + lights[2]) / 2, rtol=5e-3)
+
+
+def test_images_that_are_no_sky_are_refused(tmp_path):
+    with pytest.raises(InputError, match="twice as wide"):
+        read_sky(bpy.data.images.new("Square", 8, 8))
+    with pytest.raises(InputError, match="There is no file"):
+        read_sky_file(tmp_path / "none.exr")
+    (tmp_path / "a.exr").write_bytes(b"nonsense")
+    with pytest.raises(InputError):
+        read_sky_file(tmp_path / "a.exr")
+
+
+def test_folders_that_cannot_be_used_are_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(InputError, match="is a file"):
+        SkyFiles(tmp_path / "file", 1, 2)
+    with pytest.raises(InputError, match="does not exist"):
+        SkyFiles(tmp_path / "no" / "where", 1, 2)
+    with pytest.raises(InputError, match="Save the file first"):
+        SkyFiles("//skies", 1, 2)
+    with pytest.raises(InputError, match="Frames before 0"):
+        SkyFiles(tmp_path, -1, 2)
+
+
+def test_what_was_written_is_discarded(tmp_path):
+    files = SkyFiles(tmp_path / "new", 7, 2)
+    for step in sky_steps(sky((1, 0, 1)), sky((0, 1, 1)), 2, SkySettings()):
+        files.write(step)
+    assert sorted(item.name for item in (tmp_path / "new").iterdir()) == ["sky.0007.exr", "sky.0008.exr"]
+    files.discard()
+    assert not list((tmp_path / "new").iterdir())
+
+
+def test_heights_fit_the_grid():
+    assert [fitting_height(width, SkySettings()) for width in (64, 512, 1000, 2048)] == [64, 256, 512, 1024]

@@ -1,0 +1,237 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The operator with flat shapes, in a Blender without a window."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.player import is_player
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+QUICK = {"frames": 3, "flat_resolution": 256}
+
+
+def text(body, x=0.0, **options):
+    bpy.ops.object.text_add(location=(x, 0, 0))
+    obj = bpy.context.object
+    obj.name = obj.data.body = body
+    for name, value in options.items():
+        setattr(obj.data, name, value)
+    return obj
+
+
+def choose(*objects):
+    bpy.ops.object.select_all(action="DESELECT")
+    for obj in objects:
+        obj.select_set(True)
+
+
+def morph():
+    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+
+
+def census():
+    kinds = ("objects", "curves", "meshes", "collections", "materials", "actions", "node_groups", "images")
+    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
+
+
+def enclosed(obj):
+    """Area that Blender fills of a frame."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    curve = obj.data.copy()
+    curve.extrude = curve.bevel_depth = 0.0
+    mesh = bpy.data.meshes.new_from_object(bpy.data.objects.new("Copy", curve), depsgraph=depsgraph)
+    return sum(face.area for face in mesh.polygons)
+
+
+def test_a_word_becomes_another_with_the_originals_at_both_ends():
+    first, last = text("A", extrude=0.2, bevel_depth=0.02), text("B", 4.0)
+    choose(first, last)
+    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    frames = frame_objects(morph())
+    assert [obj.type for obj in frames] == ["FONT", "CURVE", "CURVE", "FONT"]
+    assert [frames[0].data.body, frames[-1].data.body] == ["A", "B"]
+    np.testing.assert_allclose([obj.data.extrude for obj in frames], [0.2, 0.4 / 3, 0.2 / 3, 0.0], atol=1e-6)
+    np.testing.assert_allclose([obj.data.bevel_depth for obj in frames], [0.02, 0.04 / 3, 0.02 / 3, 0.0], atol=1e-6)
+    for number in range(-1, 8):
+        bpy.context.scene.frame_set(number)
+        assert [obj for obj in frames if not obj.hide_render] == [frames[min(max(number, 1), 4) - 1]]
+    assert first.hide_render and last.hide_render
+    # What Blender fills is what the solver asks for.
+    wanted = [record["area_wanted"] for record in stored_morph(morph()).records[1:-1]]
+    np.testing.assert_allclose([enclosed(obj) for obj in frames[1:-1]], wanted, rtol=5e-3)
+    stored = stored_settings(morph())
+    assert (stored["flat"], stored["resolution"], stored["words"]) == (True, 256, "MASS")
+
+
+def test_frames_lie_between_the_planes_of_the_inputs():
+    first, last = text("A"), text("A", 6.0)
+    last.location.z = 3.0
+    choose(first, last)
+    bpy.ops.convwass.bake_morph(**QUICK)
+    for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph())[1:-1], strict=True):
+        points = np.array([point.co[:] for spline in obj.data.splines for point in spline.bezier_points])
+        world = points @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
+        low, high = world.min(axis=0), world.max(axis=0)
+        np.testing.assert_allclose((low + high) / 2, (0.3335 + 6 * share, 0.343, 3 * share), atol=0.03)
+        assert np.ptp(world[:, 2]) < 1e-5
+
+
+def test_letters_travel_to_letters():
+    first, last = text("IO"), text("OI", 0.0)
+    choose(first, last)
+    bpy.ops.convwass.bake_morph(words="LETTERS", **QUICK)
+    stored = stored_settings(morph())
+    assert stored["words"] == "LETTERS"
+    assert len(frame_objects(morph())) == 4
+
+
+def test_meshes_and_a_player_are_made_on_request():
+    first, last = text("A", extrude=0.1), text("B", 3.0)
+    choose(first, last)
+    assert bpy.ops.convwass.bake_morph(output="PLAYER", **QUICK) == {"FINISHED"}
+    frames = frame_objects(morph())
+    assert {obj.type for obj in frames} == {"MESH"}
+    assert all(len(obj.data.polygons) > 10 for obj in frames)
+    player = bpy.context.object
+    assert is_player(player)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    bpy.context.scene.frame_set(1)
+    shown = player.evaluated_get(depsgraph)
+    assert len(shown.data.polygons) == len(frames[0].data.polygons)
+    # Half of its depth is above, half below.
+    assert max(vertex.co.z for vertex in shown.data.vertices) == pytest.approx(0.1)
+
+
+def test_curves_meshes_and_words_mix():
+    bpy.ops.curve.primitive_bezier_circle_add(location=(-4, 0, 0))
+    ring = bpy.context.object
+    bpy.ops.mesh.primitive_plane_add(location=(4, 0, 0))
+    plane = bpy.context.object
+    choose(ring, plane, text("A"))
+    assert bpy.ops.convwass.bake_morph(inputs=f"{ring.name},{plane.name},A", **QUICK) == {"FINISHED"}
+    assert [obj.type for obj in frame_objects(morph())] == ["CURVE"] * 3 + ["MESH"] + ["CURVE"] * 2 + ["FONT"]
+
+
+def test_a_sheet_lies_in_the_plane_of_the_shapes():
+    letters = [text(sign, 5.0 * index) for index, sign in enumerate("ABC")]
+    choose(*letters)
+    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, flat_resolution=256)
+    frames = frame_objects(morph())
+    places = np.array([obj.matrix_world.translation for obj in frames])
+    assert len(frames) == 6
+    np.testing.assert_allclose(places[:, 2], 0.0, atol=1e-6)
+    assert np.ptp(places[:, 1]) > 1.0
+
+
+def test_shapes_are_centered_and_made_as_large():
+    first, last = text("O"), text("O", 7.0, size=3.0)
+    choose(first, last)
+    bpy.ops.convwass.bake_morph(alignment="CENTERED", scaling="EQUAL_VOLUME", **QUICK)
+    bpy.context.view_layer.update()
+    boxes = []
+    for obj in frame_objects(morph()):
+        corners = np.array([obj.matrix_world @ type(obj.location)(corner) for corner in obj.bound_box])
+        boxes.append((corners.min(axis=0), corners.max(axis=0)))
+    np.testing.assert_allclose(boxes[-1], boxes[0], atol=1e-2)
+
+
+def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(3, 0, 0))
+    cube, word = bpy.context.object, text("A")
+    choose(cube, word)
+    with pytest.raises(RuntimeError, match="A is flat and Cube is solid"):
+        bpy.ops.convwass.bake_morph(frames=2, resolution=32)
+    assert not any(collection.name.startswith("Morph") for collection in bpy.data.collections)
+    word.data.extrude = 0.2
+    assert bpy.ops.convwass.bake_morph(frames=2, resolution=32) == {"FINISHED"}
+    assert {obj.type for obj in frame_objects(morph())} == {"MESH"}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda obj: setattr(obj.data, "body", " "), "is empty; type something"),
+        (lambda obj: setattr(obj, "scale", (0, 1, 1)), "squashed to a line"),
+        (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small beside the others"),
+    ],
+)
+def test_what_cannot_be_morphed_is_told_and_leaves_nothing(change, message):
+    first, last = text("A"), text("B", 3.0)
+    change(last)
+    choose(first, last)
+    before = census()
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.convwass.bake_morph(**QUICK)
+    assert census() == before
+
+
+def test_volumes_are_refused():
+    choose(text("A"), text("B", 3.0))
+    with pytest.raises(RuntimeError, match="Flat shapes have no volume"):
+        bpy.ops.convwass.bake_morph(output="VOLUME", **QUICK)
+
+
+def test_a_flat_morph_is_baked_again_and_deleted():
+    first, last = text("A"), text("B", 3.0)
+    choose(first, last)
+    before = census()
+    bpy.ops.convwass.bake_morph(**QUICK)
+    assert changed_inputs(morph()) == []
+    last.data.body = "C"
+    assert changed_inputs(morph()) == ["B"]
+    bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert frame_objects(morph())[-1].data.body == "C"
+    assert stored_settings(morph())["resolution"] == 256
+    bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    after = census()
+    after["materials"] = []
+    assert after == before
+
+
+def test_a_shared_material_is_kept():
+    material = bpy.data.materials.new("Gold")
+    letters = text("A"), text("B", 3.0)
+    for letter in letters:
+        letter.data.materials.append(material)
+    choose(*letters)
+    bpy.ops.convwass.bake_morph(**QUICK)
+    assert {slot.material for obj in frame_objects(morph()) for slot in obj.material_slots} == {material}
+
+
+def test_drawings_are_checked_on_the_list():
+    choose(text("A"), text("B", 3.0))
+    bpy.ops.convwass.add_inputs()
+    bpy.context.scene.convwass_morph.inputs[0].object.data.body = ""
+    bpy.ops.convwass.check_inputs()
+    inputs = bpy.context.scene.convwass_morph.inputs
+    assert [item.verdict for item in inputs] == ["UNUSABLE", "SOUND"]
+    assert "is empty" in inputs[0].finding
+
+
+def test_curves_become_meshes_for_a_player_and_stay_so():
+    choose(text("A", extrude=0.1), text("B", 3.0))
+    bpy.ops.convwass.bake_morph(**QUICK)
+    before = frame_objects(morph())
+    names, places = [obj.name for obj in before], [obj.matrix_world.translation.copy() for obj in before]
+    assert bpy.ops.convwass.make_player() == {"FINISHED"}
+    frames = frame_objects(morph())
+    assert [obj.name for obj in frames] == names
+    assert [obj.matrix_world.translation for obj in frames] == places
+    assert {obj.type for obj in frames} == {"MESH"}
+    assert all(len(obj.data.polygons) for obj in frames)
+    assert stored_settings(morph())["flat_output"] == "MESH"
+    bpy.ops.convwass.remove_player()
+    bpy.context.scene.frame_set(2)
+    assert [obj.hide_render for obj in frames] == [True, False, True, True]
+    bpy.context.view_layer.objects.active = frames[0]
+    with pytest.raises(RuntimeError, match="Flat shapes have no volume"):
+        bpy.ops.convwass.make_volume()

@@ -1,0 +1,238 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Recoloring images and color attributes, and grades to reuse."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb, srgb_of_linear
+from convwass_addon.applications.palettes.lookup_table import read_cube
+from convwass_addon.bridge.palettes.grade_nodes import grade_group
+from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image
+from tests.operators.densities import Pressed, inventory, until, window_context
+from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_of, red_image
+from tests.rigs import call
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+@pytest.fixture
+def own():
+    found = bpy.context.scene.convwass_recolor
+    found.palette = blue_image()
+    return found
+
+
+def test_a_new_image_takes_the_palette(own):
+    red = red_image()
+    before = pixels_of(red)
+    assert call("recolor_image", image="Red") == {"FINISHED"}
+    result = bpy.data.images["Red recolored"]
+    np.testing.assert_allclose(mean_lab(pixels_of(result)), mean_lab(pixels_of(own.palette)), atol=0.6)
+    np.testing.assert_array_equal(pixels_of(red), before)
+    assert result.packed_file
+    known = inventory()
+    call("recolor_image", image="Red", strength=0.0)
+    assert inventory() == known, "the result is used again"
+    np.testing.assert_array_equal(pixels_of(result), before)
+
+
+def test_an_image_is_replaced(own):
+    red, known = red_image(), len(bpy.data.images)
+    call("recolor_image", image="Red", output="REPLACE", lightness="KEEP")
+    light, green, blue = mean_lab(pixels_of(red)) - mean_lab(pixels_of(own.palette))
+    assert abs(light + 5.0) < 0.6 and abs(green) < 0.6 and abs(blue) < 0.6
+    assert len(bpy.data.images) == known
+
+
+def test_floats_and_bytes_go_together(own):
+    pixels = pixels_of(red_image("Bytes"))
+    scene = pixels.copy()
+    scene[..., :3] = linear_of_srgb(pixels[..., :3])
+    red = image_of("Red", scene, as_floats=True)
+    call("recolor_image", image="Red", output="REPLACE")
+    found = lab_of_linear(pixels_of(red)[..., :3].reshape(-1, 3).T.astype(float)).mean(axis=1)
+    np.testing.assert_allclose(found, mean_lab(pixels_of(own.palette)), atol=0.6)
+
+
+def test_several_palettes_by_their_weights(own):
+    red_image()
+    own.palette_2 = red_image("Second")
+    own.weight, own.weight_2 = 1.0, 3.0
+    call("recolor_image", image="Red", output="REPLACE")
+    wanted = 0.25 * mean_lab(pixels_of(own.palette)) + 0.75 * mean_lab(pixels_of(own.palette_2))
+    np.testing.assert_allclose(mean_lab(pixels_of(bpy.data.images["Red"])), wanted, atol=0.6)
+
+
+def test_masks(own):
+    red = red_image()
+    before = pixels_of(red)
+    white = np.ones((SIZE[1], SIZE[0], 4))
+    white[:, :30, :3] = 0.0
+    own.mask = image_of("Mask", white)
+    palette = pixels_of(own.palette)
+    half = np.ones_like(palette)
+    half[:20, :, :3] = 0.0
+    own.palette_mask = image_of("Palette Mask", half)
+    call("recolor_image", image="Red", output="REPLACE")
+    np.testing.assert_array_equal(pixels_of(red)[:, :30], before[:, :30])
+    np.testing.assert_allclose(mean_lab(pixels_of(red)[:, 30:]), mean_lab(palette[20:]), atol=0.6)
+
+
+def test_what_is_missing_is_said(own):
+    with pytest.raises(RuntimeError, match="Open an image in the Image Editor first"):
+        call("recolor_image")
+    with pytest.raises(RuntimeError, match="no image Nobody"):
+        call("recolor_image", image="Nobody")
+    own.mask = own.palette
+    red_image()
+    with pytest.raises(RuntimeError, match="The mask Blue is 30 x 40"):
+        call("recolor_image", image="Red")
+    own.mask = None
+    own.weight = 0.0
+    with pytest.raises(RuntimeError, match="not all of them 0"):
+        call("recolor_image", image="Red")
+    own.palette = None
+    with pytest.raises(RuntimeError, match="Choose a palette"):
+        call("recolor_image", image="Red")
+
+
+def test_a_table_does_the_same(own, tmp_path):
+    red = red_image()
+    call("write_lut", image="Red", filepath=str(tmp_path / "grade"), cube_size=33)
+    table = read_cube(tmp_path / "grade.cube")
+    before = np.moveaxis(pixels_of(red)[..., :3], -1, 0)
+    call("recolor_image", image="Red", output="REPLACE")
+    error = np.abs(np.moveaxis(table.applied(before), 0, -1) - pixels_of(red)[..., :3]) * 255
+    assert error.mean() < 0.6 and error.max() < 6.0
+    with pytest.raises(RuntimeError, match="Choose a file"):
+        call("write_lut", image="Red")
+    with pytest.raises(RuntimeError, match="does not exist"):
+        call("write_lut", image="Red", filepath=str(tmp_path / "none" / "grade.cube"))
+
+
+def test_a_group_for_the_compositor_is_made(own):
+    red_image()
+    call("build_grade_nodes", image="Red", cube_size=17)
+    group = bpy.data.node_groups["Grade Blue"]
+    assert group.bl_idname == "CompositorNodeTree"
+    image = bpy.data.images["Grade Blue"]
+    assert tuple(image.size) == (5 * 17, 4 * 17) and image.packed_file
+
+
+def test_the_compositor_applies_tables_as_they_are(own, tmp_path):
+    """Rendered: random colors, colors over white, and half transparent ones."""
+    red_image()
+    call("write_lut", image="Red", filepath=str(tmp_path / "a.cube"), cube_size=9)
+    table = read_cube(tmp_path / "a.cube")
+    straight = np.ones((16, 16, 4), np.float32)
+    straight[..., :3] = np.random.default_rng(0).random((16, 16, 3)) * 1.2
+    straight[8:, :, 3] = 0.5
+    scene = straight.copy()
+    scene[..., :3] = linear_of_srgb(straight[..., :3]) * straight[..., 3:]
+    image = image_of("In", scene, as_floats=True)
+    found = _composited(grade_group(table, "Grade"), image, tmp_path / "out.exr")
+    inside = np.clip(straight[..., :3], 0, 1)
+    wanted = np.moveaxis(table.applied(np.moveaxis(inside, -1, 0)), 0, -1) + straight[..., :3] - inside
+    encoded = srgb_of_linear(found[..., :3] / found[..., 3:])
+    assert np.abs(encoded - wanted).max() < 0.1 / 255
+    np.testing.assert_allclose(found[..., 3], straight[..., 3], atol=1e-6)
+
+
+def _composited(group, image, path):
+    scene = bpy.context.scene
+    if bpy.app.version >= (5, 0):
+        tree = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        scene.compositing_node_group = tree
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        end = tree.nodes.new("NodeGroupOutput").inputs[0]
+    else:
+        scene.use_nodes = True
+        tree = scene.node_tree
+        tree.nodes.clear()
+        end = tree.nodes.new("CompositorNodeComposite").inputs[0]
+    source, node = tree.nodes.new("CompositorNodeImage"), tree.nodes.new("CompositorNodeGroup")
+    source.image, node.node_tree = image, group
+    tree.links.new(source.outputs[0], node.inputs[0])
+    tree.links.new(node.outputs[0], end)
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+    render = scene.render
+    render.engine, scene.cycles.samples = "CYCLES", 1
+    render.resolution_x, render.resolution_y = image.size
+    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    render.image_settings.color_mode = "RGBA"
+    render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    return pixels_of(bpy.data.images.load(str(path)))
+
+
+def _colored(name, mean, seed):
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    obj = bpy.context.object
+    obj.name = name
+    attribute = obj.data.color_attributes.new("Col", "FLOAT_COLOR", "POINT")
+    colors = np.ones((len(attribute.data), 4), np.float32)
+    colors[:, :3] = np.asarray(mean) + np.random.default_rng(seed).uniform(-0.05, 0.05, (len(colors), 3))
+    attribute.data.foreach_set("color", colors.ravel())
+    obj.data.color_attributes.active_color_name = "Col"
+    return obj
+
+
+def _mean(obj, name):
+    data = obj.data.color_attributes[name].data
+    colors = np.empty(4 * len(data), np.float32)
+    data.foreach_get("color", colors)
+    return colors.reshape(-1, 4)[:, :3].mean(axis=0)
+
+
+def test_attributes_take_the_palette_of_others(own):
+    own.palette_object = _colored("Giver", (0.1, 0.3, 0.5), 1)
+    obj = _colored("Receiver", (0.4, 0.2, 0.2), 2)
+    assert call("recolor_attribute") == {"FINISHED"}
+    np.testing.assert_allclose(_mean(obj, "Recolored"), (0.1, 0.3, 0.5), atol=0.02)
+    np.testing.assert_allclose(_mean(obj, "Col"), (0.4, 0.2, 0.2), atol=0.02)
+    obj.data.color_attributes.active_color_name = "Col"
+    call("recolor_attribute", result="Col", strength=0.5)
+    assert (np.abs(_mean(obj, "Col") - (0.25, 0.25, 0.35)) < 0.06).all()
+
+
+def test_objects_without_colors_are_refused(own):
+    obj = _colored("Receiver", (0.4, 0.2, 0.2), 2)
+    with pytest.raises(RuntimeError, match="Choose an object"):
+        call("recolor_attribute")
+    own.palette_object = _colored("Giver", (0.1, 0.3, 0.5), 1)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Edit Mode"):
+        call("recolor_attribute")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.mesh.primitive_cube_add()
+    with pytest.raises(RuntimeError, match="Select a mesh with a color attribute"):
+        call("recolor_attribute")
+
+
+@pytest.mark.parametrize("ends", [{"FINISHED"}, {"CANCELLED"}])
+def test_beside_the_users_work(own, ends):
+    red_image()
+    known, drawn = inventory(), []
+    context = window_context()
+    sidebar = SimpleNamespace(type="UI", tag_redraw=lambda: drawn.append("sidebar"))
+    context.window.screen.areas.append(
+        SimpleNamespace(type="IMAGE_EDITOR", regions=[sidebar], tag_redraw=lambda: drawn.append("end"))
+    )
+    context.space_data = None
+    pressed = Pressed(CONVWASS_OT_recolor_image, image="Red")
+    assert pressed._start(context) == {"RUNNING_MODAL"}
+    context.window_manager.convwass_progress.stopping = ends == {"CANCELLED"}
+    assert until(pressed, context) == ends
+    assert drawn[0] == "sidebar" and drawn[-1] == "end"
+    assert ("Red recolored" in bpy.data.images) == (ends == {"FINISHED"})
+    if ends == {"CANCELLED"}:
+        assert inventory() == known
+    assert not context.window_manager.convwass_progress.running

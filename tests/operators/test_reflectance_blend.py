@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blending materials: what is made, what is keyed, what is refused; lobes are coarse here."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.reflectance.table_files import read_table
+from convwass_addon.bridge.reflectance.lobe_images import HEIGHT, read_lobe_exr
+from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
+from convwass_addon.operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
+from tests.lights import only, principled
+from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+ROWS = 16
+
+
+def blend(**arguments):
+    return bpy.ops.convwass.interpolate_reflectance(**{"materials": "A, B", "detail": ROWS, "blends": 3} | arguments)
+
+
+@pytest.fixture
+def metals(empty_scene):
+    return principled("A", 0.4, base_color=(1, 0, 0, 1)), principled("B", 0.7, base_color=(0, 0, 1, 1))
+
+
+@pytest.fixture
+def sun(empty_scene):
+    light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    empty_scene.collection.objects.link(light)
+    return light
+
+
+@pytest.mark.usefixtures("metals")
+def test_a_path_makes_both_materials_and_keys_them(sun):
+    assert blend(frame_start=10, frame_end=30) == {"FINISHED"}
+    shown, fitted = bpy.data.materials["Blend A-B"], bpy.data.materials["Blend A-B fitted"]
+    for material in (shown, fitted):
+        bpy.ops.mesh.primitive_plane_add()
+        bpy.context.object.data.materials.append(material)
+    scene, node, seen = bpy.context.scene, only(fitted, "BSDF_PRINCIPLED"), []
+    for frame in (10, 20, 30):
+        scene.frame_set(frame)
+        seen.append((shown.node_tree.nodes[GROUP].inputs[BLEND].default_value, node.inputs["Roughness"].default_value))
+    np.testing.assert_allclose([value for value, _ in seen], [0.0, 0.5, 1.0], atol=1e-6)
+    # Rows of five degrees: the ends come back to a few percent, and lie in order.
+    rough = [value for _, value in seen]
+    np.testing.assert_allclose(rough[::2], (0.4, 0.7), rtol=0.08)
+    assert rough[0] < rough[1] < rough[2]
+    # Half-way alpha is the mean, not the roughness.
+    assert rough[1] ** 2 == pytest.approx((rough[0] ** 2 + rough[2] ** 2) / 2, rel=0.1)
+    np.testing.assert_allclose(list(node.inputs["Base Color"].default_value)[:3], (0, 0, 1), atol=1e-6)
+    assert shown.node_tree.animation_data.drivers.find(f"{node_path(shown)}.inputs[1].default_value", index=0)
+    assert sun.name == "Sun"
+
+
+def node_path(material):
+    return material.node_tree.nodes[GROUP].path_from_id()
+
+
+@pytest.mark.usefixtures("metals")
+def test_weights_make_one_still_material():
+    assert blend(blend="WEIGHTS", weights="1, 3") == {"FINISHED"}
+    shown, fitted = (bpy.data.materials[f"Blend A-B 25:75{end}"] for end in ("", " fitted"))
+    assert shown.node_tree.animation_data is None
+    assert fitted.node_tree.animation_data is None
+    group = shown.node_tree.nodes[GROUP]
+    assert {item.name for item in group.inputs} >= {DIRECTION}
+    image = next(node.image for node in group.node_tree.nodes if node.type == "TEX_IMAGE")
+    assert tuple(image.size) == (256, HEIGHT)
+    assert image.packed_file is not None
+    color = list(only(fitted, "BSDF_PRINCIPLED").inputs["Base Color"].default_value)[:3]
+    np.testing.assert_allclose(color, (0.25, 0, 0.75), atol=1e-6)
+
+
+@pytest.mark.usefixtures("metals")
+def test_the_materials_of_the_panel_count_where_none_is_named():
+    own = bpy.context.scene.convwass_reflectance
+    own.material, own.material_2 = bpy.data.materials["A"], bpy.data.materials["B"]
+    own.weight_2 = 0.0
+    assert blend(materials="", blend="WEIGHTS", output="FITTED") == {"FINISHED"}
+    assert "Blend A-B 100:0 fitted" in bpy.data.materials
+    assert not bpy.data.node_groups
+
+
+def test_materials_with_a_grain_are_fitted_only():
+    principled("A", 0.6, anisotropic=0.9)
+    principled("B", 0.6, anisotropic=0.9, anisotropic_rotation=0.25)
+    assert blend(blend="WEIGHTS", detail=8) == {"FINISHED"}
+    assert "Blend A-B 50:50 fitted" in bpy.data.materials
+    assert "Blend A-B 50:50" not in bpy.data.materials
+    with pytest.raises(RuntimeError, match="along a grain"):
+        blend(output="LOBES")
+
+
+@pytest.mark.usefixtures("metals")
+def test_the_table_is_written_and_can_be_imported(tmp_path):
+    blend(table=str(tmp_path / "a.exr"), output="LOBES")
+    assert len(read_lobe_exr(tmp_path / "a.exr")) == 3
+    blend(table=str(tmp_path / "b.npz"), blend="WEIGHTS", output="FITTED")
+    assert read_table(tmp_path / "b.npz").rows == ROWS
+    for name in "ab":
+        kind = {"a": "exr", "b": "npz"}[name]
+        assert bpy.ops.convwass.import_lobes(filepath=str(tmp_path / f"{name}.{kind}")) == {"FINISHED"}
+        assert GROUP in bpy.data.materials[name].node_tree.nodes
+    with pytest.raises(RuntimeError, match="There is no file"):
+        bpy.ops.convwass.import_lobes(filepath=str(tmp_path / "c.exr"))
+
+
+@pytest.mark.usefixtures("metals")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"materials": "A"}, "Choose two to four"),
+        ({"materials": "A, C"}, "There is no material C"),
+        ({"blend": "WEIGHTS", "weights": "1"}, "one weight for each"),
+        ({"blend": "WEIGHTS", "weights": "1, x"}, "Weights are numbers"),
+        ({"frame_start": 5, "frame_end": 5}, "must come after"),
+        ({"table": "/tmp/x.png"}, "neither"),
+        ({"table": "/tmp/x.npz"}, "one blend"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_changes_nothing(arguments, message):
+    before = {block.name for block in bpy.data.materials}
+    with pytest.raises(RuntimeError, match=message):
+        blend(**arguments)
+    assert {block.name for block in bpy.data.materials} == before
+
+
+@pytest.mark.usefixtures("metals")
+def test_escape_leaves_nothing():
+    pressed, window = Pressed(CONVWASS_OT_interpolate_reflectance, materials="A, B", detail=32), window_context()
+    assert pressed._start(window) == {"RUNNING_MODAL"}
+    pressed.modal(window, TIMER)
+    while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:
+        pass
+    assert result == {"CANCELLED"}
+    assert pressed.reports[-1] == ("INFO", "Stopped; nothing was changed")
+    assert sorted(block.name for block in bpy.data.materials) == ["A", "B"]

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blending skies: files, the world that shows them, what is refused, and that nothing stays when it is stopped."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
+from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
+from convwass_addon.operators.sky_blend import CONVWASS_OT_interpolate_sky
+from tests.lights import sky
+from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+SUNS = ((1, 0, 0.4), (0, 1, 0.4))
+
+
+@pytest.fixture
+def worlds(empty_scene, tmp_path):
+    """Two worlds with a sun each, called by their places in SUNS."""
+    for place, sun in enumerate(SUNS):
+        write_sky(tmp_path / f"in.{place}.exr", sky(sun))
+        world = sequence_world(str(place), [tmp_path / f"in.{place}.exr"], 1)
+        world.node_tree.animation_data_clear()
+        next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT").image.source = "FILE"
+    return tmp_path / "out"
+
+
+def blend(folder, **arguments):
+    given = {"worlds": "0, 1", "folder": str(folder), "frame_start": 4, "frame_end": 6, "width": 128} | arguments
+    return bpy.ops.convwass.interpolate_sky(**given)
+
+
+def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
+    assert blend(worlds) == {"FINISHED"}
+    assert sorted(path.name for path in worlds.iterdir()) == [f"sky.000{frame}.exr" for frame in (4, 5, 6)]
+    for frame, sun in ((4, SUNS[0]), (6, SUNS[1])):
+        np.testing.assert_allclose(read_sky_file(worlds / f"sky.000{frame}.exr"), sky(sun), rtol=1e-5)
+    world = bpy.context.scene.world
+    assert world.name == "Sky 0-1"
+    bpy.context.scene.frame_set(5)
+    seen = world_sky(world, 64)
+    row, column = np.unravel_index(seen.sum(axis=2).argmax(), seen.shape[:2])
+    # Longitudes of 0 and 90 degrees: half-way lies 45, in 128 columns.
+    assert abs(column + 0.5 - 16) <= 1
+    # And higher than both ends, which are at 22 degrees: on the great circle at 30.
+    assert 90 - (row + 0.5) * 180 / 64 == pytest.approx(np.degrees(np.arctan2(0.4, np.sqrt(0.5))), abs=2.9)
+
+
+def test_the_worlds_of_the_panel_count_where_none_is_named(worlds):
+    own = bpy.context.scene.convwass_sky
+    with pytest.raises(RuntimeError, match="Choose two worlds, not 0"):
+        blend(worlds, worlds="")
+    own.first, own.last = bpy.data.worlds["0"], bpy.data.worlds["1"]
+    assert blend(worlds, worlds="", frame_end=5) == {"FINISHED"}
+
+
+def test_a_sky_without_a_sun_is_told(worlds, tmp_path):
+    write_sky(tmp_path / "in.1.exr", np.full((64, 128, 3), 0.3, np.float32))
+    bpy.data.worlds["1"].node_tree.nodes["Environment Texture"].image.reload()
+    assert blend(worlds, frame_end=5) == {"FINISHED"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"worlds": "0"}, "Choose two worlds, not 1"),
+        ({"worlds": "0, 7"}, "There is no world 7"),
+        ({"frame_end": 4}, "must come after"),
+        ({"frame_start": -2}, "Frames before 0"),
+        ({"near": 80.0, "far": 50.0}, "glow must end"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(worlds, arguments, message):
+    with pytest.raises(RuntimeError, match=message):
+        blend(worlds, **arguments)
+    assert not worlds.exists()
+    assert bpy.context.scene.world is None
+
+
+def test_escape_leaves_no_files(worlds):
+    pressed = Pressed(
+        CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=200, width=128
+    )
+    window = window_context()
+    assert pressed._start(window) == {"RUNNING_MODAL"}
+    pressed.modal(window, TIMER)
+    while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:
+        pass
+    assert result == {"CANCELLED"}
+    assert not worlds.exists() or not list(worlds.iterdir())
+    assert bpy.context.scene.world is None

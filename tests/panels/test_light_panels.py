@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels of light show, and that drawing changes nothing."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.light_properties import ReflectanceProperties, SkyProperties
+from tests.lights import principled
+from tests.operators.densities import inventory
+
+from .test_panels import draw, panels
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+NAMES = ("CONVWASS_PT_light", "CONVWASS_PT_reflectance", "CONVWASS_PT_sky")
+
+
+def draw_all():
+    found = {panel for name in NAMES for panel in panels(name)}
+    return [entry for panel in sorted(found, key=lambda panel: panel.__name__) for entry in draw(panel)]
+
+
+def shown(kind):
+    return {name for own, name in draw_all() if own == kind}
+
+
+def test_it_is_closed_at_first():
+    assert "DEFAULT_CLOSED" in bpy.types.CONVWASS_PT_light.bl_options
+
+
+def test_every_setting_and_every_operator_is_somewhere():
+    expected = {*vars(ReflectanceProperties)["__annotations__"], *vars(SkyProperties)["__annotations__"]}
+    assert expected | {"sun", "first", "last", "material"} <= shown("prop")
+    assert {"convwass.interpolate_reflectance", "convwass.interpolate_sky", "convwass.import_lobes"} <= shown(
+        "operator"
+    )
+
+
+def test_there_is_room_for_one_more_material_and_weights_where_they_count():
+    own = bpy.context.scene.convwass_reflectance
+    assert "material_2" not in shown("prop")
+    own.material = principled("A", 0.4)
+    assert "material_2" in shown("prop")
+    assert "weight" not in shown("prop")
+    own.blend = "WEIGHTS"
+    assert "weight" in shown("prop")
+    assert "blends" not in shown("prop")
+
+
+def test_drawing_changes_nothing():
+    before = inventory()
+    draw_all()
+    assert inventory() == before

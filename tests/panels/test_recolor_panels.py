@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels that recolor show, and that drawing does nothing else."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.recolor_properties import RecolorProperties
+from tests.operators.densities import inventory
+from tests.pictures import blue_image, red_image
+
+from .test_panels import draw, panels
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def draw_all():
+    return [entry for panel in panels("CONVWASS_PT_recolor") for entry in draw(panel)]
+
+
+def test_every_setting_and_every_operator_is_somewhere():
+    drawn = draw_all()
+    shown = {name for kind, name in drawn if kind == "prop"}
+    assert {*RecolorProperties.__annotations__, "mask", "palette_mask", "output", "cube_size", "result"} <= shown
+    expected = {f"convwass.{name}" for name in ("recolor_image", "write_lut", "build_grade_nodes", "recolor_attribute")}
+    assert {name for kind, name in drawn if kind == "operator"} == expected
+
+
+def test_weights_show_where_there_are_several_palettes():
+    own = bpy.context.scene.convwass_recolor
+
+    def shown():
+        return [name for kind, name in draw_all() if kind == "prop" and name.startswith(("palette", "weight"))]
+
+    def images():
+        return [name for name in shown() if name not in ("palette_mask", "palette_object")]
+
+    assert images() == ["palette"]
+    own.palette = red_image()
+    assert images() == ["palette", "palette_2"]
+    own.palette_2 = blue_image()
+    assert images() == ["palette", "weight", "palette_2", "weight_2", "palette_3"]
+
+
+def test_progress_takes_the_place_of_the_button():
+    progress = bpy.context.window_manager.convwass_progress
+    progress.running, progress.fraction, progress.message = True, 0.5, "Recoloring"
+    try:
+        drawn = draw(bpy.types.CONVWASS_PT_recolor_image)
+    finally:
+        progress.running = False
+    assert ("progress", "Recoloring") in drawn and ("operator", "convwass.stop_bake") in drawn
+    assert ("operator", "convwass.recolor_image") not in drawn
+
+
+def test_drawing_changes_nothing():
+    known = inventory()
+    draw_all()
+    assert inventory() == known

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verb ``recolor``: what it reads and writes, how it ends."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon import cli
+from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def saved(image, path):
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    return path
+
+
+def opened(path):
+    return pixels_of(bpy.data.images.load(str(path)))
+
+
+def run(*arguments):
+    return cli.main(["recolor", *map(str, arguments)])
+
+
+@pytest.fixture
+def red(tmp_path):
+    return saved(red_image(), tmp_path / "red.png")
+
+
+@pytest.fixture
+def blue(tmp_path):
+    return saved(blue_image(), tmp_path / "blue.png")
+
+
+def test_an_image_and_a_table_are_written(tmp_path, red, blue, capfd):
+    out, cube = tmp_path / "out.png", tmp_path / "grade.cube"
+    assert run(red, "--palette", blue, "--out", out, "--cube", cube, "--cube-size", 33, "--json") == 0
+    record = json.loads(capfd.readouterr().out)
+    assert record["written"] == [str(cube), str(out)] and record["marginal_error"] < 1e-2
+    np.testing.assert_allclose(mean_lab(opened(out)), mean_lab(opened(blue)), atol=0.6)
+    by_table = tmp_path / "by_table.png"
+    assert run(red, "--lut", cube, "--out", by_table) == 0
+    assert np.abs(opened(by_table) - opened(out)).mean() * 255 < 1.0
+
+
+def test_frames_of_a_clip_are_graded_alike(tmp_path, red, blue):
+    """A dark frame and a bright one: together they have the palette, and each keeps its place."""
+    pixels = opened(red)
+    frames = []
+    for number, gain in enumerate((0.7, 1.2)):
+        changed = pixels.copy()
+        changed[..., :3] = np.minimum(changed[..., :3] * gain, 1.0)
+        frames.append(saved(image_of(f"Frame {number}", changed), tmp_path / f"frame.{number}.png"))
+    out = tmp_path / "graded"
+    assert run(*frames, "--palette", blue, "--out", out) == 0
+    means = [mean_lab(opened(out / frame.name)) for frame in frames]
+    assert means[0][0] < means[1][0] - 3.0
+    np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(opened(blue)), atol=1.0)
+
+
+def test_steps_on_the_way(tmp_path, red, blue):
+    out = tmp_path / "sequence"
+    assert run(red, "--palette", blue, "--steps", 3, "--out", out) == 0
+    names = ["red.0000.png", "red.0001.png", "red.0002.png"]
+    assert sorted(path.name for path in out.iterdir()) == names
+    first, middle, last = (opened(out / name) for name in names)
+    np.testing.assert_array_equal(first, opened(red))
+    np.testing.assert_allclose(mean_lab(middle), (mean_lab(first) + mean_lab(last)) / 2.0, atol=0.5)
+
+
+def test_palettes_have_weights(tmp_path, red, blue):
+    out = tmp_path / "out.exr"
+    assert run(red, "--palette", blue, red, "--weights", "0,1", "--out", out) == 0
+    before = len(bpy.data.images)
+    assert run(red, "--palette", blue, red, "--weights", "1,1", "--out", tmp_path / "half.png") == 0
+    assert len(bpy.data.images) == before
+    wanted = (mean_lab(opened(blue)) + mean_lab(opened(red))) / 2.0
+    np.testing.assert_allclose(mean_lab(opened(tmp_path / "half.png")), wanted, atol=0.6)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["red.png", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png"],
+        ["red.png", "--palette", "blue.png", "--lut", "a.cube", "--out", "a.png"],
+        ["red.png", "--palette", "none.png", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png", "--out", "a.gif"],
+        ["red.png", "--palette", "blue.png", "--out", "none/a.png"],
+        ["red.png", "--palette", "blue.png", "--weights", "1,2", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png", "--strength", "2", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png", "--steps", "1", "--out", "a"],
+        ["red.png", "--palette", "blue.png", "--depth", "32", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png", "--mask", "blue.png", "--out", "a.png"],
+        ["red.png", "blue.png", "--palette", "blue.png", "--out", "."],
+        ["red.png", "red.png", "--palette", "blue.png", "--out", "a"],
+        ["red.png", "--lut", "blue.png", "--out", "a.png"],
+        ["red.png", "--lut", "none.cube", "--out", "a.png"],
+    ],
+)
+def test_what_cannot_work_is_refused(tmp_path, red, blue, arguments, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    assert run(*arguments) == 3
+    assert "convwass:" in capfd.readouterr().err
+    assert not [path for path in tmp_path.rglob("*.*") if path not in (red, blue)]

@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The verbs ``reflect`` and ``sky``: what they read and write, and how they end."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from convwass_addon import cli
+from convwass_addon.applications.reflectance.table_files import read_table
+from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
+from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
+from tests.lights import sky
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def reflect(out, *words):
+    return cli.main(["reflect", *words, "--rows", "12", "--out", str(out)])
+
+
+def test_a_blend_is_written_and_told(tmp_path, capfd):
+    out = tmp_path / "half.npz"
+    assert reflect(out, "ggx:0.2,0.2", "ggx:0.6,0.6", "--weights", "1,1", "--json") == 0
+    record = json.loads(capfd.readouterr().out)
+    assert record["written"] == [str(out)]
+    (blend,) = record["blends"]
+    assert blend["weights"] == [0.5, 0.5]
+    # Half-way between half-angle quantiles: the mean of the alphas.
+    assert blend["fit"]["alpha_x"] == pytest.approx(0.4, rel=0.12)
+    assert read_table(out).rows == 12
+
+
+def test_tables_that_were_written_are_blended_on(tmp_path):
+    for name, word in (("a", "blinn:50"), ("b", "principled:0.7")):
+        assert reflect(tmp_path / f"{name}.npz", word, word) == 0
+    assert reflect(tmp_path / "c.exr", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"), "--steps", "3") == 0
+    assert len(read_lobe_exr(tmp_path / "c.exr")) == 3
+
+
+def test_a_grain_goes_to_npz_only(tmp_path, capfd):
+    assert reflect(tmp_path / "a.exr", "ashikhmin:10,100", "ggx:0.3,0.3") == 3
+    assert "choose .npz" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["ggx:0.2,0.2"], "two to four"),
+        (["ggx:0.2", "ggx:0.2,0.2"], "is no material"),
+        (["velvet:1", "blinn:20"], "is no material"),
+        (["blinn:x", "blinn:20"], "is no material"),
+        (["none.npz", "none.npz"], "cannot be read"),
+        (["none.binary", "blinn:20"], "cannot be read"),
+        (["blinn:20", "blinn:30", "--steps", "3"], "holds one blend"),
+        (["blinn:20", "blinn:30", "--weights", "1"], "one weight for each"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(tmp_path, capfd, words, message):
+    assert reflect(tmp_path / "a.npz", *words) == 3
+    assert message in capfd.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_skies_are_written(tmp_path, capfd):
+    ends = [sky((1, 0, 1)), sky((0, 1, 1))]
+    for name, image in zip("ab", ends, strict=True):
+        write_sky(tmp_path / f"{name}.exr", image)
+    words = ["sky", str(tmp_path / "a.exr"), str(tmp_path / "b.exr"), "--steps", "3", "--first", "7"]
+    assert cli.main([*words, "--out", str(tmp_path / "out"), "--json"]) == 0
+    record = json.loads(capfd.readouterr().out)
+    paths = sorted((tmp_path / "out").iterdir())
+    assert [path.name for path in paths] == ["sky.0007.exr", "sky.0008.exr", "sky.0009.exr"]
+    assert record["written"] == [str(path) for path in paths]
+    assert [frame["time"] for frame in record["frames"]] == [0.0, 0.5, 1.0]
+    np.testing.assert_allclose(read_sky_file(paths[0]), ends[0], rtol=1e-5)
+
+
+def test_skies_that_are_none_are_refused(tmp_path, capfd):
+    write_sky(tmp_path / "a.exr", sky((1, 0, 1)))
+    words = ["sky", str(tmp_path / "a.exr"), str(tmp_path / "b.exr")]
+    assert cli.main([*words, "--out", str(tmp_path / "out")]) == 3
+    assert "There is no file" in capfd.readouterr().err
+    assert cli.main([*words, "--out", str(tmp_path / "out"), "--steps", "1"]) == 3
+    assert not (tmp_path / "out").exists()
