@@ -12,28 +12,30 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import correspondences, midpoints, morph, peers, quality, skeleton, surface, table1
+from . import correspondences, flat, midpoints, morph, peers, quality, recolor, skeleton, sphere, surface, table1
+
+_ALL = ("morph", "flat", "quality", "table1", "surface", "skeleton", "softmap", "recolor", "sphere", "peers")
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks that the command line asks for."""
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
     names = parser.add_subparsers(
-        title="benchmarks", metavar="morph | quality | table1 | surface | skeleton | softmap | peers"
+        title="benchmarks",
+        metavar="morph | flat | quality | table1 | surface | skeleton | softmap | recolor | sphere | peers",
     )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
+    _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
     _add_surface(names.add_parser("surface", help=surface.__doc__))
     _add_skeleton(names.add_parser("skeleton", help=skeleton.__doc__))
     _add_softmap(names.add_parser("softmap", help=correspondences.__doc__))
+    names.add_parser("recolor", help=recolor.__doc__).set_defaults(run=lambda _options: recolor.main())
+    _add_sphere(names.add_parser("sphere", help=sphere.__doc__))
     _add_peers(names.add_parser("peers", help=peers.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
-    for chosen in (
-        [arguments]
-        if arguments
-        else [["morph"], ["quality"], ["table1"], ["surface"], ["skeleton"], ["softmap"], ["peers"]]
-    ):
+    for chosen in [arguments] if arguments else [[name] for name in _ALL]:
         options = parser.parse_args(chosen)
         options.run(options)
     return 0
@@ -45,6 +47,19 @@ def _add_morph(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
     parser.set_defaults(run=lambda options: morph.main(options.resolutions, options.frames))
+
+
+def _add_flat(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--resolutions", type=_numbers, default="256,512", help="cells along a side (%(default)s)")
+    parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
+    parser.add_argument("--side", type=int, default=256, help="cells along a side of the images (%(default)s)")
+    parser.add_argument("--limit", type=float, default=300.0, help="most CPU seconds per run of a peer (%(default)s)")
+    parser.add_argument("--peer-python", type=Path, help="a Python that has POT; by default one is prepared")
+    parser.set_defaults(
+        run=lambda options: flat.main(
+            options.resolutions, options.frames, options.side, options.limit, options.peer_python
+        )
+    )
 
 
 def _add_quality(parser: argparse.ArgumentParser) -> None:
@@ -77,6 +92,11 @@ def _add_softmap(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, blub and bob")
     parser.add_argument("--vertices", type=int, default=1000, help="of every mesh, about (%(default)s)")
     parser.set_defaults(run=lambda options: correspondences.main(options.meshes, options.vertices))
+
+
+def _add_sphere(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--rows", type=_numbers, default="64,128", help="rows of the spheres (%(default)s)")
+    parser.set_defaults(run=lambda options: sphere.main(options.rows))
 
 
 def _add_peers(parser: argparse.ArgumentParser) -> None:

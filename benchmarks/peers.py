@@ -39,7 +39,7 @@ log-sum-exp instead of KeOps. Its loop has no stopping rule: it is stopped by ou
 and not counted.
 """
 
-_COLUMNS = (
+COLUMNS = (
     f"{'cells':>14} {'blur':>5}  {'program':36} {'CPU s':>8} {'wall s':>8} {'start':>6} {'iterations':>10} "
     f"{'error':>7} {'edge':>6}"
 )
@@ -64,18 +64,18 @@ def main(resolutions: list[int], side: int, sizes: list[int], limit: float) -> N
         environment.prepare_peers()
     except (SetupError, OSError) as error:
         sys.exit(f"\n{error}")
-    runner = _Runner(environment.program, limit)
+    runner = Runner(environment.program, limit)
     print(_HEADING.format(percent=100 * TOLERANCE, limit=limit))
-    print(_COLUMNS)
+    print(COLUMNS)
     for cells in resolutions:
         runner.volumes(cells)
     print(f"{'any':>14} {'any':>5}  {'POT':36} no barycenter of volumes in what it documents")
-    print(f"\nThe same of silhouettes, {side} x {side} cells\n\n{_COLUMNS}")
+    print(f"\nThe same of silhouettes, {side} x {side} cells\n\n{COLUMNS}")
     runner.images(side)
     midpoints.main(sizes, environment.program, limit, TOLERANCE)
 
 
-class _Runner:
+class Runner:
     """Runs programs on shapes in a folder, and prints a row for each."""
 
     def __init__(self, program: Path, limit: float) -> None:
@@ -83,6 +83,7 @@ class _Runner:
         self._limit = limit
 
     def volumes(self, cells: int) -> None:
+        """Print the rows of volumes."""
         with tempfile.TemporaryDirectory() as folder:
             shape = measured(_OURS, "volumes", folder=folder, cells=cells)["shape"]
             wide, narrow = cells / 40, 1.0
@@ -97,12 +98,21 @@ class _Runner:
             self._geomloss(folder, shape, narrow)
 
     def images(self, side: int) -> None:
+        """Print the rows of silhouettes."""
         with tempfile.TemporaryDirectory() as folder:
-            shape = measured(_OURS, "silhouettes", folder=folder, cells=side)["shape"]
-            self._own(folder, shape, side / 40, (0.0, 1.0))
-            for debiased in (False, True):
-                self._peer(folder, shape, side / 40, "pot", debiased)
-            self._geomloss(folder, shape, side / 40)
+            self._beside_pot(folder, side)
+            self._geomloss(folder, [side, side], side / 40)
+
+    def beside_pot(self, side: int) -> None:
+        """Print the rows of silhouettes by POT and by ours alone."""
+        with tempfile.TemporaryDirectory() as folder:
+            self._beside_pot(folder, side)
+
+    def _beside_pot(self, folder: str, side: int) -> None:
+        shape = measured(_OURS, "silhouettes", folder=folder, cells=side)["shape"]
+        self._own(folder, shape, side / 40, (0.0, 1.0))
+        for debiased in (False, True):
+            self._peer(folder, shape, side / 40, "pot", debiased)
 
     def _own(self, folder: str, shape: list[int], sigma: float, dial: tuple[float, ...]) -> None:
         for sharpness in dial:
