@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw docs/pictures/recolor.jpg, the colors of two photographs exchanged: ``PYTHONPATH=. python docs/recolor.py``.
+
+As in figure 11 of Solomon et al. 2015: above, each photograph with the barycenter of both palettes, from its own to the
+other's; below, the barycenter's histogram of a and b, where a bin has its color and is the paler the less it holds. The
+photographs, from scikit-image, are in the public domain: coffee by Rachel Michetti, a rocket by SpaceX.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from skimage import data
+
+from convwass_addon.applications.palettes.lab_colors import linear_of_lab, srgb_of_linear
+from convwass_addon.applications.palettes.palette_statistics import BINS, REACH
+from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
+from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
+from convwass_addon.applications.palettes.recoloring import Recoloring, palette_barycenter, recoloring
+from convwass_addon.bridge.palettes.image_files import save_pixels
+
+PICTURE = Path(__file__).resolve().parent / "pictures" / "recolor.jpg"
+_TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)
+_WIDTH, _GAP = 420, 12
+# The part of the plane of a and b that is shown, in bins from the corner of low a and b, and the pixels of a bin.
+_FIRST, _SHOWN, _SCALE = (29, 43), (70, 64), 6
+_FORM = PixelFormat()
+
+
+def main() -> None:
+    """Make all pictures, and put them side by side."""
+    photographs = [_fitted(own) for own in (data.coffee(), data.rocket())]
+    palettes = [image_palette(own, _FORM) for own in photographs]
+    changes = [recoloring(own, [other]) for own, other in (palettes, palettes[::-1])]
+    columns = []
+    for time in _TIMES:
+        shown = [
+            _recolored(own, change, strength)
+            for own, change, strength in zip(photographs, changes, (time, 1.0 - time), strict=True)
+        ]
+        shown.append(_histogram(palette_barycenter(palettes, (1.0 - time, time)).chroma))
+        columns.append(_joined(shown, axis=0))
+    picture = _joined(columns, axis=1)
+    like = bpy.data.images.new("sRGB", 1, 1)
+    save_pixels(np.ascontiguousarray(picture[::-1]), like, PICTURE)
+
+
+def _fitted(photograph: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return a photograph of the common width, from the top, cut to 3 : 2."""
+    width = photograph.shape[1]
+    photograph = photograph[: width * 2 // 3]
+    height = _WIDTH * 2 // 3
+    rows, columns = (
+        np.linspace(0, most - 1, size) for most, size in zip(photograph.shape, (height, _WIDTH), strict=False)
+    )
+    pixels = np.ones((height, _WIDTH, 4), dtype=np.float32)
+    pixels[..., :3] = _between(photograph / 255.0, rows, columns)
+    return pixels
+
+
+def _between(
+    picture: NDArray[np.float64], rows: NDArray[np.float64], columns: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Interpolate a picture between its pixels."""
+    for axis, places in ((0, rows), (1, columns)):
+        low = np.minimum(places.astype(int), picture.shape[axis] - 2)
+        part = (places - low).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+        picture = np.take(picture, low, axis) * (1 - part) + np.take(picture, low + 1, axis) * part
+    return picture
+
+
+def _recolored(pixels: NDArray[np.float32], change: Recoloring, strength: float) -> NDArray[np.float32]:
+    own = replace(change, settings=replace(change.settings, strength=strength))
+    out = np.empty_like(pixels)
+    for _ in recolored_blocks(pixels, _FORM, own, None, out):
+        pass
+    return out
+
+
+def _histogram(chroma: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Draw a histogram: a to the right, b up."""
+    middles = (np.arange(BINS) + 0.5) * (2 * REACH / BINS) - REACH
+    colors = np.stack(np.broadcast_arrays(52.0, middles[None, :], middles[::-1, None]))
+    shown = np.clip(srgb_of_linear(linear_of_lab(colors)), 0, 1)
+    amount = (chroma / chroma.max()).T[::-1] ** 0.25
+    mixed = 1.0 + (np.moveaxis(shown, 0, -1) - 1.0) * amount[..., None]
+    (left, low), (width, height) = _FIRST, _SHOWN
+    top = BINS - low - height
+    part = mixed[top : top + height, left : left + width]
+    part = part.repeat(_SCALE, axis=0).repeat(_SCALE, axis=1)
+    pixels = np.ones((*part.shape[:2], 4), dtype=np.float32)
+    pixels[..., :3] = part
+    return pixels
+
+
+def _joined(parts: list[NDArray[np.float32]], axis: int) -> NDArray[np.float32]:
+    """Put pictures next to each other, with a white gap."""
+    shape = list(parts[0].shape)
+    shape[axis] = _GAP
+    spaced = [piece for part in parts for piece in (part, np.ones(shape, dtype=np.float32))]
+    return np.concatenate(spaced[:-1], axis=axis)
+
+
+if __name__ == "__main__":
+    main()
