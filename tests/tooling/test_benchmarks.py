@@ -124,18 +124,32 @@ def test_what_a_late_case_has_reported_counts(tmp_path, monkeypatch):
 
 def test_no_name_means_every_benchmark(monkeypatch):
     started = []
-    for name in ("morph", "quality", "table1", "surface", "skeleton", "correspondences", "recolor", "peers"):
+    modules = (
+        "morph",
+        "flat",
+        "quality",
+        "table1",
+        "surface",
+        "skeleton",
+        "correspondences",
+        "recolor",
+        "sphere",
+        "peers",
+    )
+    for name in modules:
         module = getattr(command_line, name)
         monkeypatch.setattr(module, "main", lambda *options, name=name: started.append((name, *options)))
     assert command_line.main([]) == 0
     assert started == [
         ("morph", [64, 100], 24),
+        ("flat", [256, 512], 24, 256, 300.0, None),
         ("quality", 64, None),
         ("table1", list(table1.SIZES), 5, 60.0),
         ("surface", list(surface.SIZES), 24),
         ("skeleton", None),
         ("correspondences", None, 1000),
         ("recolor",),
+        ("sphere", [64, 128]),
         ("peers", [64, 100], 256, list(midpoints.SIZES), 300.0),
     ]
 
