@@ -79,8 +79,8 @@ class Window:
         region = self.region("UI")
         region.tag_redraw()
         yield 4 * _REACTION
-        # What is opened on the way pushes the others down, and a second click closes it again.
-        for below in [*range(12, region.height, _HEADER_STEP)] * 2:
+        # From below: what opens on the way, and closes all others, moves nothing above it.
+        for below in [*range(region.height - 12, 12, -_HEADER_STEP)] * 2:
             if drawn:
                 break
             yield from self.move(region.x + region.width / 3, self._height - region.y - region.height + below)
