@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Use the extension in a real Blender window, with mouse and keys, on a virtual display.
 
-python3 run.py window --blender PATH [--zip ZIP] [--out FOLDER]
+python3 run.py window --blender PATH [--zip ZIP] [--out FOLDER] [--only SCENARIO...]
 
-Installs the extension into a fresh profile, opens Blender's window on a display of its own and lets `scenario.py`
-click, type and take pictures, which are left in the folder. Needs Linux with Xvfb, xdotool and ImageMagick; with
+Installs the extension into a fresh profile, opens Blender's window on a display of its own and lets the scenarios
+click, type and take pictures, which are left in the folder. A scenario is a file beside this one, and the function in
+it that has its name. Needs Linux with Xvfb, xdotool and ImageMagick; with
 ``--zip`` any Python from 3.11 runs it.
 """
 
@@ -27,6 +28,8 @@ PROJECT = HERE.parents[1]
 # Program, and the Debian package that has it.
 NEEDED = {"Xvfb": "xvfb", "xdotool": "xdotool", "import": "imagemagick"}
 
+SCENARIOS = ("armatures", "soft_maps", "densities", "morphs")
+
 _SETTINGS = """
 import bpy
 view = bpy.context.preferences.view
@@ -38,7 +41,7 @@ bpy.ops.wm.save_userpref()
 
 
 def main() -> int:
-    """Run the scenario and return 0 if all of it went as it should."""
+    """Run the scenarios and return 0 if all of it went as it should."""
     options = _options()
     missing = [package for program, package in NEEDED.items() if not shutil.which(program)]
     if missing:
@@ -64,7 +67,10 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--zip", type=Path, help="the extension; built from this checkout if left out")
     parser.add_argument("--out", type=Path, default=PROJECT / "out" / "window", help="where pictures go (%(default)s)")
     parser.add_argument("--size", default="1600x1000", help="of the window (%(default)s)")
-    parser.add_argument("--timeout", type=float, default=600.0, help="seconds until it is stopped (%(default)g)")
+    parser.add_argument(
+        "--only", nargs="+", choices=SCENARIOS, default=SCENARIOS, metavar="SCENARIO", help="out of: %(choices)s"
+    )
+    parser.add_argument("--timeout", type=float, default=1200.0, help="seconds until it is stopped (%(default)g)")
     return parser.parse_args()
 
 
@@ -109,10 +115,10 @@ def _display(size: str) -> Iterator[str]:
 
 
 def _use(options: argparse.Namespace, environment: dict[str, str]) -> int:
-    """Run the scenario in the window; its lines are printed as they come."""
+    """Run the scenarios in the window and print what they say."""
     width, height = options.size.split("x")
     command = [options.blender, "--gpu-backend", "opengl", "-p", "0", "0", width, height]
-    command += ["--python", str(HERE / "inside.py"), "--", str(options.out.resolve())]
+    command += ["--python", str(HERE / "inside.py"), "--", str(options.out.resolve()), *options.only]
     log = options.out / "blender.log"
     with open(log, "w", encoding="utf-8") as file:
         try:

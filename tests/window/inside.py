@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
@@ -174,17 +175,11 @@ class Window:
         yield _REACTION
 
 
-def _work(window: Window) -> Iterator[float]:
-    from armatures import armatures
-    from densities import densities
-    from scenario import scenario
-    from soft_maps import soft_maps
-
+def _work(window: Window, names: list[str]) -> Iterator[float]:
     yield 1.0
-    yield from armatures(window)
-    yield from soft_maps(window)
-    yield from densities(window)
-    yield from scenario(window)
+    for name in names:
+        scenario = importlib.import_module(name)
+        yield from getattr(scenario, name)(window)
 
 
 def _tick() -> float:
@@ -203,6 +198,7 @@ def _tick() -> float:
     os._exit(code)
 
 
-_WINDOW = Window(Path(sys.argv[sys.argv.index("--") + 1]))
-_STEPS = _work(_WINDOW)
+_PICTURES, *_NAMES = sys.argv[sys.argv.index("--") + 1 :]
+_WINDOW = Window(Path(_PICTURES))
+_STEPS = _work(_WINDOW, _NAMES)
 bpy.app.timers.register(_tick, first_interval=1.0, persistent=True)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _MORPH = "convwass_morph"
 
 
-def scenario(window: Window) -> Iterator[float]:
+def morphs(window: Window) -> Iterator[float]:
     """Do everything in turn; an AssertionError says what went wrong."""
     yield from _opens_the_tab(window)
     yield from _bakes_to_the_end(window)
