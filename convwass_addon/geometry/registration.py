@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from .closest_points import ClosestPoints, closest_in_triangles
 from .factorization import Factorization, factorize
+from .rotations import nearest_rotations
 from .unit_shape import UnitShape, vertex_normals
 
 # A pair pulls like this much of the surface's area at weight one; with the closest points' weights below that is firm.
@@ -60,8 +61,10 @@ AS_PLACED = (Stage(1.0, 0.0, 0.2, 6), Stage(3.0, 0.0, 0.1, 8), Stage(10.0, 0.0, 
 """From where the source is, turned about as the target is."""
 BY_GUESS = (Stage(0.0, 100.0, 0.1, 3), Stage(30.0, 20.0, 0.06, 8))
 """From a first guess for every vertex."""
-TO_THE_END = (Stage(30.0, 0.0, 0.06, 8), Stage(100.0, 0.0, 0.04, 8), Stage(300.0, 0.0, 0.03, 6))
-"""From either."""
+SETTLING = (Stage(100.0, 0.0, 0.04, 8), Stage(300.0, 0.0, 0.03, 6))
+"""From where it is nearly right."""
+TO_THE_END = (Stage(30.0, 0.0, 0.06, 8), *SETTLING)
+"""From any of the others."""
 
 
 class Registration:
@@ -199,12 +202,9 @@ class _Elastic:
         products = self._weights[:, None, None] * moved[:, :, None] * self._edges[:, None, :]
         sums = self._sums @ products.reshape(len(moved), 9)
         smooth = self._blurred(np.concatenate([sums.T, self._squares[None]]), width)
-        left, sizes, right = np.linalg.svd(smooth[:9].T.reshape(-1, 3, 3))
-        turned = np.sign(np.linalg.det(left @ right))
-        left[:, :, 2] *= turned[:, None]
-        sizes[:, 2] *= turned
-        scales = np.maximum(sizes.sum(axis=1), 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
-        return scales[:, None, None] * (left @ right)
+        fitted = nearest_rotations(smooth[:9].reshape(3, 3, -1))
+        scales = np.maximum(fitted.traces, 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
+        return np.ascontiguousarray(np.moveaxis(scales * fitted.rotations, 2, 0))
 
     def _blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
         """Return sums over neighborhoods, (k, n): one implicit step of heat."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ...geometry.registration import TO_THE_END, Registration
+from ...geometry.registration import SETTLING, Registration
 from ...geometry.unit_shape import UnitShape
 
 
@@ -39,6 +39,6 @@ def settled(
     size = np.sqrt(surface.area)
     center = surface.vertices[0] - size * other.vertices[0]
     found = Registration(own.mirrored() if is_mirrored else own, other, pairs, (images - center) / size)
-    for stage in TO_THE_END:
+    for stage in SETTLING:
         found.advance(stage)
     return size * found.points + center

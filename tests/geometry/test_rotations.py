@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rotations nearest to matrices, against singular value decompositions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.geometry.rotations import nearest_rotations
+
+
+def by_singular_values(matrix):
+    left, sizes, right = np.linalg.svd(matrix)
+    turned = np.sign(np.linalg.det(left @ right))
+    left[:, 2] *= turned
+    return left @ right, sizes[0] + sizes[1] + turned * sizes[2]
+
+
+def test_a_stretched_rotation_is_told_apart():
+    turns = Rotation.random(50, rng=np.random.default_rng(1)).as_matrix()
+    stretches = np.random.default_rng(2).uniform(0.01, 10.0, (50, 3))
+    axes = Rotation.random(50, rng=np.random.default_rng(3)).as_matrix()
+    matrices = turns @ np.einsum("nij,nj,nkj->nik", axes, stretches, axes)
+    found = nearest_rotations(np.moveaxis(matrices, 0, 2))
+    np.testing.assert_allclose(np.moveaxis(found.rotations, 2, 0), turns, atol=1e-9)
+    np.testing.assert_allclose(found.traces, stretches.sum(axis=1), rtol=1e-12)
+
+
+@pytest.mark.parametrize("condition", [1.0, 1e2, 1e4, 1e8, 1e16])
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_any_condition_size_and_side_will_do(condition, size, side):
+    turn, axes = Rotation.random(2, rng=np.random.default_rng(4)).as_matrix()
+    matrix = size * turn @ (axes * [1.0, condition**-0.5, side / condition]) @ axes.T
+    expected, trace = by_singular_values(matrix)
+    found = nearest_rotations(matrix[:, :, None])
+    np.testing.assert_allclose(found.rotations[:, :, 0], expected, atol=1e-6)
+    assert found.traces[0] == pytest.approx(trace, rel=1e-9)
+
+
+@given(arrays(float, (3, 3), elements=st.floats(-1e6, 1e6)))
+def test_they_are_rotations_and_no_other_is_nearer(matrix):
+    found = nearest_rotations(matrix[:, :, None])
+    rotation = found.rotations[:, :, 0]
+    np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(rotation) == pytest.approx(1.0)
+    _, best = by_singular_values(matrix)
+    assert found.traces[0] == pytest.approx(best, rel=1e-9, abs=1e-9 * (1.0 + np.abs(matrix).max()))
+
+
+def test_none_is_none():
+    assert nearest_rotations(np.empty((3, 3, 0))).rotations.shape == (3, 3, 0)
