@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 # Newton's iteration squares what is wrong in every round: this many take any matrix that it is given to rounding.
 _ROUNDS = 7
-# Determinants of matrices of norm one from which on it is given them; about those of a condition below 1e4.
+# Determinants, of matrices whose largest entry is one, from which on it is given them: about a condition below 1e4.
 _REGULAR = 1e-5
 # The row (or column) after each, and the one after that.
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
@@ -45,7 +45,7 @@ def nearest_rotations(matrices: NDArray[np.float64]) -> FittedTurns:
     matrices : (3, 3, n)
         Finite.
     """
-    sizes = np.sqrt(np.square(matrices).sum(axis=(0, 1)))
+    sizes = np.abs(matrices).max(axis=(0, 1))
     turns = matrices / np.maximum(sizes, np.finfo(float).tiny)
     regular = _determinants(turns, _cofactors(turns)) > _REGULAR
     turns[:, :, ~regular] = np.eye(3)[:, :, None]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
@@ -31,7 +31,7 @@ def test_a_stretched_rotation_is_told_apart():
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e2, 1e4, 1e8, 1e16])
-@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+@pytest.mark.parametrize("size", [1e-300, 1e-12, 1.0, 1e12, 1e150])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_any_condition_size_and_side_will_do(condition, size, side):
     turn, axes = Rotation.random(2, rng=np.random.default_rng(4)).as_matrix()
@@ -43,6 +43,7 @@ def test_any_condition_size_and_side_will_do(condition, size, side):
 
 
 @given(arrays(float, (3, 3), elements=st.floats(-1e6, 1e6)))
+@example(np.full((3, 3), 1e-160))
 def test_they_are_rotations_and_no_other_is_nearer(matrix):
     found = nearest_rotations(matrix[:, :, None])
     rotation = found.rotations[:, :, 0]
