@@ -111,7 +111,7 @@ def test_blender_gets_them_for_labels_of_operators_too_and_takes_them_back(monke
 
 
 def test_sentences_can_be_translated_before_they_are_filled_in():
-    found = list(messages())
+    found = messages()
     assert len(found) > 100
     assert [f"{place}: {wrong}" for place, message in found if (wrong := complaint(message))] == []
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -127,8 +128,13 @@ class Message:
     is_literal: bool
 
 
-def messages() -> Iterator[tuple[str, Message]]:
-    """Yield all of them in all rooms with their places, but for the rooms that hand on what they are given."""
+@cache
+def messages() -> tuple[tuple[str, Message], ...]:
+    """Return all of them in all rooms with their places, but for the rooms that hand on what they are given."""
+    return tuple(_messages())
+
+
+def _messages() -> Iterator[tuple[str, Message]]:
     for path in sorted(PACKAGE.rglob("*.py")):
         module = path.relative_to(PACKAGE).as_posix()
         if module not in _HANDING_ON:
@@ -169,7 +175,8 @@ def _kinds_of(error: type[ConvwassError]) -> Iterator[type[ConvwassError]]:
         yield from (kind, *_kinds_of(kind))
 
 
-def all_texts() -> set[str]:
+@cache
+def all_texts() -> frozenset[str]:
     """Return all of them; needs the add-on."""
     said = (text for _, message in messages() for text in message.templates)
-    return {text for text in (*registered_texts(), *source_texts(), *said) if text}
+    return frozenset(text for text in (*registered_texts(), *source_texts(), *said) if text)

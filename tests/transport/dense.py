@@ -20,6 +20,16 @@ def kernel(grid):
     return np.exp(-squared_distances(grid.shape) / (2.0 * grid.sigma**2)) / total ** len(grid.shape) * grid.cells
 
 
+def log_product(log_matrix, logs):
+    """ln(A b) from ln A, (m, n), and ln b, (n,)."""
+    terms = log_matrix + logs
+    # The largest term of each row, or zero where all are -inf.
+    largest = terms.max(axis=1)
+    largest[np.isneginf(largest)] = 0.0
+    with np.errstate(divide="ignore"):
+        return largest + np.log(np.exp(terms - largest[:, None]).sum(axis=1))
+
+
 def sinkhorn_value(first, second, grid, h):
     """Eq. (10) from the plan, in squared cells: gamma (1 + sum a a pi (ln(pi / H) - 1)).
 
@@ -31,8 +41,8 @@ def sinkhorn_value(first, second, grid, h):
         log_mu, log_nu = np.log(mu), np.log(nu)
     log_w = np.zeros(grid.cells)
     for _ in range(20000):
-        log_v = log_mu - np.logaddexp.reduce(log_h + log_w + np.log(area), axis=1)
-        moved = log_nu - np.logaddexp.reduce(log_h + log_v + np.log(area), axis=1)
+        log_v = log_mu - log_product(log_h + np.log(area), log_w)
+        moved = log_nu - log_product(log_h + np.log(area), log_v)
         if np.abs(np.exp(moved) - np.exp(log_w)).max() <= 1e-13 * np.exp(moved).max():
             break
         log_w = moved

@@ -10,6 +10,7 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid, KernelTooNarrowError, barycenter
 from convwass_addon.transport.bregman import BregmanIteration
 from convwass_addon.transport.sharpening import entropy
+from tests.transport.dense import log_product
 
 
 def blob(shape, center, deviation):
@@ -42,17 +43,20 @@ def dense_log_barycenter(mus, weights, grid, sharpness, iterations):
     log_kernel = -squared / (2 * grid.sigma**2) - len(grid.shape) * np.log(np.sqrt(2 * np.pi) * grid.sigma)
 
     def log_apply(logs):
-        return np.logaddexp.reduce(log_kernel + logs[None, :], axis=1)
+        return log_product(log_kernel, logs)
 
     with np.errstate(divide="ignore"):
         log_mus = [np.log(mu.ravel()) for mu in mus]
     log_v = [np.zeros(len(cells)) for _ in mus]
-    log_d = np.zeros(len(cells))
+    log_d, log_density = np.zeros(len(cells)), np.zeros(len(cells))
     for _ in range(iterations):
+        before = log_density
         log_kw = [log_apply(log_mu - log_apply(v)) for log_mu, v in zip(log_mus, log_v, strict=True)]
         log_density = sharpness * log_d + sum(w * k for w, k in zip(weights, log_kw, strict=True))
         log_v = [log_density - k for k in log_kw]
         log_d = 0.5 * (log_d + log_density - log_apply(log_d))
+        if np.abs(log_density - before).max() < 1e-14:
+            break
     density = np.exp(log_density).reshape(grid.shape)
     return density / density.mean()
 

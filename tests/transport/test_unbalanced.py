@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from convwass_addon.transport import Grid, barycenter
-from tests.transport.dense import kernel
+from tests.transport.dense import kernel, log_product
 
 
 def bump(size, center, deviation):
@@ -23,16 +23,19 @@ def dense_unbalanced(mus, alphas, grid, reach, sharpness, rounds):
     e, k = reach**2 / (reach**2 + gamma), gamma / (reach**2 + gamma)
 
     def blurred(logs):
-        return np.logaddexp.reduce(log_h + logs, axis=1)
+        return log_product(log_h, logs)
 
     log_mus = [np.log(mu.ravel() / mu.mean()) for mu in mus]
-    log_v, log_d = [np.zeros(grid.cells) for _ in mus], np.zeros(grid.cells)
+    log_v, log_d, log_mu = [np.zeros(grid.cells) for _ in mus], np.zeros(grid.cells), np.zeros(grid.cells)
     for _ in range(rounds):
+        before = log_mu
         log_kw = [blurred(e * (log_mu - blurred(v))) for log_mu, v in zip(log_mus, log_v, strict=True)]
         terms = [np.log(alpha) + k * logs for alpha, logs in zip(alphas, log_kw, strict=True)]
         log_mu = np.logaddexp.reduce(terms, axis=0) / k + sharpness / e * log_d
         log_v = [e * (log_mu - logs) for logs in log_kw]
         log_d = 0.5 * (log_d + e * (log_mu - blurred(log_d)))
+        if np.abs(log_mu - before).max() < 1e-14:
+            break
     density = np.exp(log_mu)
     return (density / density.mean()).reshape(grid.shape), density.mean()
 
