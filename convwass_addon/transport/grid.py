@@ -14,16 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
 from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
+from .gaussian import GaussianKernel
 from .log_lines import log_blur
 from .matrix_product import contract
-from .region import Region, through_whole_arrays
+from .region import Region, ThroughWholeArrays
 
 # A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.
 _NARROWEST, _WIDEST = 1e-3, 1e4
 # Entries of the kernel reach so many standard deviations.
 _ENTRIES = 36.0
-# A coarser grid keeps the kernel of a finer one unless that is narrower, in its cells, than this; then it keeps sigma.
-_NARROWEST_COARSE = 1.25
 # Cells that are blurred at once in the log domain.
 _AT_ONCE = 1 << 17
 # Where fewer of a box's cells are wanted, each is interpolated by itself.
@@ -32,7 +31,7 @@ _FEW = 0.1
 _MARGIN = 1
 
 
-class Grid:
+class Grid(GaussianKernel, ThroughWholeArrays):
     """A grid of equal square cells, with free space or with walls around it.
 
     Lengths of the domain are those of the grid rescaled to unit volume. With cell size h the kernel is
@@ -59,7 +58,6 @@ class Grid:
     A grid keeps scratch arrays between calls, for every thread that uses it.
     """
 
-    has_quadratic_cost = True
     has_fast_propagation = False
     has_fast_balance = False
     relaxation = 1.5
@@ -183,17 +181,7 @@ class Grid:
     ) -> list[NDArray[np.float64]]:
         """Apply the kernel between regions: only their boxes are multiplied, and only their elements taken to logs.
 
-        Parameters
-        ----------
-        columns : sequence of (len(source),) float64
-            Logarithms of scalings.
-        sources, targets : sequence of Region
-            Where every column lives and where its result is wanted.
-
-        Returns
-        -------
-        list of (len(target),) float64
-            log H (a * exp(column)), right or `LOG_NOTHING`.
+        Parameters and result are those of :meth:`.region.ThroughWholeArrays.log_transfer`.
         """
         first, second, _ = (buffer.reshape(-1) for buffer in self._scratch)
         results = []
@@ -215,26 +203,6 @@ class Grid:
             results.append(values)
         return results
 
-    def log_transfer_far(
-        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
-    ) -> list[NDArray[np.float64]]:
-        """Do the same line by line, on whole arrays."""
-        return through_whole_arrays(self.log_apply_far, columns, sources, targets)
-
-    def kernel_distance(
-        self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Distances in units of the domain at which the Gaussian falls from its source to these values."""
-        return np.sqrt(self.gamma * np.maximum(log_at_source - log_values, 0.0))
-
-    def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the divergence itself: the cost of a Gaussian kernel is the squared distance."""
-        return divergence
-
-    def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Slope of the squared distance."""
-        return 2.0 * distance
-
     def coarser(self) -> Grid | None:
         """Return the grid of half the resolution; None where it would be too small.
 
@@ -243,17 +211,7 @@ class Grid:
         """
         if any(n % 2 or n < 16 for n in self.shape):
             return None
-        return Grid([n // 2 for n in self.shape], self._coarser_sigma, self.boundary)
-
-    @property
-    def _coarser_sigma(self) -> float:
-        """Sigma of the coarser grid in its cells."""
-        return min(self.sigma, max(self.sigma / 2.0, _NARROWEST_COARSE))
-
-    @property
-    def fall_of_gamma(self) -> float:
-        """How many times larger gamma is on the coarser grid."""
-        return (2.0 * self._coarser_sigma / self.sigma) ** 2
+        return Grid([n // 2 for n in self.shape], self.coarser_sigma, self.boundary)
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser grid, (k, *shape / 2): the means of 2 x 2 x 2 cells, which keep the mass."""

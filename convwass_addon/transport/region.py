@@ -116,7 +116,44 @@ class Region:
         return interior
 
 
-def through_whole_arrays(
+class ThroughWholeArrays:
+    """A domain whose kernel is applied to all elements at once, for the values at some of them."""
+
+    def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Write log H (a * exp(column)) of every column, (k, *shape), to `out`; see :class:`.domain.Domain`."""
+        raise NotImplementedError
+
+    def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Write the same by numerics that reach further."""
+        raise NotImplementedError
+
+    def log_transfer(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Apply the kernel between regions, on whole arrays.
+
+        Parameters
+        ----------
+        columns : sequence of (len(source),) float64
+            Logarithms of scalings.
+        sources, targets : sequence of Region
+            Where every column lives and where its result is wanted.
+
+        Returns
+        -------
+        list of (len(target),) float64
+            log H (a * exp(column)), right or `LOG_NOTHING`.
+        """
+        return _through_whole_arrays(self.log_apply, columns, sources, targets)
+
+    def log_transfer_far(
+        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
+    ) -> list[NDArray[np.float64]]:
+        """Do the same by :meth:`log_apply_far`."""
+        return _through_whole_arrays(self.log_apply_far, columns, sources, targets)
+
+
+def _through_whole_arrays(
     log_apply: Callable[[NDArray[np.float64], NDArray[np.float64]], None],
     columns: Sequence[NDArray[np.float64]],
     sources: Sequence[Region],

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Literal
 
@@ -12,12 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
-from .region import Region, through_whole_arrays
+from .gaussian import GaussianKernel
+from .region import Region, ThroughWholeArrays
 from .sphere_filter import SphereFilter
 from .zonal_kernel import ZonalKernel, log_zonal
 
-# A coarser grid keeps the kernel of a finer one unless that is narrower, in its rows, than this; then it keeps sigma.
-_NARROWEST_COARSE = 1.25
 _FEWEST_COLUMNS = 32
 # Above these the tables take gigabytes, and the log domain minutes for every round.
 _MOST_ROWS = 512
@@ -26,7 +24,7 @@ _FAR_CELLS = 1 << 13
 _DEPTH = 45.0
 
 
-class Sphere:
+class Sphere(GaussianKernel, ThroughWholeArrays):
     """Latitudes and longitudes on the unit sphere, or on its upper half.
 
     Row i has the angle (i + 1/2) pi / rows from the north pole, +Z, column j the longitude (j + 1/2) 2 pi / columns
@@ -62,7 +60,6 @@ class Sphere:
     """
 
     dimension = 2
-    has_quadratic_cost = True
     has_fast_propagation = False
     has_fast_balance = False
     relaxation = 1.5
@@ -196,32 +193,6 @@ class Sphere:
         logs -= np.log((2.0 * sums.sum(axis=0) - sums[0] - sums[-1]).max())
         return logs
 
-    def log_transfer(
-        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
-    ) -> list[NDArray[np.float64]]:
-        """Apply the kernel between regions; a sphere is blurred as a whole."""
-        return through_whole_arrays(self.log_apply, columns, sources, targets)
-
-    def log_transfer_far(
-        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
-    ) -> list[NDArray[np.float64]]:
-        """Do the same in the log domain."""
-        return through_whole_arrays(self.log_apply_far, columns, sources, targets)
-
-    def kernel_distance(
-        self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Distances in units of the domain at which the Gaussian falls from its source to these values."""
-        return np.sqrt(self.gamma * np.maximum(log_at_source - log_values, 0.0))
-
-    def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the divergence itself: the cost of a Gaussian kernel is the squared distance."""
-        return divergence
-
-    def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Slope of the squared distance."""
-        return 2.0 * distance
-
     def coarser(self) -> Sphere | None:
         """Return the sphere of half the resolution; None where it would be too small."""
         return self._coarser
@@ -231,17 +202,7 @@ class Sphere:
         rows, columns = self.shape
         if rows % 4 or columns % 4 or columns < 2 * _FEWEST_COLUMNS:
             return None
-        return Sphere(rows // 2, self._coarser_sigma, columns // 2, self.part, self.kernel)
-
-    @property
-    def _coarser_sigma(self) -> float:
-        """Sigma of the coarser sphere in its rows."""
-        return min(self.sigma, max(self.sigma / 2.0, _NARROWEST_COARSE))
-
-    @property
-    def fall_of_gamma(self) -> float:
-        """How many times larger gamma is on the coarser sphere."""
-        return (2.0 * self._coarser_sigma / self.sigma) ** 2
+        return Sphere(rows // 2, self.coarser_sigma, columns // 2, self.part, self.kernel)
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Densities on the coarser sphere, (k, rows / 2, columns / 2): means of 2 x 2 cells by their solid angles."""

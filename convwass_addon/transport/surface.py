@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +16,7 @@ from ..geometry.mesh import TriangleMesh
 from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
 from .matern import cost_slope, kernel_distance, squared_distance
 from .mesh_levels import MeshLevel
-from .region import Region, through_whole_arrays
+from .region import Region, ThroughWholeArrays
 
 # Below this gamma the blur of a large shape is finer than an artist would ask for, and long distances suffer.
 _SMALLEST_DEFAULT_GAMMA = 0.01
@@ -32,7 +31,7 @@ _BLOCK = 1 << 22
 _COLUMNS = 4
 
 
-class Surface:
+class Surface(ThroughWholeArrays):
     """A triangle mesh, of any topology, with or without boundary, in one piece or several.
 
     Lengths of the domain are those of the mesh rescaled to unit area. The heat kernel at time t = gamma / 4, for which
@@ -201,18 +200,6 @@ class Surface:
         for column, result in zip(columns, target, strict=True):
             for start in range(0, len(self._used), rows):
                 result[self._used[start : start + rows]] = _log_sums(self._log_kernel[start : start + rows] + column)
-
-    def log_transfer(
-        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
-    ) -> list[NDArray[np.float64]]:
-        """Apply the kernel between regions; a mesh is solved as a whole, all columns at once."""
-        return through_whole_arrays(self.log_apply, columns, sources, targets)
-
-    def log_transfer_far(
-        self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
-    ) -> list[NDArray[np.float64]]:
-        """Do the same by the dense kernel."""
-        return through_whole_arrays(self.log_apply_far, columns, sources, targets)
 
     def kernel_distance(
         self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
