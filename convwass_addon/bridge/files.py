@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 import os
-import uuid
 from pathlib import Path
 
 import bpy
 
-from ..errors import ConvwassError, InputError
+from ..drafts import written_whole
+from ..errors import InputError
 
 
 def checked_target(path: Path) -> Path:
@@ -30,6 +30,50 @@ def checked_target(path: Path) -> Path:
         )
     if not os.access(target.parent, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target.parent))
+    return target
+
+
+def absolute_folder(folder: str | Path) -> Path:
+    """Return the absolute path of a folder that files go to; it need not exist.
+
+    Parameters
+    ----------
+    folder : str or Path
+        A path that starts with two slashes goes from the saved file.
+
+    Raises
+    ------
+    InputError
+        It goes from a file that has not been saved, or is a file itself.
+    """
+    text = str(folder)
+    if text.startswith("//") and not bpy.data.filepath:
+        raise InputError("Save the file first: {folder} is relative to it. Or choose a whole path.", folder=text)
+    target = Path(bpy.path.abspath(text)).expanduser().absolute()
+    if target.exists() and not target.is_dir():
+        raise InputError("{folder} is a file; choose a folder.", folder=str(target))
+    return target
+
+
+def made_folder(folder: str | Path) -> Path:
+    """Return the absolute path of a folder that files go to; its last part is made if missing.
+
+    Raises
+    ------
+    InputError
+        As `absolute_folder`, or it cannot be made or written to.
+    """
+    target = absolute_folder(folder)
+    if not target.parent.is_dir():
+        raise InputError(
+            "The folder {folder} does not exist; make it first, or choose another one.", folder=str(target.parent)
+        )
+    try:
+        target.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError("The folder {folder} cannot be made; choose another one.", folder=str(target)) from error
+    if not os.access(target, os.W_OK):
+        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target))
     return target
 
 
@@ -53,16 +97,8 @@ def save_blend(path: Path) -> Path:
     target = checked_target(path)
     if target.suffix.lower() != ".blend":
         raise InputError("{name} does not end in .blend; name it {stem}.blend.", name=target.name, stem=target.stem)
-    draft = target.with_name(f".{uuid.uuid4().hex}.blend")
-    try:
+    with written_whole(target) as draft:
         bpy.ops.wm.save_as_mainfile(
             filepath=str(draft), check_existing=False, compress=True, relative_remap=True, copy=True
         )
-        os.replace(draft, target)
-    except (RuntimeError, OSError) as error:
-        raise ConvwassError(
-            "{file} could not be written: {reason}", file=str(target), reason=str(error).strip()
-        ) from error
-    finally:
-        draft.unlink(missing_ok=True)
     return target

@@ -222,7 +222,6 @@ TEXTS: dict[str, str] = {
     "{object}: its location, rotation or scale is not a number (NaN or infinite).": "{object} : sa position, sa rotation ou son échelle n'est pas un nombre (NaN ou infini).",
     "{object}: {bad} of {count} vertices have coordinates that are not numbers (NaN or infinite); delete them, or the modifier that makes them.": "{object} : {bad} sommets sur {count} ont des coordonnées qui ne sont pas des nombres (NaN ou infini) ; les supprimer, ou le modificateur qui les crée.",
     "{path} cannot be used and is made again: {reason}.": "{path} ne peut pas être utilisé et est recréé : {reason}.",
-    "{path} could not be written: {reason}": "{path} n'a pas pu être écrit : {reason}",
     "{shape} has none": "{shape} n'en a aucune",
     "{shape} has {parts}": "{shape} a {parts}",
     "{target} cannot be written ({reason}); close programs that show it, or choose another folder.": "{target} ne peut pas être écrit ({reason}) ; fermer les programmes qui l'affichent, ou choisir un autre dossier.",

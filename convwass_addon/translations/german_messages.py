@@ -222,7 +222,6 @@ TEXTS: dict[str, str] = {
     "{object}: its location, rotation or scale is not a number (NaN or infinite).": "{object}: Position, Drehung oder Skalierung ist keine Zahl (NaN oder unendlich).",
     "{object}: {bad} of {count} vertices have coordinates that are not numbers (NaN or infinite); delete them, or the modifier that makes them.": "{object}: {bad} von {count} Vertices haben Koordinaten, die keine Zahlen sind (NaN oder unendlich); sie löschen, oder den Modifikator, der sie erzeugt.",
     "{path} cannot be used and is made again: {reason}.": "{path} kann nicht verwendet werden und wird neu erzeugt: {reason}.",
-    "{path} could not be written: {reason}": "{path} konnte nicht geschrieben werden: {reason}",
     "{shape} has none": "{shape} hat keine",
     "{shape} has {parts}": "{shape} hat {parts}",
     "{target} cannot be written ({reason}); close programs that show it, or choose another folder.": "{target} kann nicht geschrieben werden ({reason}); Programme schließen, die die Datei zeigen, oder einen anderen Ordner wählen.",

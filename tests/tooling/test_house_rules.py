@@ -37,10 +37,11 @@ BLENDER = {
 MAY_IMPORT = {
     "sentence": set(),
     "errors": {"sentence"},
+    "drafts": {"errors", "sentence"},
     "transport": {"errors", "sentence", "geometry"},
     "geometry": {"errors", "sentence"},
-    "applications": {"errors", "sentence", "transport", "geometry"},
-    "bridge": {"errors", "sentence", "transport", "geometry", "applications"},
+    "applications": {"drafts", "errors", "sentence", "transport", "geometry"},
+    "bridge": {"drafts", "errors", "sentence", "transport", "geometry", "applications"},
     "properties": {"errors", "sentence", "applications", "bridge"},
     "density_properties": {"errors", "sentence", "applications", "bridge"},
     "soft_map_properties": {"errors", "sentence", "applications", "bridge"},
@@ -101,7 +102,7 @@ MAY_IMPORT = {
 }
 """Which rooms of the package each room may import from, besides itself."""
 
-WITHOUT_BLENDER = ("errors", "sentence", "transport", "geometry", "applications", "console")
+WITHOUT_BLENDER = ("drafts", "errors", "sentence", "transport", "geometry", "applications", "console")
 
 
 def modules() -> list[str]:

@@ -20,13 +20,13 @@ import math
 import os
 import stat
 import struct
-import uuid
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...drafts import draft_of
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from .potentials import PartPotentials
@@ -91,12 +91,8 @@ def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
     OSError
         The file cannot be written.
     """
-    draft = path.with_name(f".{uuid.uuid4().hex}.part")
-    try:
+    with draft_of(path, ".part") as draft:
         draft.write_bytes(_packed(key, frame))
-        os.replace(draft, path)
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def read_frame(path: Path, key: str) -> StoredFrame:

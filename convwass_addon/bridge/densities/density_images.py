@@ -4,10 +4,7 @@
 
 from __future__ import annotations
 
-import os
-import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,8 +12,10 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import ConvwassError, InputError
+from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
+from ..files import made_folder
+from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
 from .density_nodes import NAME
 
@@ -86,7 +85,7 @@ def write_step_images(
     frames = np.atleast_2d(np.asarray(densities, dtype=np.float64))
     if frames.ndim != 2 or frames.shape[1] != len(readable_mesh(obj).vertices):
         raise ValueError(f"densities of shape {frames.shape} for {len(obj.data.vertices)} vertices")
-    target = _checked_folder(folder)
+    target = made_folder(folder)
     pixels = mesh_pixels(obj, settings)
     largest = float(frames.max(initial=0.0))
     scale = 1.0 / largest if settings.file_format == "PNG" and largest > 0.0 else 1.0
@@ -140,67 +139,19 @@ def _uv_layer(obj: bpy.types.Object, name: str) -> bpy.types.MeshUVLoopLayer:
     return next((layer for layer in layers if layer.active_render), layers[0])
 
 
-def _checked_folder(folder: str | Path) -> Path:
-    text = str(folder)
-    if text.startswith("//") and not bpy.data.filepath:
-        raise InputError("Save the file first: {folder} is relative to it. Or choose a whole path.", folder=text)
-    target = Path(bpy.path.abspath(text)).expanduser().absolute()
-    if target.exists() and not target.is_dir():
-        raise InputError("{folder} is a file; choose a folder.", folder=str(target))
-    if not target.parent.is_dir():
-        raise InputError(
-            "The folder {folder} does not exist; make it first, or choose another one.", folder=str(target.parent)
-        )
-    try:
-        target.mkdir(exist_ok=True)
-    except OSError as error:
-        raise InputError("The folder {folder} cannot be made; choose another one.", folder=str(target)) from error
-    if not os.access(target, os.W_OK):
-        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target))
-    return target
-
-
 def _written(
     pixels: UvPixels, frames: NDArray[np.float64], paths: list[Path], settings: ImageSettings
 ) -> Iterator[Path]:
+    how = ImageFormat(settings.file_format, "BW", DEPTHS[settings.file_format])
     for values, path in zip(frames, paths, strict=True):
-        with _drawn(pixels.picture(values)) as image, _format_scene(settings.file_format) as scene:
-            draft = path.with_name(f".{uuid.uuid4().hex}{path.suffix}")
-            try:
-                image.save_render(str(draft), scene=scene)
-                os.replace(draft, path)
-            except (RuntimeError, OSError) as error:
-                reason = str(error).strip()
-                raise ConvwassError("{path} could not be written: {reason}", path=str(path), reason=reason) from error
-            finally:
-                draft.unlink(missing_ok=True)
+        # No view transform may touch the values.
+        with drawn_image(_gray(pixels.picture(values)), "Non-Color") as image:
+            write_image(image, path, how)
         yield path
 
 
-@contextmanager
-def _drawn(values: NDArray[np.float32]) -> Iterator[bpy.types.Image]:
-    """Give an image of gray values, (height, width), which no view transform touches."""
-    height, width = values.shape
-    image = bpy.data.images.new("Density", width, height, float_buffer=True, is_data=True)
-    try:
-        rgba = np.ones((height, width, 4), dtype=np.float32)
-        rgba[..., :3] = values[..., None]
-        image.pixels.foreach_set(rgba.ravel())
-        yield image
-    finally:
-        bpy.data.images.remove(image)
-
-
-@contextmanager
-def _format_scene(file_format: str) -> Iterator[bpy.types.Scene]:
-    """Give a scene whose render settings say how to write a gray image."""
-    scene = bpy.data.scenes.new("Density")
-    try:
-        settings = scene.render.image_settings
-        settings.file_format = file_format
-        settings.color_mode, settings.color_depth = "BW", DEPTHS[file_format]
-        if file_format == "OPEN_EXR":
-            settings.exr_codec = "ZIP"
-        yield scene
-    finally:
-        bpy.data.scenes.remove(scene)
+def _gray(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return gray pixels, (height, width, 4), of values, (height, width)."""
+    rgba = np.ones((*values.shape, 4), dtype=np.float32)
+    rgba[..., :3] = values[..., None]
+    return rgba

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Image files: opened for a moment, and written whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drafts import written_whole
+from ..errors import InputError
+
+# Per cent, of JPEG.
+_QUALITY = 95
+
+
+@dataclass(frozen=True)
+class ImageFormat:
+    """How an image is written.
+
+    Attributes
+    ----------
+    file_format : str
+        Blender's name of it, such as "PNG" or "OPEN_EXR".
+    color_mode : str
+        Blender's name of the channels: "BW", "RGB" or "RGBA".
+    color_depth : str
+        Bits of a channel: "8", "16" or "32"; one that the format has.
+    """
+
+    file_format: str
+    color_mode: str
+    color_depth: str
+
+
+@contextmanager
+def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
+    """Load an image, and remove it afterwards.
+
+    Raises
+    ------
+    InputError
+        No such file, or none that Blender reads.
+    """
+    file = Path(path).expanduser().absolute()
+    if not file.is_file():
+        raise InputError("There is no file {file}.", file=str(file))
+    try:
+        image = bpy.data.images.load(str(file))
+    except RuntimeError as error:
+        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
+    try:
+        yield image
+    finally:
+        bpy.data.images.remove(image)
+
+
+@contextmanager
+def drawn_image(
+    pixels: NDArray[np.float32], colorspace: str | None = None, *, is_float: bool = True
+) -> Iterator[bpy.types.Image]:
+    """Make an image of pixels, and remove it afterwards.
+
+    Parameters
+    ----------
+    pixels : (height, width, 4) float32
+        Red, green, blue and alpha, the lowest row first.
+    colorspace : str, optional
+        Blender's name of the color space that the values are in, "Non-Color" for those that no view transform is to
+        touch; by default that of new images.
+    is_float : bool
+        Whether it holds floats, or else bytes.
+    """
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new("Convwass", width, height, alpha=True, float_buffer=is_float)
+    try:
+        if colorspace is not None:
+            image.colorspace_settings.name = colorspace
+        image.pixels.foreach_set(np.ascontiguousarray(pixels, dtype=np.float32).ravel())
+        yield image
+    finally:
+        bpy.data.images.remove(image)
+
+
+def write_image(image: bpy.types.Image, path: Path, how: ImageFormat) -> None:
+    """Write an image with its values as they are; the file is there as a whole or not at all.
+
+    Image.save would encode floats for a screen, whatever their color space.
+
+    Raises
+    ------
+    ConvwassError
+        Blender or the system could not write the file.
+    """
+    with written_whole(path) as draft, _format_scene(how) as scene:
+        image.save_render(str(draft), scene=scene)
+
+
+@contextmanager
+def _format_scene(how: ImageFormat) -> Iterator[bpy.types.Scene]:
+    """Give a scene whose render settings say how to write an image."""
+    scene = bpy.data.scenes.new("Convwass")
+    try:
+        settings = scene.render.image_settings
+        settings.file_format = how.file_format
+        settings.color_mode = how.color_mode
+        settings.color_depth = how.color_depth
+        settings.quality = _QUALITY
+        if how.file_format == "OPEN_EXR":
+            settings.exr_codec = "ZIP"
+        scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+        yield scene
+    finally:
+        bpy.data.scenes.remove(scene)
