@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
+from convwass_addon.bridge import viewport_overlay
 from convwass_addon.bridge.armatures import joint_dots
 from convwass_addon.bridge.armatures.joint_dots import JointDots, dots_of
 from convwass_addon.bridge.armatures.rigs import pin_joints, rig_graph
@@ -60,50 +61,19 @@ def test_drawing(monkeypatch):
     obj, drawn = chain(2), []
     pin_joints(obj, rig_graph(obj), [0], True)
     monkeypatch.setattr(joint_dots, "location_3d_to_region_2d", lambda region, view, point: Vector(point[:2]))
-    monkeypatch.setattr(joint_dots, "_fill_discs", lambda centers, radius, color: drawn.append((len(centers), color)))
+    monkeypatch.setattr(joint_dots, "fill_discs", lambda centers, radius, color: drawn.append((len(centers), color)))
     monkeypatch.setattr(joint_dots.gpu.state, "blend_set", lambda mode: None)
     overlay = SimpleNamespace(show_overlays=True)
     context = SimpleNamespace(
         space_data=SimpleNamespace(overlay=overlay), region=None, region_data=None, preferences=bpy.context.preferences
     )
-    monkeypatch.setattr(joint_dots, "bpy", SimpleNamespace(context=context))
+    monkeypatch.setattr(viewport_overlay, "bpy", SimpleNamespace(context=context))
     wanted = [obj]
     dots = JointDots(lambda _context: wanted[0])
-    dots._draw()
+    dots._draw_if_shown()
     assert drawn == [(3, joint_dots._INK), (3, joint_dots._BLUE), (1, joint_dots._INK), (1, joint_dots._GREEN)]
     overlay.show_overlays = False
-    dots._draw()
+    dots._draw_if_shown()
     overlay.show_overlays, wanted[0] = True, None
-    dots._draw()
+    dots._draw_if_shown()
     assert len(drawn) == 4
-
-
-def test_discs_are_filled_in_one_go(monkeypatch):
-    made = []
-    shader = SimpleNamespace(uniform_float=lambda name, value: None)
-    monkeypatch.setattr(joint_dots.gpu.shader, "from_builtin", lambda name: shader, raising=False)
-    monkeypatch.setattr(
-        joint_dots,
-        "batch_for_shader",
-        lambda shader, kind, content, indices: (
-            made.append((content["pos"], indices)) or SimpleNamespace(draw=lambda shader: None)
-        ),
-    )
-    joint_dots._fill_discs([Vector((0, 0)), Vector((10, 0))], 2.0, (1, 1, 1, 1))
-    ((points, triangles),) = made
-    corners = np.array([points[corner] for triangle in triangles for corner in triangle]).reshape(-1, 3, 2)
-    sides = corners[:, 1:] - corners[:, :1]
-    area = 0.5 * np.abs(np.linalg.det(sides)).sum()
-    assert area == pytest.approx(2 * np.pi * 4, rel=0.03)
-    assert {point for triangle in triangles for point in triangle} == set(range(len(points)))
-
-
-def test_the_handler_comes_and_goes():
-    dots = JointDots(lambda context: None)
-    for _ in range(2):
-        dots.register()
-        dots.register()
-        assert dots._handle is not None
-        dots.unregister()
-        dots.unregister()
-        assert dots._handle is None

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
+from convwass_addon.bridge import viewport_overlay
 from convwass_addon.bridge.soft_maps import pair_labels
 from convwass_addon.bridge.soft_maps.pair_labels import LabeledVertex, PairLabels, _faces_viewer, labels_of
 
@@ -73,7 +74,7 @@ def test_drawing(cube, monkeypatch):
     """What is drawn where, by a stand-in for the graphics card."""
     drawn = []
     monkeypatch.setattr(pair_labels, "location_3d_to_region_2d", lambda region, view, point: Vector((50, 60)))
-    monkeypatch.setattr(pair_labels, "_fill_disc", lambda center, radius, color: drawn.append(color[3]))
+    monkeypatch.setattr(pair_labels, "fill_discs", lambda centers, radius, color: drawn.append(color[3]))
     monkeypatch.setattr(pair_labels, "_write", lambda text, *rest: drawn.append(text))
     monkeypatch.setattr(pair_labels.gpu.state, "blend_set", lambda mode: None)
     view = SimpleNamespace(view_matrix=Matrix.Translation((1, 0, 10)).inverted(), is_perspective=True)
@@ -85,23 +86,12 @@ def test_drawing(cube, monkeypatch):
         view_layer=bpy.context.view_layer,
         preferences=bpy.context.preferences,
     )
-    monkeypatch.setattr(pair_labels, "bpy", SimpleNamespace(context=context))
+    monkeypatch.setattr(viewport_overlay, "bpy", SimpleNamespace(context=context))
     bpy.context.view_layer.update()
     top = max(cube.data.vertices, key=lambda vertex: vertex.co.z).index
     labels = PairLabels(lambda _context: [LabeledVertex(cube, top, 12)])
-    labels._draw()
+    labels._draw_if_shown()
     assert drawn == [1.0, 1.0, 1.0, 1.0, "12"]
     overlay.show_overlays = False
-    labels._draw()
+    labels._draw_if_shown()
     assert len(drawn) == 5
-
-
-def test_the_handler_comes_and_goes():
-    labels = PairLabels(lambda context: [])
-    for _ in range(2):
-        labels.register()
-        labels.register()
-        assert labels._handle is not None
-        labels.unregister()
-        labels.unregister()
-        assert labels._handle is None

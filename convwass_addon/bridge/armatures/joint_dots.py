@@ -4,22 +4,20 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bmesh
 import bpy
 import gpu
 from bpy_extras.view3d_utils import location_3d_to_region_2d
-from gpu_extras.batch import batch_for_shader
 from mathutils import Vector
 
+from ..viewport_overlay import ViewportOverlay, fill_discs
 from .edge_graphs import pinned_vertices
 
 # Pixels at a scale of 1.
 _PINNED_RADIUS, _FREE_RADIUS, _RIM = 6.0, 4.0, 1.0
-_CORNERS = 16
 _INK = (0.05, 0.05, 0.05, 1.0)
 # Told apart by everybody: Okabe and Ito, "Color Universal Design", 2008.
 _GREEN, _BLUE = (0.0, 0.75, 0.5, 1.0), (0.34, 0.71, 0.91, 1.0)
@@ -41,7 +39,7 @@ class JointDot:
     is_pinned: bool
 
 
-class JointDots:
+class JointDots(ViewportOverlay[bpy.types.Object | None]):
     """Draws dots while it is registered.
 
     Parameters
@@ -50,27 +48,10 @@ class JointDots:
         ``wanted(context)`` returns the rig that is to have dots at that moment, or None.
     """
 
-    def __init__(self, wanted: Callable[[bpy.types.Context], bpy.types.Object | None]) -> None:
-        self._wanted = wanted
-        self._handle: object | None = None
-
-    def register(self) -> None:
-        """Begin to draw."""
-        if self._handle is None:
-            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
-
-    def unregister(self) -> None:
-        """Draw no more."""
-        if self._handle is not None:
-            bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
-            self._handle = None
-
-    def _draw(self) -> None:
-        context = bpy.context
-        rig = self._wanted(context) if context.space_data.overlay.show_overlays else None
-        if rig is None:
+    def _draw(self, wanted: bpy.types.Object | None, context: bpy.types.Context) -> None:
+        if wanted is None:
             return
-        dots = dots_of(rig)
+        dots = dots_of(wanted)
         gpu.state.blend_set("ALPHA")
         for is_pinned, radius, color in ((False, _FREE_RADIUS, _BLUE), (True, _PINNED_RADIUS, _GREEN)):
             _draw_dots([dot.point for dot in dots if dot.is_pinned == is_pinned], radius, color, context)
@@ -109,19 +90,5 @@ def _draw_dots(points: Sequence[Vector], radius: float, color: tuple[float, ...]
     places = [location_3d_to_region_2d(region, view, point) for point in points]
     centers = [place for place in places if place is not None]
     if centers:
-        _fill_discs(centers, (radius + _RIM) * scale, _INK)
-        _fill_discs(centers, radius * scale, color)
-
-
-def _fill_discs(centers: Sequence[Vector], radius: float, color: tuple[float, ...]) -> None:
-    """Fill discs, all in one go: rigs have hundreds of joints."""
-    angles = [2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS)]
-    rim = [Vector((radius * math.cos(angle), radius * math.sin(angle))) for angle in angles]
-    points = [center + corner for center in centers for corner in rim]
-    fan = [(0, corner, corner + 1) for corner in range(1, _CORNERS - 1)]
-    triangles = [
-        tuple(first + corner for corner in triangle) for first in range(0, len(points), _CORNERS) for triangle in fan
-    ]
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    shader.uniform_float("color", color)
-    batch_for_shader(shader, "TRIS", {"pos": points}, indices=triangles).draw(shader)
+        fill_discs(centers, (radius + _RIM) * scale, _INK)
+        fill_discs(centers, radius * scale, color)

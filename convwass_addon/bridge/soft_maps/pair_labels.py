@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import blf
@@ -13,12 +12,12 @@ import bmesh
 import bpy
 import gpu
 from bpy_extras.view3d_utils import location_3d_to_region_2d
-from gpu_extras.batch import batch_for_shader
 from mathutils import Vector
+
+from ..viewport_overlay import ViewportOverlay, fill_discs
 
 # Pixels at a scale of 1.
 _TEXT_SIZE, _RADIUS, _DOT = 12.0, 10.0, 3.0
-_CORNERS = 20
 # Opacity of what lies on the far side.
 _FAINT = 0.35
 _INK = (0.05, 0.05, 0.05)
@@ -71,7 +70,7 @@ class Label:
     normal: Vector
 
 
-class PairLabels:
+class PairLabels(ViewportOverlay[Sequence[LabeledVertex]]):
     """Draws labels while it is registered.
 
     Parameters
@@ -80,27 +79,8 @@ class PairLabels:
         ``wanted(context)`` returns the vertices that are to have a label at that moment.
     """
 
-    def __init__(self, wanted: Callable[[bpy.types.Context], Sequence[LabeledVertex]]) -> None:
-        self._wanted = wanted
-        self._handle: object | None = None
-
-    def register(self) -> None:
-        """Begin to draw."""
-        if self._handle is None:
-            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
-
-    def unregister(self) -> None:
-        """Draw no more."""
-        if self._handle is not None:
-            bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
-            self._handle = None
-
-    def _draw(self) -> None:
-        context = bpy.context
-        if not context.space_data.overlay.show_overlays:
-            return
-        depsgraph = context.view_layer.depsgraph
-        for label in labels_of(self._wanted(context), depsgraph):
+    def _draw(self, wanted: Sequence[LabeledVertex], context: bpy.types.Context) -> None:
+        for label in labels_of(wanted, context.view_layer.depsgraph):
             _draw_label(label, context)
 
 
@@ -139,10 +119,10 @@ def _draw_label(label: Label, context: bpy.types.Context) -> None:
     color = (*_COLORS[(label.number - 1) % len(_COLORS)], opacity)
     center = place + Vector((_RADIUS, _RADIUS)) * 1.2 * scale
     gpu.state.blend_set("ALPHA")
-    _fill_disc(place, (_DOT + 1.0) * scale, (*_INK, opacity))
-    _fill_disc(place, _DOT * scale, color)
-    _fill_disc(center, (_RADIUS + 1.0) * scale, (*_INK, opacity))
-    _fill_disc(center, _RADIUS * scale, color)
+    fill_discs([place], (_DOT + 1.0) * scale, (*_INK, opacity))
+    fill_discs([place], _DOT * scale, color)
+    fill_discs([center], (_RADIUS + 1.0) * scale, (*_INK, opacity))
+    fill_discs([center], _RADIUS * scale, color)
     gpu.state.blend_set("NONE")
     _write(str(label.number), center, _TEXT_SIZE * scale, (*_INK, opacity))
 
@@ -151,15 +131,6 @@ def _faces_viewer(label: Label, view: bpy.types.RegionView3D) -> bool:
     inverse = view.view_matrix.inverted()
     toward = inverse.translation - label.point if view.is_perspective else inverse.col[2].to_3d()
     return label.normal.dot(toward) >= 0.0
-
-
-def _fill_disc(center: Vector, radius: float, color: tuple[float, ...]) -> None:
-    angles = [2.0 * math.pi * corner / _CORNERS for corner in range(_CORNERS)]
-    rim = [(center.x + radius * math.cos(angle), center.y + radius * math.sin(angle)) for angle in angles]
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    triangles = [(0, corner, corner + 1) for corner in range(1, _CORNERS - 1)]
-    shader.uniform_float("color", color)
-    batch_for_shader(shader, "TRIS", {"pos": rim}, indices=triangles).draw(shader)
 
 
 def _write(text: str, center: Vector, size: float, color: tuple[float, ...]) -> None:
