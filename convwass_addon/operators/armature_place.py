@@ -8,7 +8,6 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import FloatVectorProperty
-from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 from numpy.typing import NDArray
 
 from ..applications.skeletons.inner_points import InnerPointFinder
@@ -16,12 +15,12 @@ from ..armature_properties import chosen_rig, depth_property
 from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph
 from ..errors import ConvwassError, InputError
 from .armature_targets import OnBody, chosen_joints, joints_property
-from .density_pick import view_at
 from .density_targets import length_text
+from .picking import PicksPoints, surface_point_at
 from .reporting import refuse
 
 
-class CONVWASS_OT_place_joint(OnBody, bpy.types.Operator):
+class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
     """Put the selected joints into the body with one click each on its surface: each goes to the middle of what is behind the click, and is pinned"""  # noqa: E501
 
     bl_idname = "convwass.place_joint"
@@ -59,43 +58,27 @@ class CONVWASS_OT_place_joint(OnBody, bpy.types.Operator):
             self._waiting, self._finder = self._names(context), _finder(context)
         except ConvwassError as error:
             return refuse(self, error)
-        context.window_manager.modal_handler_add(self)
-        context.window.cursor_modal_set("EYEDROPPER")
         self._say(context)
-        return {"RUNNING_MODAL"}
+        return self._wait(context)
 
-    def modal(self, context, event):
-        is_gone = chosen_rig(context) is None or context.scene.convwass_armature.body is None
-        if is_gone or (event.type in ("ESC", "RIGHTMOUSE", "RET") and event.value == "PRESS"):
-            self.cancel(context)
-            # Every joint has its own undo step by now.
-            return {"CANCELLED"}
-        if event.type != "LEFTMOUSE" or event.value != "PRESS":
-            return {"PASS_THROUGH"}
-        region = view_at(context.window, event.mouse_x, event.mouse_y)
-        if region is None:
-            return {"PASS_THROUGH"}
-        place = event.mouse_x - region.x, event.mouse_y - region.y
-        try:
-            point = surface_point_at(context, context.scene.convwass_armature.body, region, place)
-            if point is None:
-                self.report({"INFO"}, rpt_("There is nothing of the body; click on its surface"))
-                return {"RUNNING_MODAL"}
-            self._place(context, self._waiting[0], point)
-        except ConvwassError as error:
-            self.cancel(context)
-            return refuse(self, error)
+    def _is_over(self, context):
+        return chosen_rig(context) is None or context.scene.convwass_armature.body is None
+
+    def _take(self, context, region, place):
+        body, depsgraph = context.scene.convwass_armature.body, context.evaluated_depsgraph_get()
+        point = surface_point_at(body, depsgraph, region, place)
+        if point is None:
+            self.report({"INFO"}, rpt_("There is nothing of the body; click on its surface"))
+            return {"RUNNING_MODAL"}
+        self._place(context, self._waiting[0], point)
         bpy.ops.ed.undo_push(message=rpt_("Place Joint"))
         self._waiting.pop(0)
         if not self._waiting:
             self.cancel(context)
+            # Every joint has its own undo step by now.
             return {"CANCELLED"}
         self._say(context)
         return {"RUNNING_MODAL"}
-
-    def cancel(self, context):
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
 
     def _names(self, context: bpy.types.Context) -> list[str]:
         """Return the joints that are meant; raises InputError where there are none, or they cannot be moved."""
@@ -128,19 +111,6 @@ def _finder(context: bpy.types.Context) -> InnerPointFinder:
     """Return what finds points inside of the body, for as many clicks as there will be."""
     body = context.scene.convwass_armature.body
     return InnerPointFinder(resting_body(body, chosen_rig(context), context.evaluated_depsgraph_get()))
-
-
-def surface_point_at(
-    context: bpy.types.Context, obj: bpy.types.Object, region: bpy.types.Region, place: tuple[int, int]
-) -> NDArray[np.float64] | None:
-    """Return the point of an object's surface that a point of a view shows, world space; None for nothing."""
-    evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
-    matrix = evaluated.matrix_world
-    inverse = matrix.inverted_safe()
-    origin = inverse @ region_2d_to_origin_3d(region, region.data, place)
-    direction = inverse.to_3x3() @ region_2d_to_vector_3d(region, region.data, place)
-    is_hit, location, _, _ = evaluated.ray_cast(origin, direction)
-    return np.array(matrix @ location, dtype=np.float64) if is_hit else None
 
 
 classes = (CONVWASS_OT_place_joint,)

@@ -8,14 +8,13 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..soft_map_properties import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
 from ..translations import translated
-from .density_pick import vertex_at, view_at
-from .reporting import refuse
+from .picking import PicksPoints, vertex_at
 
 
-class PicksPair:
+class PicksPair(PicksPoints):
     """An operator that adds pairs, by clicks where there is a window and no vertices are given or selected.
 
     Each pair is an undo step of its own. It goes before the other bases.
@@ -26,53 +25,34 @@ class PicksPair:
         is_given = self.source_vertex >= 0 or self.target_vertex >= 0
         if is_given or bpy.app.background or context.mode == "EDIT_MESH":
             return self.execute(context)
-        context.window_manager.modal_handler_add(self)
-        context.window.cursor_modal_set("EYEDROPPER")
         self._say(context, own)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        own = context.scene.convwass_soft_map
-        if own.source is None or own.target is None:
-            self.cancel(context)
-            return {"CANCELLED"}
-        if event.type in ("ESC", "RIGHTMOUSE", "RET") and event.value == "PRESS":
-            self.cancel(context)
-            # Every pair has its own undo step by now.
-            return {"CANCELLED"}
-        if event.type != "LEFTMOUSE" or event.value != "PRESS":
-            return {"PASS_THROUGH"}
-        region = view_at(context.window, event.mouse_x, event.mouse_y)
-        if region is None:
-            return {"PASS_THROUGH"}
-        place = event.mouse_x - region.x, event.mouse_y - region.y
-        try:
-            self._take(context, own, region, place)
-        except ConvwassError as error:
-            self.cancel(context)
-            return refuse(self, error)
-        self._say(context, own)
-        redraw_views(context)
-        return {"RUNNING_MODAL"}
+        return self._wait(context)
 
     def cancel(self, context):
         own = context.scene.convwass_soft_map
         if _half_pair(own) is not None:
             own.pairs.remove(len(own.pairs) - 1)
             own.active_pair = max(len(own.pairs) - 1, 0)
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
+        PicksPoints.cancel(self, context)
         redraw_views(context)
 
-    def _take(
-        self, context: bpy.types.Context, own: CONVWASS_PG_soft_map, region: bpy.types.Region, place: tuple[int, int]
-    ) -> None:
-        """Add what is clicked on to the pair that is being made; the last click on an object counts."""
+    def _is_over(self, context):
+        own = context.scene.convwass_soft_map
+        return own.source is None or own.target is None
+
+    def _take(self, context, region, place):
+        own = context.scene.convwass_soft_map
         hit = _hit(context, own, region, place)
         if hit is None:
             self.report({"INFO"}, rpt_("There is nothing of the source or the target; click on their surfaces"))
-            return
-        obj, vertex = hit
+        else:
+            self._add_vertex(own, *hit)
+        self._say(context, own)
+        redraw_views(context)
+        return {"RUNNING_MODAL"}
+
+    def _add_vertex(self, own: CONVWASS_PG_soft_map, obj: bpy.types.Object, vertex: int) -> None:
+        """Add what is clicked on to the pair that is being made; the last click on an object counts."""
         pair = _half_pair(own)
         # On one and the same object the second click is the other vertex.
         is_source = obj == own.source and (own.source != own.target or pair is None)
@@ -136,7 +116,7 @@ def _hit(
     depsgraph = context.evaluated_depsgraph_get()
     hits = []
     for obj in dict.fromkeys((own.source, own.target)):
-        vertex = vertex_at(obj, depsgraph, region, region.data, place) if obj.visible_get() else None
+        vertex = vertex_at(obj, depsgraph, region, place) if obj.visible_get() else None
         if vertex is not None:
             hits.append((_depth(obj, vertex, depsgraph, region.data), obj, vertex))
     return min(hits, key=lambda hit: hit[0])[1:] if hits else None

@@ -15,7 +15,7 @@ from convwass_addon.applications.skeletons.inner_points import InnerPoint
 from convwass_addon.armature_properties import _dotted_rig, _is_mesh, _is_rig, chosen_rig
 from convwass_addon.bridge.armatures.rigs import pinned_ends, rig_graph
 from convwass_addon.errors import InputError
-from convwass_addon.operators import armature_place
+from convwass_addon.operators import armature_place, picking
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
 from tests.rigs import call, chain, choose, lines, own, select_joints, tube, world_ends
@@ -196,11 +196,11 @@ def clicking(rig, axis, monkeypatch):
         armature_place, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), ops=ops, types=bpy.types)
     )
     monkeypatch.setattr(
-        armature_place,
+        picking,
         "region_2d_to_origin_3d",
         lambda region, view, place: Vector((place[0] / 100, place[1] / 100 - 2, 10)),
     )
-    monkeypatch.setattr(armature_place, "region_2d_to_vector_3d", lambda region, view, place: Vector((0, 0, -1)))
+    monkeypatch.setattr(picking, "region_2d_to_vector_3d", lambda region, view, place: Vector((0, 0, -1)))
     context.said = said
     return context
 

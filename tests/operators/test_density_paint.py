@@ -16,7 +16,7 @@ from mathutils import Matrix, Vector
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background, density_paint, density_pick
+from convwass_addon.operators import background, density_paint, density_pick, picking
 from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_mass
 from tests.operators.densities import ESCAPE, TIMER, Pressed, ball, center, positions, two_balls, until, window_context
 
@@ -319,8 +319,8 @@ def test_picking_can_be_given_up(view, monkeypatch):
 def test_sidebars_over_a_view_are_not_clicked_through(view):
     over = SimpleNamespace(type="UI", x=200, y=50, width=100, height=200)
     window = SimpleNamespace(screen=SimpleNamespace(areas=[SimpleNamespace(type="VIEW_3D", regions=[view, over])]))
-    assert density_pick.view_at(window, 150, 100) is view
-    assert density_pick.view_at(window, 250, 100) is None
+    assert picking.view_at(window, 150, 100) is view
+    assert picking.view_at(window, 250, 100) is None
 
 
 def test_stopping_what_is_seldom_checked_leaves_the_window_alone(monkeypatch):

@@ -11,7 +11,7 @@ import pytest
 from mathutils import Matrix, Vector
 
 from convwass_addon.bridge import surfaces
-from convwass_addon.operators import density_pick, soft_map_pick
+from convwass_addon.operators import picking, soft_map_pick
 from convwass_addon.operators.soft_map_pairs import CONVWASS_OT_add_map_pair
 from convwass_addon.soft_map_properties import labeled_vertices
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
@@ -197,11 +197,11 @@ def clicking(pair, monkeypatch):
     fake = SimpleNamespace(app=SimpleNamespace(background=False), ops=bpy.ops, types=bpy.types)
     monkeypatch.setattr(soft_map_pick, "bpy", fake)
     monkeypatch.setattr(
-        density_pick,
+        picking,
         "region_2d_to_origin_3d",
         lambda region, view, place: Vector((place[0] / 100 - 2, place[1] / 100 - 2, 10)),
     )
-    monkeypatch.setattr(density_pick, "region_2d_to_vector_3d", lambda region, view, place: Vector((0, 0, -1)))
+    monkeypatch.setattr(picking, "region_2d_to_vector_3d", lambda region, view, place: Vector((0, 0, -1)))
     context.said = said
     return context
 

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clicks on surfaces in 3D views: waiting for them, and what is under the mouse."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+from numpy.typing import NDArray
+
+from ..bridge.surfaces import surface_mesh
+from ..errors import ConvwassError
+from .reporting import refuse
+
+
+class PicksPoints:
+    """An operator that waits for clicks in 3D views; others fill in the hooks at the end. It goes before other bases.
+
+    Everything else in the window stays in use meanwhile.
+    """
+
+    _ending_keys = frozenset({"ESC", "RIGHTMOUSE", "RET"})
+
+    def modal(self, context, event):
+        if self._is_over(context) or (event.type in self._ending_keys and event.value == "PRESS"):
+            self.cancel(context)
+            # What has been picked has undo steps of its own by now.
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        region = view_at(context.window, event.mouse_x, event.mouse_y)
+        if region is None:
+            return {"PASS_THROUGH"}
+        try:
+            return self._take(context, region, (event.mouse_x - region.x, event.mouse_y - region.y))
+        except ConvwassError as error:
+            self.cancel(context)
+            return refuse(self, error)
+
+    def cancel(self, context):
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
+
+    def _wait(self, context: bpy.types.Context) -> set[str]:
+        """Begin to wait for clicks."""
+        context.window_manager.modal_handler_add(self)
+        context.window.cursor_modal_set("EYEDROPPER")
+        return {"RUNNING_MODAL"}
+
+    # What an operator fills in.
+
+    def _is_over(self, context: bpy.types.Context) -> bool:
+        """Tell whether what is clicked on has gone."""
+        raise NotImplementedError
+
+    def _take(self, context: bpy.types.Context, region: bpy.types.Region, place: tuple[int, int]) -> set[str]:
+        """Take a click at a point of a view, in its pixels; return what a modal operator returns.
+
+        Raises
+        ------
+        ConvwassError
+            There is no use in going on.
+        """
+        raise NotImplementedError
+
+
+def view_at(window: bpy.types.Window, x: int, y: int) -> bpy.types.Region | None:
+    """Return the 3D view at a point of a window; None where there is none, or something lies over it."""
+    for area in window.screen.areas:
+        under = [region for region in area.regions if _holds(region, x, y)] if area.type == "VIEW_3D" else []
+        views = [region for region in under if region.type == "WINDOW"]
+        if views and not any(region.type in ("UI", "TOOLS") for region in under):
+            return views[0]
+    return None
+
+
+def _holds(region: bpy.types.Region, x: int, y: int) -> bool:
+    return region.x <= x < region.x + region.width and region.y <= y < region.y + region.height
+
+
+def surface_point_at(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, region: bpy.types.Region, place: tuple[int, int]
+) -> NDArray[np.float64] | None:
+    """Return the point of an object's surface that a point of a view shows, (3,) in world space; None for nothing."""
+    evaluated = obj.evaluated_get(depsgraph)
+    matrix = evaluated.matrix_world
+    inverse = matrix.inverted_safe()
+    origin = inverse @ region_2d_to_origin_3d(region, region.data, place)
+    direction = inverse.to_3x3() @ region_2d_to_vector_3d(region, region.data, place)
+    is_hit, location, _, _ = evaluated.ray_cast(origin, direction)
+    return np.array(matrix @ location, dtype=np.float64) if is_hit else None
+
+
+def vertex_at(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, region: bpy.types.Region, place: tuple[int, int]
+) -> int | None:
+    """Return the vertex with a face that is nearest to what a point of a view shows of an object; None for nothing.
+
+    Raises
+    ------
+    InputError
+        The object has no surface.
+    """
+    point = surface_point_at(obj, depsgraph, region, place)
+    if point is None:
+        return None
+    mesh = surface_mesh(obj, depsgraph)
+    used = np.unique(mesh.faces)
+    return int(used[np.linalg.norm(mesh.vertices[used] - point, axis=1).argmin()])
