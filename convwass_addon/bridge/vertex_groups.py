@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import bpy
 import numpy as np
@@ -80,9 +80,7 @@ def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.typ
     """
     mesh = writable_mesh(obj)
     values = _checked(weights, len(mesh.vertices))
-    group = obj.vertex_groups.get(name)
-    if group is not None and group.lock_weight:
-        raise InputError("The group {name} is locked; unlock it, or choose another name.", name=name)
+    require_unlocked(obj, [name])
     active, active_attribute = obj.vertex_groups.active_index, mesh.attributes.active_index
     try:
         _convert(obj, mesh, values)
@@ -92,6 +90,13 @@ def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.typ
         obj.vertex_groups.active_index = max(active, 0)
     mesh.update()
     return obj.vertex_groups[name]
+
+
+def require_unlocked(obj: bpy.types.Object, names: Iterable[str]) -> None:
+    """Refuse to write groups of which one is locked; raises InputError."""
+    locked = next((name for name in names if name in obj.vertex_groups and obj.vertex_groups[name].lock_weight), None)
+    if locked is not None:
+        raise InputError("The group {name} is locked; unlock it, or choose another name.", name=locked)
 
 
 def as_weights(density: ArrayLike) -> NDArray[np.float64]:

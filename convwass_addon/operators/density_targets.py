@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import bpy
@@ -107,13 +107,6 @@ def chosen_pair(obj: bpy.types.Object) -> list[str]:
 def chosen_density(obj: bpy.types.Object, name: str) -> str:
     """Return the name of a density: the one given, or the first that the object plays."""
     return name or next(iter(played_densities(obj)), "")
-
-
-def require_unlocked(obj: bpy.types.Object, names: Iterable[str]) -> None:
-    """Refuse to write groups of which one is locked; raises InputError."""
-    locked = next((name for name in names if name in obj.vertex_groups and obj.vertex_groups[name].lock_weight), None)
-    if locked is not None:
-        raise InputError("The group {name} is locked; unlock it, or choose another name.", name=locked)
 
 
 @contextmanager

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
@@ -15,7 +14,7 @@ from ...errors import InputError
 from ..heat_map import heat_colors
 from ..mesh_checks import writable_mesh
 from ..node_inputs import node_input
-from ..vertex_groups import as_weights, write_group
+from ..vertex_groups import as_weights, require_unlocked, write_group
 from .density_nodes import COLORS, NAME, color_name
 from .density_player import density_modifier, density_value
 from .density_store import store_density, stored_or_new
@@ -56,7 +55,8 @@ def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     mesh = writable_mesh(obj)
     weights = _checked(densities, len(mesh.vertices))
     names = [step_name(name, step) for step in range(len(weights))]
-    _require_none_locked(obj, names)
+    # Before anything is written.
+    require_unlocked(obj, names)
     for own, values in zip(names, weights, strict=True):
         write_group(obj, own, values)
     for stale in _written(obj, name, GROUPS, names):
@@ -125,13 +125,6 @@ def _checked(densities: ArrayLike, count: int) -> NDArray[np.float64]:
     if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
         raise ValueError("densities are negative or no numbers")
     return as_weights(frames)
-
-
-def _require_none_locked(obj: bpy.types.Object, names: Sequence[str]) -> None:
-    """Refuse before anything is written."""
-    locked = next((name for name in names if name in obj.vertex_groups and obj.vertex_groups[name].lock_weight), None)
-    if locked is not None:
-        raise InputError("The group {name} is locked; unlock it, or choose another name.", name=locked)
 
 
 def _written(obj: bpy.types.Object, name: str, kind: str, names: list[str]) -> list[str]:
