@@ -29,6 +29,11 @@ def readable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     return obj.data
 
 
+def other_vertices(obj: bpy.types.Object) -> InputError:
+    """Return what is raised where a mesh has changed too much while there was work on it."""
+    return InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+
+
 def writable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     """Return the mesh of an object to which something is to be written.
 

@@ -12,11 +12,12 @@ import bpy
 from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import Surface, blur_notice, density_surface
-from ..bridge.handles import Handle
+from ..bridge.mesh_checks import other_vertices
 from ..bridge.surfaces import read_surface
 from ..errors import InputError
 from ..sentence import Sentence
 from .background import BackgroundOperator
+from .object_job import ObjectJob
 
 # Share of a job that making the surface takes, as the progress tells it.
 _SURFACE_SHARE = 0.1
@@ -37,7 +38,7 @@ class FoundStep(DensityStep):
     found: object = None
 
 
-class DensityJob:
+class DensityJob(ObjectJob):
     """One piece of long work. Everything but :meth:`steps` belongs on the main thread.
 
     Parameters
@@ -64,11 +65,13 @@ class DensityJob:
         settings: DensitySettings,
         solve: Callable[[Surface, Check | None], Iterator[DensityStep]],
     ) -> None:
+        gone = InputError("The object was deleted, or undone, while its densities were computed; start again.")
+        super().__init__(obj, gone)
         reading = read_surface(obj, context.evaluated_depsgraph_get())
         self.ignored = reading.ignored
         self.warnings: list[Sentence] = []
         self._mesh, self._settings, self._solve = reading.mesh, settings, solve
-        self._target, self._count = Handle.of("objects", obj), len(obj.data.vertices)
+        self._count = len(obj.data.vertices)
         self._steps: list[DensityStep] = []
 
     def steps(self, check: Check | None = None) -> Iterator[DensityStep]:
@@ -101,20 +104,10 @@ class DensityJob:
 
     def target(self) -> bpy.types.Object:
         """Return the object; raises InputError where it is gone or has other vertices than it had."""
-        obj = self._target.find()
-        if obj is None:
-            raise InputError("The object was deleted, or undone, while its densities were computed; start again.")
+        obj = super().target()
         if len(obj.data.vertices) != self._count:
-            raise InputError(
-                "{object} has other vertices than when the work on it began; start again.", object=obj.name
-            )
+            raise other_vertices(obj)
         return obj
-
-    @property
-    def is_edited(self) -> bool:
-        """Whether the object is in Edit Mode."""
-        obj = self._target.find()
-        return obj is not None and obj.data.is_editmode
 
 
 class DensityOperator(BackgroundOperator):

@@ -21,7 +21,6 @@ from ..bridge.densities.density_nodes import color_name
 from ..bridge.densities.density_outputs import show_heat_colors, write_step_colors, write_step_groups
 from ..bridge.densities.density_player import density_modifier, remove_density
 from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
-from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..density_properties import LIMITS, OutputProperties
 from ..errors import ConvwassError, InputError
@@ -30,6 +29,7 @@ from .background import BackgroundOperator
 from .density_changes import changed_inputs
 from .density_job import Check
 from .density_targets import OnDensity, chosen_density, density_property
+from .object_job import ObjectJob
 from .reporting import refuse
 
 # Seconds between two looks at whether the user wants to stop.
@@ -46,11 +46,12 @@ class _BakeStep:
     message: Sentence
 
 
-class _BakeJob:
+class _BakeJob(ObjectJob):
     """Writes piece after piece on the main thread; the other one only says when, so that it can be stopped between."""
 
     def __init__(self, obj: bpy.types.Object, writer: Iterator[str], total: int) -> None:
-        self._target = Handle.of("objects", obj)
+        gone = ConvwassError("The object was deleted, or undone, while its density was baked; start again.")
+        super().__init__(obj, gone)
         self._writer, self._total = writer, total
         self._next = threading.Semaphore(0)
         self.made: list[str] = []
@@ -72,13 +73,6 @@ class _BakeJob:
 
     def discard(self) -> None:
         """Leave what has been written: every file is whole."""
-
-    def target(self) -> bpy.types.Object:
-        """Return the object; raises ConvwassError where it is gone."""
-        obj = self._target.find()
-        if obj is None:
-            raise ConvwassError("The object was deleted, or undone, while its density was baked; start again.")
-        return obj
 
 
 class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, bpy.types.Operator):

@@ -4,13 +4,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 
 from ..errors import ConvwassError
 from ..translations import translated
+
+# So many names are told of those that there are.
+_NAMED = 5
 
 
 def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
     """Report an error in the user's language; return what an operator returns that gives up."""
     operator.report({"ERROR"}, translated(error.sentence))
     return {"CANCELLED"}
+
+
+def listed(names: Sequence[str]) -> str:
+    """Write names with commas between them, not without end."""
+    return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])

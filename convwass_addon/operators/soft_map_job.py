@@ -12,6 +12,7 @@ from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.soft_maps import SoftMapStep
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.handles import Handle
+from ..bridge.mesh_checks import other_vertices
 from ..bridge.soft_maps.soft_map_bytes import MappedSide, StoredSoftMap
 from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, store_soft_map
 from ..bridge.surfaces import read_surface
@@ -55,7 +56,7 @@ class _MapJob:
         if source is None or target is None:
             raise InputError("An object was deleted, or undone, while its soft map was computed; start again.")
         for obj, side in zip((source, target), self._mapped, strict=True):
-            _require_same(obj, side)
+            require_same_mesh(obj, side)
         store_soft_map(source, target, StoredSoftMap(self._found, *self._mapped))
         return source, target
 
@@ -123,9 +124,10 @@ class RepairJob(_MapJob):
         self._mapped = (way.stored.source, way.stored.target)
 
 
-def _require_same(obj: bpy.types.Object, side: MappedSide) -> None:
+def require_same_mesh(obj: bpy.types.Object, side: MappedSide) -> None:
+    """Refuse an object that has other vertices or faces than when the work on it began; raises InputError."""
     if map_state(obj, side) is MapState.OTHER:
-        raise InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+        raise other_vertices(obj)
 
 
 def equal_groups(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:

@@ -15,12 +15,9 @@ from ..errors import ConvwassError, InputError
 from ..soft_map_properties import CONVWASS_PG_soft_map, FromGroupsProperties
 from .density_targets import selected_vertices
 from .lists import ACTIVE, index_property, taken_off
-from .reporting import refuse
+from .reporting import listed, refuse
 from .soft_map_pick import PicksPair, require_free
 from .soft_map_targets import OnMapObjects, one_selected
-
-# So many names are told of those that made no pair.
-_NAMED = 5
 
 
 class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
@@ -118,7 +115,7 @@ class _FromNames(OnMapObjects):
         _add(own, new)
         text = rpt_("{:d} pairs added").format(len(new))
         if found.left_out:
-            text += "; " + rpt_("left out: {:s}").format(_listed(found.left_out))
+            text += "; " + rpt_("left out: {:s}").format(listed(found.left_out))
         self.report({"INFO"}, text)
         return {"FINISHED"} if new else {"CANCELLED"}
 
@@ -129,10 +126,6 @@ def _is_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> bool:
     except InputError:
         return False
     return True
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])
 
 
 class CONVWASS_OT_map_pairs_from_groups(FromGroupsProperties, _FromNames, bpy.types.Operator):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -12,22 +12,20 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.soft_maps.map_transfer import Carried, CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
-from ..bridge.soft_maps.soft_map_store import MapState, map_state
 from ..errors import InputError
 from ..sentence import Sentence
 from ..soft_map_properties import TRANSFERRED, TransferProperties
 from .chosen_inputs import split_names
 from .density_job import Check, WritingDensityOperator
 from .density_targets import tell
+from .object_job import ObjectJob
+from .reporting import listed
+from .soft_map_job import require_same_mesh
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, reshaped_notices
-
-# So many names are told of those that stayed as they were.
-_NAMED = 5
 
 
 class _Part(Protocol):
@@ -48,7 +46,7 @@ class _TransferStep:
     message: Sentence
 
 
-class TransferJob:
+class TransferJob(ObjectJob):
     """What is carried, kind by kind. Everything but :meth:`steps` belongs on the main thread.
 
     Parameters
@@ -62,8 +60,9 @@ class TransferJob:
     """
 
     def __init__(self, way: StoredWay, receiver: bpy.types.Object, parts: dict[str, _Part]) -> None:
-        self.parts = parts
-        self._target, self._side = Handle.of("objects", receiver), way.side(receiver)
+        gone = InputError("The object was deleted, or undone, while something was transferred to it; start again.")
+        super().__init__(receiver, gone)
+        self.parts, self._side = parts, way.side(receiver)
 
     def steps(self, check: Check | None = None) -> Iterator[_TransferStep]:
         """Yield the steps of the work."""
@@ -81,23 +80,12 @@ class TransferJob:
         """Forget what has been computed."""
         self.parts = {}
 
-    def receiver(self) -> bpy.types.Object:
+    def target(self) -> bpy.types.Object:
         """Return the object that is written to; raises InputError where it is gone, edited, or another mesh."""
-        obj = self._target.find()
-        if obj is None:
-            raise InputError("The object was deleted, or undone, while something was transferred to it; start again.")
+        obj = super().target()
         writable_mesh(obj)
-        if map_state(obj, self._side) is MapState.OTHER:
-            raise InputError(
-                "{object} has other vertices than when the work on it began; start again.", object=obj.name
-            )
+        require_same_mesh(obj, self._side)
         return obj
-
-    @property
-    def is_edited(self) -> bool:
-        """Whether the receiver is in Edit Mode."""
-        obj = self._target.find()
-        return obj is not None and obj.data.is_editmode
 
 
 class CONVWASS_OT_transfer(TransferProperties, WritingDensityOperator, OnStoredMap, bpy.types.Operator):
@@ -158,7 +146,7 @@ class CONVWASS_OT_transfer(TransferProperties, WritingDensityOperator, OnStoredM
         return rpt_("Transferring")
 
     def _finish(self, context, job):
-        receiver = job.receiver()
+        receiver = job.target()
         # Another object may be in Edit Mode, which Blender writes no groups in.
         with edit_mode_left(context):
             carried = {kind: part.write(receiver) for kind, part in job.parts.items()}
@@ -166,14 +154,10 @@ class CONVWASS_OT_transfer(TransferProperties, WritingDensityOperator, OnStoredM
         counts = [f"{labels[kind]} {len(done.written)}" for kind, done in carried.items()]
         text = rpt_("Transferred to {:s}: {:s}").format(receiver.name, ", ".join(counts))
         kept = [name for done in carried.values() for name in done.kept]
-        remarks = [Sentence("Left as they were: {names}.", {"names": _listed(kept)})] if kept else []
+        remarks = [Sentence("Left as they were: {names}.", {"names": listed(kept)})] if kept else []
         warnings = [*self._remarks, *(notice for done in carried.values() for notice in done.notices)]
         tell(self, text, remarks, warnings)
         return {"FINISHED"}
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])
 
 
 classes = (CONVWASS_OT_transfer,)

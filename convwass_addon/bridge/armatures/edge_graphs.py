@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
-from ..mesh_checks import readable_mesh
+from ..mesh_checks import other_vertices, readable_mesh
 from .rig_graphs import RigGraph, world_matrix
 
 PINNED = "Pinned"
@@ -74,7 +74,7 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     """
     mesh = readable_mesh(obj)
     if rig.parts != (str(len(mesh.vertices)),):
-        raise InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+        raise other_vertices(obj)
     inverse = np.linalg.inv(rig.matrix)
     points = _points(mesh)
     points[[int(name) for name in rig.graph.names]] = positions @ inverse[:3, :3].T + inverse[:3, 3]
