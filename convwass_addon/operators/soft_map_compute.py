@@ -34,20 +34,35 @@ from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_obj
 
 _WAYS = ("forward", "backward")
 
+_Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, "Check | None"], Iterator[SoftMapStep]]
 
-def _pairs_property() -> object:
-    return StringProperty(
+
+class _ComputesMap(SoftMapProperties, BackgroundOperator):
+    """An operator that computes a map and stores it."""
+
+    pairs: StringProperty(
         name="Pairs",
         description="Vertices that belong together, such as 12:40, 77:301: those of the source first; empty for the "
         "list of pairs",
         options={"SKIP_SAVE"},
     )
 
-
-class _ComputesMap(SoftMapProperties, BackgroundOperator):
-    """An operator that computes a map and stores it."""
-
     _job: SoftMapJob
+
+    def _begin(self, context):
+        own = context.scene.convwass_soft_map
+        _require_editable(own.source)
+        self._pairs = chosen_pairs(own, self.pairs)
+        solve = partial(self._solver(), self._pairs, self.soft_map_settings())
+        return SoftMapJob(context, own.source, own.target, self._groups(own), solve)
+
+    def _solver(self) -> _Solver:
+        """Return what computes the map; it touches nothing of Blender."""
+        raise NotImplementedError
+
+    def _groups(self, own: CONVWASS_PG_soft_map) -> list[str]:
+        """Return the names of vertex groups that take part."""
+        return []
 
     def _steps(self):
         return self._job.steps
@@ -72,8 +87,6 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
     bl_idname = "convwass.compute_soft_map"
     bl_label = "Compute Soft Map"
 
-    pairs: _pairs_property()
-
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
@@ -84,19 +97,17 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
             return False
         return True
 
-    def _begin(self, context):
-        own = context.scene.convwass_soft_map
-        _require_editable(own.source)
-        self._pairs = chosen_pairs(own, self.pairs)
-        groups = equal_groups(own.source, own.target) if self.use_groups else []
-        solve = partial(_solved, self._pairs, self.soft_map_settings())
-        return SoftMapJob(context, own.source, own.target, groups, solve)
+    def _solver(self):
+        return _computed
+
+    def _groups(self, own):
+        return equal_groups(own.source, own.target) if self.use_groups else []
 
     def _title(self):
         return rpt_("Computing soft map")
 
 
-def _solved(
+def _computed(
     pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, check: Check | None
 ) -> Iterator[SoftMapStep]:
     """Put the arguments of the application in its order."""
@@ -156,8 +167,6 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
     bl_idname = "convwass.mirror_map"
     bl_label = "Compute Mirror Map"
 
-    pairs: _pairs_property()
-
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
@@ -168,12 +177,8 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
             return False
         return True
 
-    def _begin(self, context):
-        own = context.scene.convwass_soft_map
-        _require_editable(own.source)
-        self._pairs = chosen_pairs(own, self.pairs)
-        solve = partial(_mirrored, self._pairs, self.soft_map_settings())
-        return SoftMapJob(context, own.source, own.source, [], solve)
+    def _solver(self):
+        return _mirrored
 
     def _title(self):
         return rpt_("Computing mirror map")

@@ -14,30 +14,42 @@ from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import ConvwassError
 from .density_targets import tell
 from .reporting import refuse
-from .soft_map_targets import OnStoredMap, current_way, edit_mode_left, one_selected, reshaped_notices
+from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, one_selected, reshaped_notices
 
 
-class CONVWASS_OT_show_soft_map(OnStoredMap, bpy.types.Operator):
+class _ViewsMap(OnStoredMap):
+    """An operator that shows something of the stored map on both objects."""
+
+    def execute(self, context):
+        try:
+            way = current_way(context)
+            # Attributes and groups of what is being edited cannot be written.
+            with edit_mode_left(context):
+                text = self._show(context, way)
+        except ConvwassError as error:
+            return refuse(self, error)
+        tell(self, text, reshaped_notices(way))
+        return {"FINISHED"}
+
+    def _show(self, context: bpy.types.Context, way: StoredWay) -> str:
+        """Write it, and return in the user's language what was done."""
+        raise NotImplementedError
+
+
+class CONVWASS_OT_show_soft_map(_ViewsMap, bpy.types.Operator):
     """Color the source by its places and the target by those that it comes from: what has the same color belongs together, and black has no image"""  # noqa: E501
 
     bl_idname = "convwass.show_soft_map"
     bl_label = "Show Map"
 
-    def execute(self, context):
-        try:
-            way = current_way(context)
-            with edit_mode_left(context):
-                mesh = resting_mesh(way.source, way.side(way.source).triangles)
-                show_places(way.source, way.target, way.stored.found, mesh)
-        except ConvwassError as error:
-            return refuse(self, error)
+    def _show(self, context, way):
+        mesh = resting_mesh(way.source, way.side(way.source).triangles)
+        show_places(way.source, way.target, way.stored.found, mesh)
         show_attribute_colors(context)
-        text = rpt_("{:s} and {:s} show the map as a color attribute").format(way.source.name, way.target.name)
-        tell(self, text, reshaped_notices(way))
-        return {"FINISHED"}
+        return rpt_("{:s} and {:s} show the map as a color attribute").format(way.source.name, way.target.name)
 
 
-class CONVWASS_OT_show_distribution(OnStoredMap, bpy.types.Operator):
+class CONVWASS_OT_show_distribution(_ViewsMap, bpy.types.Operator):
     """Color the target by where the selected vertex of the source may belong, from dark to bright"""
 
     bl_idname = "convwass.show_distribution"
@@ -51,20 +63,14 @@ class CONVWASS_OT_show_distribution(OnStoredMap, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
-    def execute(self, context):
-        try:
-            way = current_way(context)
-            vertex = self.vertex if self.vertex >= 0 else one_selected(way.source)
-            with edit_mode_left(context):
-                mesh = resting_mesh(way.source, way.side(way.source).triangles)
-                show_distribution(way.source, way.target, way.stored.found, mesh, vertex)
-        except ConvwassError as error:
-            return refuse(self, error)
+    def _show(self, context, way):
+        vertex = self.vertex if self.vertex >= 0 else one_selected(way.source)
+        mesh = resting_mesh(way.source, way.side(way.source).triangles)
+        show_distribution(way.source, way.target, way.stored.found, mesh, vertex)
         show_attribute_colors(context)
         spread = float(way.stored.found.forward.spread[vertex])
         text = rpt_("Vertex {:d} of {:s} goes to {:s}, with a spread of {:.3g}")
-        tell(self, text.format(vertex, way.source.name, way.target.name, spread), reshaped_notices(way))
-        return {"FINISHED"}
+        return text.format(vertex, way.source.name, way.target.name, spread)
 
 
 def show_attribute_colors(context: bpy.types.Context) -> None:
@@ -74,23 +80,16 @@ def show_attribute_colors(context: bpy.types.Context) -> None:
         space.shading.color_type = "VERTEX"
 
 
-class CONVWASS_OT_map_confidence(OnStoredMap, bpy.types.Operator):
+class CONVWASS_OT_map_confidence(_ViewsMap, bpy.types.Operator):
     """Write how sure the map is to a vertex group of both objects, from 0 to 1; it says where to look, and is no probability"""  # noqa: E501
 
     bl_idname = "convwass.map_confidence"
     bl_label = "Confidence as Group"
 
-    def execute(self, context):
-        try:
-            way = current_way(context)
-            with edit_mode_left(context):
-                write_confidence(way.source, way.target, way.stored.found)
-        except ConvwassError as error:
-            return refuse(self, error)
+    def _show(self, context, way):
+        write_confidence(way.source, way.target, way.stored.found)
         median = float(np.median(way.stored.found.forward.confidence))
-        text = rpt_("{:s} of {:s} has the median {:.2f}").format(CONFIDENCE, way.source.name, median)
-        tell(self, text, reshaped_notices(way))
-        return {"FINISHED"}
+        return rpt_("{:s} of {:s} has the median {:.2f}").format(CONFIDENCE, way.source.name, median)
 
 
 classes = (
