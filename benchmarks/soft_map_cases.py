@@ -23,7 +23,7 @@ from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.laplacian import laplacian
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.unit_shape import vertex_normals
+from convwass_addon.geometry.normals import vertex_normals
 
 from .deformed_pairs import PAIRS, DeformedPair, Geodesics, deformed_pair
 from .processes import peak_megabytes

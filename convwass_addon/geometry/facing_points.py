@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
+from .normals import triangle_normals
 
 # Points whose triangle faces away by more than this cosine are looked up again.
 _AWAY = 0.2
@@ -35,10 +36,7 @@ class FacingPointFinder:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._corners = mesh.corners
         self._closest = ClosestPointFinder(mesh.corners)
-        a, b, c = np.moveaxis(mesh.corners, 1, 0)
-        normals = np.cross(b - a, c - a)
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        self._normals = normals / np.where(lengths > 0, lengths, 1.0)
+        self._normals = triangle_normals(mesh.corners)
         self._turn = _TURN * np.sqrt(mesh.area)
         self._tree: cKDTree | None = None
 

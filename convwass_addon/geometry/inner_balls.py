@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from .mesh import TriangleMesh
+from .normals import vertex_normals
 
 # Rounds in which a ball shrinks, and the share of its radius by which the surface may reach into it in the end.
 _ROUNDS, _TOLERANCE = 40, 1e-3
@@ -93,7 +94,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     mesh : TriangleMesh
         Closed, outward, in one piece; every vertex is used.
     """
-    normals = _vertex_normals(mesh)
+    normals = vertex_normals(mesh.vertices, mesh.faces)
     samples = np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)])
     tree = cKDTree(samples)
     radii = np.full(len(mesh.vertices), 0.5 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))))
@@ -141,14 +142,3 @@ def _some(balls: InnerBalls, kept: NDArray[np.bool_]) -> InnerBalls:
     number = np.cumsum(kept) - 1
     neighbors = number[balls.neighbors[kept[balls.neighbors].all(axis=1)]]
     return InnerBalls(balls.centers[kept], balls.radii[kept], balls.costs[kept], neighbors)
-
-
-def _vertex_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return unit normals, weighted by the triangles' areas."""
-    a, b, c = np.moveaxis(mesh.corners, 1, 0)
-    by_face = np.cross(b - a, c - a)
-    normals = np.stack(
-        [np.bincount(mesh.faces.ravel(), np.repeat(axis, 3), len(mesh.vertices)) for axis in by_face.T], axis=1
-    )
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / np.where(lengths > 0, lengths, 1.0)

@@ -72,6 +72,13 @@ class TriangleMesh:
         return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
     @cached_property
+    def vertex_areas(self) -> NDArray[np.float64]:
+        """A third of the area of the triangles around every vertex, (n,)."""
+        a, b, c = np.moveaxis(self.corners, 1, 0)
+        thirds = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
+        return np.bincount(self.faces.ravel(), np.repeat(thirds, 3), len(self.vertices))
+
+    @cached_property
     def face_volumes(self) -> NDArray[np.float64]:
         """Signed volumes of the tetrahedra that the triangles span with the middle of the bounds, (m,)."""
         points = np.ascontiguousarray((self.vertices - self.bounds.mean(axis=0)).T)

@@ -20,8 +20,9 @@ from scipy.spatial import cKDTree
 
 from .closest_points import ClosestPoints, closest_in_triangles
 from .factorization import Factorization, factorize
+from .normals import triangle_normals, vertex_normals
 from .rotations import nearest_rotations
-from .unit_shape import UnitShape, vertex_normals
+from .unit_shape import UnitShape
 
 # A pair pulls like this much of the surface's area at weight one; with the closest points' weights below that is firm.
 _PAIR_WEIGHT = 20.0
@@ -254,9 +255,7 @@ class FacingPoints:
 
     def __init__(self, shape: UnitShape) -> None:
         self._corners = shape.mesh.corners
-        a, b, c = np.moveaxis(self._corners, 1, 0)
-        normals = np.cross(b - a, c - a)
-        self._normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+        self._normals = triangle_normals(self._corners)
         self.normals = vertex_normals(shape.vertices, shape.mesh.faces)
         # The center of a triangle and the middles of the ways from there to its corners.
         shares = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0

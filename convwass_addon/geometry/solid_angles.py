@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
+from .normals import triangle_normals
 
 # Pairs of a point and a triangle that are handled at once: what they need is some hundred bytes each.
 _PAIRS = 1 << 18
@@ -80,10 +81,7 @@ class Inside:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._mesh = mesh
         self._closest = ClosestPointFinder(mesh.corners)
-        a, b, c = np.moveaxis(mesh.corners, 1, 0)
-        normals = np.cross(b - a, c - a)
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        self._normals = normals / np.where(lengths > 0, lengths, 1.0)
+        self._normals = triangle_normals(mesh.corners)
         self._size = float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
 
     def winding(self, points: ArrayLike) -> NDArray[np.float64]:

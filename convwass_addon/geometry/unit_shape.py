@@ -65,11 +65,3 @@ class UnitShape:
     def mirrored(self) -> UnitShape:
         """Return the mirror image, its faces turned over so that they look outward again."""
         return UnitShape(TriangleMesh(self.vertices * (-1.0, 1.0, 1.0), self.mesh.flipped().faces), self.laplacian)
-
-
-def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return unit normals of vertices, (n, 3), by the areas of the triangles around them; zero where there are none."""
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    normals = np.cross(b - a, c - a)
-    sums = np.stack([np.bincount(faces.ravel(), np.repeat(values, 3), len(vertices)) for values in normals.T], axis=1)
-    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), np.finfo(float).tiny)

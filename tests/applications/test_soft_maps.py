@@ -10,7 +10,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from convwass_addon.applications.soft_maps.coarse_sides import vertex_areas
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
@@ -105,7 +104,7 @@ def test_confidence_is_less_where_the_error_is_more():
 
 def test_the_distribution_of_a_vertex_lies_around_its_point():
     _, target, _, chosen, found = posed_horse()
-    areas = vertex_areas(target) / target.area
+    areas = target.vertex_areas / target.area
     positions = found.forward.positions(target)
     for vertex in (0, 1234, int(chosen[0])):
         density = distribution_of(found, vertex)
@@ -139,7 +138,7 @@ def test_pieces_go_to_the_pieces_that_pairs_name_and_others_to_those_that_look_l
     labels = np.repeat([0, 1, 2], [288, 600, 220])
     reached = labels[target.faces[found.forward.faces][:, 0]]
     np.testing.assert_array_equal(reached, np.repeat([1, 2, 0], [700, 200, 288]))
-    areas = vertex_areas(target) / target.area
+    areas = target.vertex_areas / target.area
     # The row of a small piece lies all on its counterpart.
     density = distribution_of(found, 800)
     assert density @ areas == pytest.approx(1.0, abs=1e-4)

@@ -53,12 +53,6 @@ MESHES = {
 COUNT = 300
 
 
-def areas_of(mesh):
-    a, b, c = np.moveaxis(mesh.corners, 1, 0)
-    thirds = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
-    return np.bincount(mesh.faces.ravel(), np.repeat(thirds, 3), len(mesh.vertices))
-
-
 @pytest.fixture(params=MESHES)
 def mesh(request):
     return MESHES[request.param]
@@ -66,7 +60,7 @@ def mesh(request):
 
 @pytest.fixture
 def found(mesh):
-    return coarsened(mesh, areas_of(mesh), COUNT)
+    return coarsened(mesh, mesh.vertex_areas, COUNT)
 
 
 def used_by(mesh):
@@ -156,9 +150,9 @@ def test_masses_are_kept(mesh, found):
 @pytest.mark.parametrize("name", ["ball", "torus", "sheet"])
 def test_clusters_are_about_equally_large(name):
     mesh = MESHES[name]
-    found = coarsened(mesh, areas_of(mesh), COUNT)
+    found = coarsened(mesh, mesh.vertex_areas, COUNT)
     assert len(found.seeds) == pytest.approx(COUNT, rel=0.02)
-    areas = found.sums(areas_of(mesh)[None])[0]
+    areas = found.sums(mesh.vertex_areas[None])[0]
     assert areas.std() < 0.35 * areas.mean()
     assert areas.max() < 3 * areas.mean()
 
@@ -166,17 +160,17 @@ def test_clusters_are_about_equally_large(name):
 def test_small_pieces_and_thin_parts_keep_enough_vertices():
     """A hundred thousandth of the area still has more than a dozen; a ring of a leg is cut into three at least."""
     pieces = MESHES["pieces"]
-    found = coarsened(pieces, areas_of(pieces), COUNT)
+    found = coarsened(pieces, pieces.vertex_areas, COUNT)
     assert (np.bincount(vertex_components(found.mesh)) > 12).all()
     thin = MESHES["thin torus"]
-    found = coarsened(thin, areas_of(thin), 60)
+    found = coarsened(thin, thin.vertex_areas, 60)
     assert len(found.seeds) > 90
     assert topology(found.mesh).euler == 0
 
 
 def test_it_is_the_same_every_time():
     mesh = MESHES["torus"]
-    one, other = (coarsened(mesh, areas_of(mesh), COUNT) for _ in range(2))
+    one, other = (coarsened(mesh, mesh.vertex_areas, COUNT) for _ in range(2))
     np.testing.assert_array_equal(one.seeds, other.seeds)
     np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
     np.testing.assert_array_equal(one.prolongation.toarray(), other.prolongation.toarray())
@@ -194,7 +188,7 @@ def test_it_is_the_same_every_time():
     ids=["triangle", "no faces", "degenerate", "tiny", "crumbs"],
 )
 def test_there_is_no_coarser_mesh_where_nothing_would_be_gained(mesh):
-    assert coarsened(mesh, areas_of(mesh), 10) is None
+    assert coarsened(mesh, mesh.vertex_areas, 10) is None
 
 
 def test_vertices_can_be_kept():

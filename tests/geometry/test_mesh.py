@@ -22,6 +22,12 @@ def test_measures_of_a_box():
     assert mesh.flipped().volume == pytest.approx(-6)
 
 
+def test_areas_of_vertices_are_thirds_of_triangles():
+    mesh = TriangleMesh.from_arrays([(0, 0, 0), (2, 0, 0), (0, 3, 0), (9, 9, 9)], [(0, 1, 2)])
+    np.testing.assert_allclose(mesh.vertex_areas, (1, 1, 1, 0))
+    assert torus().vertex_areas.sum() == pytest.approx(torus().area)
+
+
 def test_the_centroid_is_that_of_the_solid_not_of_the_vertices():
     mesh = joined(box((1, 1, 1)), box((2, 2, 2), center=(10, 0, 0)))
     np.testing.assert_allclose(centroid(mesh), (10 * 8 / 9, 0, 0), atol=1e-12)

@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.normals import vertex_normals
 from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, FacingPoints, Registration
-from convwass_addon.geometry.unit_shape import UnitShape, vertex_normals
+from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet
 from tests.shapes import ball, box
 

@@ -14,6 +14,7 @@ from ...errors import InputError
 from ...geometry.coarsening import coarsened
 from ...geometry.edges import distinct_corners
 from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import area_normals
 from .map_sides import MapSide
 from .surface_maps import Blend
 
@@ -67,7 +68,7 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64]) -> CoarseSid
         The mesh has no area, or has no coarser one that could be solved on.
     """
     mesh = side.mesh
-    areas = vertex_areas(mesh)
+    areas = mesh.vertex_areas
     if not areas.sum() > 0:
         raise InputError("{name} has no area: the corners of every face lie on a line or in a point.", name=side.name)
     is_used = np.zeros(len(mesh.vertices), bool)
@@ -88,20 +89,6 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64]) -> CoarseSid
         name=side.name,
         most=_MOST_VERTICES,
     )
-
-
-def vertex_areas(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return a third of the area of the triangles around every vertex, (n,)."""
-    a, b, c = np.moveaxis(mesh.corners, 1, 0)
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
-    return np.bincount(mesh.faces.ravel(), np.repeat(areas, 3), len(mesh.vertices))
-
-
-def area_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return normals of the vertices times a third of the area around them, (n, 3)."""
-    a, b, c = np.moveaxis(mesh.corners, 1, 0)
-    normals = np.repeat(np.cross(b - a, c - a) / 6.0, 3, axis=0)
-    return np.stack([np.bincount(mesh.faces.ravel(), part, len(mesh.vertices)) for part in normals.T], axis=1)
 
 
 def _as_it_is(side: MapSide, used: NDArray[np.int64], areas: NDArray[np.float64]) -> CoarseSide:
@@ -129,7 +116,7 @@ def _of(
     # Vertices without area in a mesh that has some still want a place and weights.
     safe = np.where(masses > 0, masses, 1.0)[:, None]
     centers = np.where(masses[:, None] > 0, gather @ (areas[:, None] * side.mesh.vertices) / safe, mesh.vertices)
-    normals = gather @ area_normals(side.mesh) / safe
+    normals = gather @ area_normals(side.mesh.vertices, side.mesh.faces) / safe
     groups = {
         name: np.where(masses > 0, gather @ (areas * weights) / safe[:, 0], weights[vertices])
         for name, weights in side.groups.items()

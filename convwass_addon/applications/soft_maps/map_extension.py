@@ -15,7 +15,7 @@ from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ...transport import SoftMap
-from .coarse_sides import CoarseSide, vertex_areas
+from .coarse_sides import CoarseSide
 from .map_pieces import PieceMatch, faces_of
 from .map_sides import MapSide
 from .settled_maps import settled
@@ -131,7 +131,7 @@ class Parts:
 
     def _share(self, vertices: NDArray[np.int64]) -> float:
         """Return the share of the target's area that some of its vertices have."""
-        areas = vertex_areas(self.target.mesh)
+        areas = self.target.mesh.vertex_areas
         return float(areas[vertices].sum() / areas.sum())
 
     def joined(self, record: Mapping[str, object]) -> SurfaceMap:
@@ -148,7 +148,7 @@ class Parts:
 
 def _doubts(side: MapSide, points: PointMap) -> Iterator[Sentence]:
     """Say how many vertices of a side have no point, and how much of it has points of little confidence."""
-    areas = vertex_areas(side.mesh)
+    areas = side.mesh.vertex_areas
     lost = ~points.found & (areas > 0)
     if lost.any():
         values = {"count": int(lost.sum()), "name": side.name}

@@ -13,7 +13,7 @@ from scipy.sparse import diags_array
 from ...geometry.factorization import factorize
 from ...geometry.laplacian import Laplacian
 from ...geometry.mesh import TriangleMesh
-from .coarse_sides import area_normals
+from ...geometry.normals import unit_vectors, vertex_normals
 from .surface_maps import PointMap
 
 # Turns are averaged over this share of the surface's size, the square root of its area.
@@ -62,11 +62,10 @@ def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, st
     theirs = np.stack([there[:, 1] - there[:, 0], there[:, 2] - there[:, 0]], axis=1)
     up = np.cross(own[:, 0], own[:, 1])
     area = np.linalg.norm(up, axis=1)
-    facing = _unit(points.at(giver, _unit(area_normals(giver)))[faces].sum(axis=1))
+    facing = unit_vectors(points.at(giver, vertex_normals(giver.vertices, giver.faces))[faces].sum(axis=1))
     spanned = np.cross(theirs[:, 0], theirs[:, 1])
     # A map that turns the surface over has most images' corners the other way round.
     side = 1.0 if np.einsum("nd,nd->", spanned, facing) >= 0 else -1.0
-    their_area = np.linalg.norm(spanned, axis=1)
     # Where images lie folded over each other they tell nothing.
     folded = side * np.einsum("nd,nd->n", spanned, facing) <= 0
     their_area = np.linalg.norm(spanned, axis=1)
@@ -78,7 +77,7 @@ def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, st
     )
     spreads = sum(np.einsum("ni,nj->nij", a, b) for a, b in sides)
     scale = np.sqrt(area * their_area)
-    spreads += 1.5 * scale[:, None, None] * np.einsum("ni,nj->nij", _unit(up), side * _unit(spanned))
+    spreads += 1.5 * scale[:, None, None] * np.einsum("ni,nj->nij", unit_vectors(up), side * unit_vectors(spanned))
     spreads[folded], area[folded], their_area[folded] = 0.0, 0.0, 0.0
     columns = np.concatenate([spreads.reshape(-1, 9), area[:, None], their_area[:, None]], axis=1)
     summed = np.stack(
@@ -111,8 +110,3 @@ def nearest_turns(spreads: NDArray[np.float64], side: float) -> NDArray[np.float
     turns = left @ right
     turns[sizes[:, 0, 0] == 0] = np.eye(3)
     return turns
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return vectors / np.where(lengths > 0, lengths, 1.0)

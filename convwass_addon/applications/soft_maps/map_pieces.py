@@ -15,7 +15,6 @@ from scipy.sparse.csgraph import connected_components
 
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
-from .coarse_sides import vertex_areas
 from .map_sides import MapSide
 
 # What counts how much between pieces: the logarithms of how many times larger one is and of how its three extents
@@ -115,7 +114,7 @@ def _couples(
 
 def _looks(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
     """Return what tells the pieces of a mesh apart, (count, 7), as lengths that can be subtracted."""
-    areas = np.where(labels >= 0, vertex_areas(mesh), 0.0)
+    areas = np.where(labels >= 0, mesh.vertex_areas, 0.0)
     own = np.maximum(labels, 0)
     sums = np.maximum(np.bincount(own, areas, count), np.finfo(float).tiny)
     centers = np.stack([np.bincount(own, areas * x, count) / sums for x in mesh.vertices.T], axis=1)

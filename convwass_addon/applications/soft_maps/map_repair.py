@@ -18,8 +18,8 @@ from ...geometry.facing_points import FacingPointFinder
 from ...geometry.factorization import factorize
 from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import vertex_normals
 from ...sentence import Sentence
-from .coarse_sides import area_normals
 from .map_frames import map_frames, nearest_turns
 from .surface_maps import PointMap, SurfaceMap
 
@@ -115,7 +115,7 @@ def _filled(
     gradients = np.swapaxes(turns, 1, 2) * np.exp(shrinks)[:, None, None]
     pulls = energy.pulls(gradients[own.faces].mean(axis=1))[unknown]
     places = extended(points.at(other, other.vertices)[known], pulls)
-    normals = _unit(area_normals(own))[unknown]
+    normals = vertex_normals(own.vertices, own.faces)[unknown]
     # Both surfaces face outward, whichever way the map turns them.
     facing = np.einsum("nji,nj->ni", turns[unknown], normals)
     landed = _landed(points, other, known, places, facing)
@@ -161,8 +161,3 @@ def _with(
         fields[name] = getattr(points, name).copy()
         fields[name][chosen] = values
     return PointMap(**fields)
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return vectors / np.where(lengths > 0, lengths, 1.0)

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
+from ...geometry.normals import vertex_normals
 from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
-from ...geometry.unit_shape import UnitShape, vertex_normals
+from ...geometry.unit_shape import UnitShape
 
 # Pairs that fix how one surface is turned against the other.
 _ENOUGH = 3

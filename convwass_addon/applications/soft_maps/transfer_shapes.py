@@ -24,7 +24,6 @@ from ...geometry.factorization import factorize
 from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
 from ..densities.density_solving import Check
-from .coarse_sides import vertex_areas
 from .map_frames import MapFrames, map_frames, nearest_turns
 from .surface_maps import PointMap
 from .transfer import check_giver
@@ -161,7 +160,7 @@ class ShapeCarrier:
     @cached_property
     def _areas(self) -> NDArray[np.float64]:
         """Shares of the area that the receiver's vertices have; 0 for unused ones."""
-        shares = vertex_areas(self.receiver)
+        shares = self.receiver.vertex_areas
         # Vertices of nothing but flat triangles still want to be somewhere.
         used = np.zeros(len(shares), bool)
         used[self.receiver.faces] = True
