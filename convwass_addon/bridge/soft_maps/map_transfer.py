@@ -233,16 +233,15 @@ class CarriedColors:
 
     def __init__(self, ends: TransferEnds) -> None:
         self._ends = ends
-        giver, receiver = ends.giver, ends.receiver
-        names = [name for name in color_names(giver) if not ends.names or name in ends.names]
-        _require_any(names, InputError("{object} has no color attributes to transfer.", object=giver.name))
-        self._kept = tuple(name for name in names if ends.keep and name in color_names(receiver))
-        self._names = [name for name in names if name not in self._kept]
-        self._kinds = {name: color_kind(giver, name) for name in self._names}
-        self._colors = {name: read_colors(giver, name) for name in self._names}
-        for name in self._names:
-            require_color_name(receiver, name)
-        corners = [name for name in self._names if is_per_corner(giver, name)]
+        giver = ends.giver
+        nothing = InputError("{object} has no color attributes to transfer.", object=giver.name)
+        chosen = _chosen_layers(ends, color_names, nothing)
+        self._kept = chosen.kept
+        self._kinds = {name: color_kind(giver, name) for name in chosen.written}
+        self._colors = {name: read_colors(giver, name) for name in chosen.written}
+        for name in chosen.written:
+            require_color_name(ends.receiver, name)
+        corners = [name for name in chosen.written if is_per_corner(giver, name)]
         if corners:
             loops = triangle_loops(giver, ends.giver_mesh.faces)
             self._colors |= {name: self._colors[name][loops] for name in corners}
@@ -284,13 +283,12 @@ class CarriedUvs:
     def __init__(self, ends: TransferEnds) -> None:
         self._ends = ends
         giver, receiver = ends.giver, ends.receiver
-        names = [name for name in uv_names(giver) if not ends.names or name in ends.names]
-        _require_any(names, InputError("{object} has no UV maps to transfer; unwrap it first.", object=giver.name))
-        self._kept = tuple(name for name in names if ends.keep and name in uv_names(receiver))
-        written = [name for name in names if name not in self._kept]
-        require_uv_names(receiver, written)
+        nothing = InputError("{object} has no UV maps to transfer; unwrap it first.", object=giver.name)
+        chosen = _chosen_layers(ends, uv_names, nothing)
+        self._kept = chosen.kept
+        require_uv_names(receiver, chosen.written)
         loops = triangle_loops(giver, ends.giver_mesh.faces)
-        self._given = {name: read_uvs(giver, name)[loops] for name in written}
+        self._given = {name: read_uvs(giver, name)[loops] for name in chosen.written}
         self._loops, self._polygons = triangle_loops(receiver, ends.receiver_mesh.faces), triangle_polygons(receiver)
         self._result: dict[str, TransferredUvs] = {}
 
@@ -315,6 +313,24 @@ class CarriedUvs:
 def _require_any(names: Mapping[str, str] | Sequence[str], error: InputError) -> None:
     if not names:
         raise error
+
+
+@dataclass(frozen=True)
+class _ChosenLayers:
+    """Names of layers of a mesh: those that are written, and those that stay as they are at the receiver."""
+
+    written: list[str]
+    kept: tuple[str, ...]
+
+
+def _chosen_layers(
+    ends: TransferEnds, known: Callable[[bpy.types.Object], list[str]], nothing: InputError
+) -> _ChosenLayers:
+    """Choose among the layers of the giver, which keep their names; raises `nothing` where there are none."""
+    names = [name for name in known(ends.giver) if not ends.names or name in ends.names]
+    _require_any(names, nothing)
+    kept = tuple(name for name in names if ends.keep and name in known(ends.receiver))
+    return _ChosenLayers([name for name in names if name not in kept], kept)
 
 
 def _kept(
