@@ -19,7 +19,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.soft_maps.map_sides import MapSide
-from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
+from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.laplacian import laplacian
 from convwass_addon.geometry.mesh import TriangleMesh

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from ..applications.soft_maps.map_extension import DOUBTFUL
 from ..applications.soft_maps.map_repair import repaired_map
 from ..applications.soft_maps.map_sides import MapSide
+from ..applications.soft_maps.map_solving import SoftMapStep, soft_map_steps
 from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
-from ..applications.soft_maps.soft_maps import SoftMapStep, soft_map_steps
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 import bpy
 
 from ..applications.soft_maps.map_sides import MapSide
-from ..applications.soft_maps.soft_maps import SoftMapStep
+from ..applications.soft_maps.map_solving import SoftMapStep
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import other_vertices

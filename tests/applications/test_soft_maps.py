@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.soft_maps.map_sides import MapSide
+from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
 from convwass_addon.applications.soft_maps.surface_maps import distribution_of
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh

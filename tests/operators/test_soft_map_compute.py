@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.soft_maps.map_solving import SoftMapStep
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.applications.soft_maps.soft_maps import SoftMapStep
 from convwass_addon.bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from convwass_addon.bridge.soft_maps.soft_map_store import MAPS_KEY, has_soft_map, store_soft_map, stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group, write_group

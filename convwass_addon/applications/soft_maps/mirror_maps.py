@@ -15,8 +15,8 @@ from ...geometry.mesh import TriangleMesh
 from ..densities.density_solving import Check
 from .map_pairs import checked_pairs
 from .map_sides import MapSide
+from .map_solving import SoftMapStep, soft_map_steps
 from .soft_map_settings import SoftMapSettings
-from .soft_maps import SoftMapStep, soft_map_steps
 from .surface_maps import PointMap, SurfaceMap
 
 
