@@ -203,7 +203,6 @@ TEXTS: dict[str, str] = {
     "{name} is shown by {other} already; duplicate that, or remove it first.": "{name} est déjà montré par {other} ; le dupliquer, ou le retirer d'abord.",
     "{name} is too long for the name of a vertex group; choose a shorter one.": "{name} est trop long pour le nom d'un groupe de sommets ; en choisir un plus court.",
     "{name} is too small at this resolution and travels with the rest.": "{name} est trop petit à cette résolution et voyage avec le reste.",
-    "{name} shows nothing in renders; go to a frame in which it does.": "{name} ne montre rien au rendu ; aller à une image où il montre quelque chose.",
     "{name} was baked from {missing}, which the file no longer holds under that name; rename it back, or select the shapes and bake a new morph.": "{name} a été précalculé à partir de {missing}, que le fichier ne contient plus sous ce nom ; rétablir le nom, ou sélectionner les formes et précalculer un nouveau morphing.",
     "{name}: its location, rotation or scale is not a number (NaN or infinite).": "{name} : sa position, sa rotation ou son échelle n'est pas un nombre (NaN ou infini).",
     "{name}: {reason} Delete those vertices, or the modifier that makes them.": "{name} : {reason} Supprimer ces sommets, ou le modificateur qui les crée.",

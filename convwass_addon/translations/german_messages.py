@@ -203,7 +203,6 @@ TEXTS: dict[str, str] = {
     "{name} is shown by {other} already; duplicate that, or remove it first.": "{name} wird schon von {other} gezeigt; das duplizieren, oder erst entfernen.",
     "{name} is too long for the name of a vertex group; choose a shorter one.": "{name} ist als Name einer Vertexgruppe zu lang; einen kürzeren wählen.",
     "{name} is too small at this resolution and travels with the rest.": "{name} ist bei dieser Auflösung zu klein und reist mit dem Rest.",
-    "{name} shows nothing in renders; go to a frame in which it does.": "{name} zeigt beim Rendern nichts; zu einem Bild gehen, in dem etwas zu sehen ist.",
     "{name} was baked from {missing}, which the file no longer holds under that name; rename it back, or select the shapes and bake a new morph.": "{name} wurde aus {missing} gebacken, was die Datei unter diesem Namen nicht mehr enthält; zurückbenennen, oder die Formen auswählen und einen neuen Morph backen.",
     "{name}: its location, rotation or scale is not a number (NaN or infinite).": "{name}: Position, Drehung oder Skalierung ist keine Zahl (NaN oder unendlich).",
     "{name}: {reason} Delete those vertices, or the modifier that makes them.": "{name}: {reason} Diese Vertices löschen, oder den Modifikator, der sie erzeugt.",

@@ -8,14 +8,13 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.framing import View, orbit
+from convwass_addon.bridge.framing import View, broad_view, orbit
 from convwass_addon.bridge.keyframes import FrameRange, key_visibility
 from convwass_addon.bridge.morphs.animation import render_animation
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.materials import morph_material
-from convwass_addon.bridge.morphs.still import render_still
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.bridge.studio import Studio
+from convwass_addon.bridge.studio import Studio, opening, world_points
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 
 RED, GREEN = (0.6, 0.02, 0.02, 1.0), (0.02, 0.5, 0.02, 1.0)
@@ -63,6 +62,20 @@ def sheet_morph(collection):
     for index, (x, z) in enumerate([(1.0, 0.0), (0.0, -2.0), (2.0, -2.0)]):
         cube(collection, index, 3).location = (x, 0.0, z)
     return collection
+
+
+def photographed(objects, path, resolution, samples):
+    """Render objects where they are."""
+    points = [world_points(obj) for obj in objects]
+    view = broad_view(points, np.radians(18.0))
+    with Studio() as studio:
+        for obj in objects:
+            studio.show(obj)
+        reach = studio.build(points, view)
+        studio.look(orbit(np.concatenate(points), [view], opening(resolution))[0], reach)
+        studio.set_quality(resolution, samples)
+        studio.render(path)
+    return pixels(path)
 
 
 def pixels(path):
@@ -132,21 +145,23 @@ def test_contact_sheet_keeps_the_places_of_a_sheet(sheet_morph, tmp_path):
     assert columns.min() > 32
 
 
-def test_still_shows_what_is_visible(path_morph, tmp_path):
+def test_the_studio_shows_what_it_is_given(path_morph, tmp_path):
     bpy.context.scene.frame_set(15)
     before = snapshot()
-    picture = pixels(render_still(path_morph, tmp_path / "still.png", resolution=(64, 48), samples=SAMPLES))
+    visible = [obj for obj in path_morph.objects if not obj.hide_render]
+    picture = photographed(visible, tmp_path / "still.png", (64, 48), SAMPLES)
     assert picture.shape == (48, 64, 3)
     assert is_green(picture).sum() > 200
     assert not is_red(picture).any()
     assert snapshot() == before
 
 
-def test_still_of_a_far_hidden_parent(collection, tmp_path):
+def test_what_has_a_far_hidden_parent_is_shown_where_it_is(collection, tmp_path):
     anchor = bpy.data.objects.new("Anchor", None)
     anchor.location = (100.0, 0.0, 0.0)
-    cube(collection, 0, 1, size=0.01).parent = anchor
-    picture = pixels(render_still(collection, tmp_path / "still.png", resolution=(32, 32), samples=SAMPLES))
+    obj = cube(collection, 0, 1, size=0.01)
+    obj.parent = anchor
+    picture = photographed([obj], tmp_path / "still.png", (32, 32), SAMPLES)
     assert is_red(picture).mean() > 0.1
 
 
@@ -188,7 +203,7 @@ def test_animation_can_be_stopped(path_morph, tmp_path):
 
 @pytest.mark.parametrize(
     ("render", "name"),
-    [(render_contact_sheet, "sheet.png"), (render_still, "still.png"), (render_animation, "morph.mp4")],
+    [(render_contact_sheet, "sheet.png"), (render_animation, "morph.mp4")],
 )
 def test_output_is_checked_before_rendering(path_morph, tmp_path, render, name):
     with pytest.raises(InputError, match="does not exist; create it"):
@@ -198,7 +213,7 @@ def test_output_is_checked_before_rendering(path_morph, tmp_path, render, name):
 
 
 def test_what_cannot_be_pictured_is_refused(collection, tmp_path):
-    for render, name in ((render_contact_sheet, "a.png"), (render_still, "a.png"), (render_animation, "a.mp4")):
+    for render, name in ((render_contact_sheet, "a.png"), (render_animation, "a.mp4")):
         with pytest.raises(InputError):
             render(collection, tmp_path / name)
 
@@ -223,7 +238,8 @@ def test_studio_vanishes_after_an_error(path_morph):
 
 def test_without_a_denoiser_more_light_is_followed(path_morph, tmp_path, monkeypatch):
     monkeypatch.setattr("_cycles.with_openimagedenoise", False)
-    picture = pixels(render_still(path_morph, tmp_path / "still.png", resolution=(32, 32), samples=1))
+    visible = [obj for obj in path_morph.objects if not obj.hide_render]
+    picture = photographed(visible, tmp_path / "still.png", (32, 32), 1)
     assert 0.9 < picture[:2].mean() < 0.985
     with Studio() as studio:
         studio.set_quality((8, 8), 3)
