@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+from photographs import color_material, finer, sample_shape, save_jpeg
 
 from convwass_addon.applications.densities.density_frames import joined_frames
 from convwass_addon.applications.densities.density_paths import blend_steps, interpolation_steps
@@ -25,12 +26,10 @@ from convwass_addon.applications.densities.vertex_distances import distances_fro
 from convwass_addon.bridge.densities.density_material import ROUGHNESS
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.heat_map import heat_colors
-from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.studio import Studio
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.transport import Surface
 
-PROJECT = Path(__file__).resolve().parents[1]
 _STEP = (2.5, 2.2)
 _LINES = 16
 _CLAY = np.array([0.42, 0.4, 0.38])
@@ -40,12 +39,7 @@ _SIZE = (2000, 1100)
 def main() -> None:
     """Compute all densities on one animal, and render them side by side."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    (obj,) = import_objects(PROJECT / "assets" / "shapes" / "horse.ply", None)
-    modifier = obj.modifiers.new("Finer", "SUBSURF")
-    modifier.levels = 1
-    bpy.context.view_layer.objects.active = obj
-    obj.select_set(True)
-    bpy.ops.object.modifier_apply(modifier=modifier.name)
+    obj = finer(sample_shape("horse"), 1)
     obj.data.shade_smooth()
     surface = density_surface(surface_mesh(obj, bpy.context.evaluated_depsgraph_get()))
     rows = [_first_row(surface), _travelling(surface, None), _travelling(surface, "max")]
@@ -102,11 +96,7 @@ def _photograph(obj: bpy.types.Object, rows: list[list[NDArray[np.float64]]]) ->
         studio.look_flat(Pose(middle + 50.0 * view.axes[2], view), _STEP[0] * columns, 200.0)
         studio.set_quality(_SIZE, 24)
         studio.render(Path(folder) / "densities.png")
-        picture = bpy.data.images.load(str(Path(folder) / "densities.png"))
-        # Reading the file sets the format again, and it is read only when it is looked at.
-        picture.scale(_SIZE[0] * 3 // 4, _SIZE[1] * 3 // 4)
-        picture.file_format = "JPEG"
-        picture.save(filepath=str(PROJECT / "docs" / "pictures" / "densities.jpg"), quality=88)
+        save_jpeg(Path(folder) / "densities.png", "densities", (_SIZE[0] * 3 // 4, _SIZE[1] * 3 // 4))
 
 
 def _painted(mesh: bpy.types.Mesh, colors: NDArray[np.float64]) -> bpy.types.Mesh:
@@ -114,21 +104,8 @@ def _painted(mesh: bpy.types.Mesh, colors: NDArray[np.float64]) -> bpy.types.Mes
     attribute = copy.color_attributes.new("Heat", "FLOAT_COLOR", "POINT")
     attribute.data.foreach_set("color", np.column_stack([colors, np.ones(len(colors))]).astype(np.float32).ravel())
     copy.materials.clear()
-    copy.materials.append(bpy.data.materials.get("Heat") or _material())
+    copy.materials.append(bpy.data.materials.get("Heat") or color_material("Heat", "Heat", ROUGHNESS))
     return copy
-
-
-def _material() -> bpy.types.Material:
-    material = bpy.data.materials.new("Heat")
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
-    shader.inputs["Roughness"].default_value = ROUGHNESS
-    source = nodes.new("ShaderNodeVertexColor")
-    source.layer_name = "Heat"
-    material.node_tree.links.new(source.outputs["Color"], shader.inputs["Base Color"])
-    return material
 
 
 if __name__ == "__main__":

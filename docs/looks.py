@@ -11,12 +11,11 @@ from tempfile import TemporaryDirectory
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+from photographs import color_material, finer, sample_shape, save_jpeg
 
 import convwass_addon
-from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 
-PROJECT = Path(__file__).resolve().parents[1]
 _SPOTS = 26
 
 
@@ -25,19 +24,11 @@ def main() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     convwass_addon.register()
     for name, paint in (("horse", _spotted), ("bird", _banded)):
-        (obj,) = import_objects(PROJECT / "assets" / "shapes" / f"{name}.ply", None)
-        modifier = obj.modifiers.new("Finer", "SUBSURF")
-        modifier.levels = 2
-        bpy.context.view_layer.objects.active = obj
-        obj.select_set(True)
-        bpy.ops.object.modifier_apply(modifier=modifier.name)
-        _paint(obj, paint)
+        _paint(finer(sample_shape(name), 2), paint)
     bpy.ops.convwass.bake_morph(frames=4, resolution=128, reverse=True)
     morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
     with TemporaryDirectory() as folder:
-        picture = bpy.data.images.load(str(render_contact_sheet(morph, Path(folder) / "looks.png")))
-        picture.file_format = "JPEG"
-        picture.save(filepath=str(PROJECT / "docs" / "pictures" / "looks.jpg"), quality=88)
+        save_jpeg(render_contact_sheet(morph, Path(folder) / "looks.png"), "looks")
 
 
 def _paint(obj: bpy.types.Object, paint: Callable[[NDArray[np.float32]], NDArray[np.float64]]) -> None:
@@ -50,16 +41,8 @@ def _paint(obj: bpy.types.Object, paint: Callable[[NDArray[np.float32]], NDArray
     colors[:, :3] = paint(points.reshape(-1, 3))
     attribute = mesh.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
     attribute.data.foreach_set("color", colors.ravel())
-    material = bpy.data.materials.new(obj.name)
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
-    source = nodes.new("ShaderNodeVertexColor")
-    source.layer_name = "Paint"
-    material.node_tree.links.new(source.outputs["Color"], shader.inputs["Base Color"])
     mesh.materials.clear()
-    mesh.materials.append(material)
+    mesh.materials.append(color_material(obj.name, "Paint"))
 
 
 def _spotted(points: NDArray[np.float32]) -> NDArray[np.float64]:

@@ -18,15 +18,14 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
+from photographs import PROJECT, sample_shape, save_jpeg
 
 import convwass_addon
 from convwass_addon.applications.skeletons.skeleton_fit import fit_steps
 from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
-from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 
-PROJECT = Path(__file__).resolve().parents[1]
 _BODIES = ("horse", "bird", "octopus", "double_torus")
 _STEP = 2.15
 _SIZE = (2800, 700)
@@ -69,7 +68,7 @@ def _material(name: str, color: Sequence[float], alpha: float) -> bpy.types.Mate
 
 
 def _read(name: str) -> bpy.types.Object:
-    (obj,) = import_objects(PROJECT / "assets" / "shapes" / f"{name}.ply", None)
+    obj = sample_shape(name)
     obj.data.shade_smooth()
     return obj
 
@@ -157,11 +156,7 @@ def _render(middle: Vector, view: Vector, width: float) -> None:
     with TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "skeletons.png")
         bpy.ops.render.render(write_still=True)
-        picture = bpy.data.images.load(scene.render.filepath)
-        # Reading the file sets the format again, and it is read only when it is looked at.
-        picture.update()
-        picture.file_format = "JPEG"
-        picture.save(filepath=str(PROJECT / "docs" / "pictures" / "skeletons.jpg"), quality=90)
+        save_jpeg(Path(scene.render.filepath), "skeletons")
 
 
 if __name__ == "__main__":

@@ -12,20 +12,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
 from mathutils import Euler
 from numpy.typing import NDArray
+from photographs import color_material, photograph_row, sample_shape
 
 import convwass_addon
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.imports import import_objects
-from convwass_addon.bridge.studio import Studio, world_points
+from convwass_addon.bridge.framing import View
+from convwass_addon.bridge.studio import Studio
 
-PROJECT = Path(__file__).resolve().parents[1]
 _STEP = 2.15
 _SIZE = (2800, 540)
 _MAP = "Soft Map"
@@ -135,7 +132,7 @@ def main() -> None:
 
 
 def _read(animal: Animal) -> bpy.types.Object:
-    (obj,) = import_objects(PROJECT / "assets" / "shapes" / f"{animal.name}.ply", None)
+    obj = sample_shape(animal.name)
     obj.data.shade_smooth()
     return obj
 
@@ -201,12 +198,7 @@ def _map(horse: bpy.types.Object, cow: bpy.types.Object) -> None:
 
 
 def _colored(horse: bpy.types.Object, cow: bpy.types.Object) -> list[bpy.types.Object]:
-    material = bpy.data.materials.new(_MAP)
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    color = nodes.new("ShaderNodeVertexColor")
-    color.layer_name = _MAP
-    material.node_tree.links.new(color.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    material = color_material(_MAP, _MAP)
     for obj in (horse, cow):
         obj.data.materials.append(material)
     return [horse, cow]
@@ -268,19 +260,9 @@ def _as_seen(obj: bpy.types.Object) -> bpy.types.Object:
 
 def _render(objects: list[bpy.types.Object]) -> None:
     view = View(-math.pi / 2 + math.radians(28.0), math.radians(13.0))
-    with Studio() as studio, TemporaryDirectory() as folder:
+    with Studio() as studio:
         shown = [studio.show(obj, tuple(_STEP * column * view.axes[0])) for column, obj in enumerate(objects)]
-        points = np.concatenate([world_points(one) for one in shown])
-        studio.build([world_points(one) for one in shown], view)
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
-        studio.look_flat(Pose(middle + 50.0 * view.axes[2], view), _STEP * len(shown), 200.0)
-        studio.set_quality(_SIZE, 24)
-        studio.render(Path(folder) / "soft_maps.png")
-        picture = bpy.data.images.load(str(Path(folder) / "soft_maps.png"))
-        # Reading the file sets the format again, and it is read only when it is looked at.
-        picture.update()
-        picture.file_format = "JPEG"
-        picture.save(filepath=str(PROJECT / "docs" / "pictures" / "soft_maps.jpg"), quality=90)
+        photograph_row(studio, shown, view, _STEP, _SIZE, "soft_maps")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the scripts beside this one that render pictures have in common; it needs Blender's module bpy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import bpy
+import numpy as np
+
+from convwass_addon.bridge.framing import Pose, View
+from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.studio import Studio, world_points
+
+PROJECT = Path(__file__).resolve().parents[1]
+
+# Light paths per pixel, and per cent of JPEG.
+_SAMPLES, _QUALITY = 24, 90
+
+
+def sample_shape(name: str) -> bpy.types.Object:
+    """Import one of the sample shapes."""
+    (obj,) = import_objects(PROJECT / "assets" / "shapes" / f"{name}.ply", None)
+    return obj
+
+
+def finer(obj: bpy.types.Object, levels: int) -> bpy.types.Object:
+    """Subdivide an object so many times, make it the active one, and return it."""
+    modifier = obj.modifiers.new("Finer", "SUBSURF")
+    modifier.levels = levels
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.ops.object.modifier_apply(modifier=modifier.name)
+    return obj
+
+
+def color_material(name: str, attribute: str, roughness: float = 0.5) -> bpy.types.Material:
+    """Make a material that shows a color attribute; a new one has the roughness 0.5."""
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:  # Blender 4.5
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Roughness"].default_value = roughness
+    source = nodes.new("ShaderNodeVertexColor")
+    source.layer_name = attribute
+    material.node_tree.links.new(source.outputs["Color"], shader.inputs["Base Color"])
+    return material
+
+
+def save_jpeg(rendered: Path, name: str, size: tuple[int, int] | None = None) -> None:
+    """Save a rendered picture as docs/pictures/NAME.jpg.
+
+    Parameters
+    ----------
+    rendered : Path
+        The picture, a file that Blender reads.
+    name : str
+        Without ending.
+    size : (int, int), optional
+        Width and height that it is brought to, in pixels.
+    """
+    picture = bpy.data.images.load(str(rendered))
+    # Reading the file sets the format again, and it is read only when it is looked at.
+    picture.update()
+    if size is not None:
+        picture.scale(*size)
+    picture.file_format = "JPEG"
+    picture.save(filepath=str(PROJECT / "docs" / "pictures" / f"{name}.jpg"), quality=_QUALITY)
+
+
+def photograph_row(
+    studio: Studio, shown: Sequence[bpy.types.Object], view: View, step: float, size: tuple[int, int], name: str
+) -> None:
+    """Photograph objects side by side, without perspective, as docs/pictures/NAME.jpg.
+
+    Parameters
+    ----------
+    studio : Studio
+        In which they are shown, each `step` to the right of the one before.
+    shown : sequence of bpy.types.Object
+        The objects.
+    view : View
+        From where.
+    step : float
+        In units of the scene.
+    size : (int, int)
+        Width and height in pixels.
+    name : str
+        Of the picture, without ending.
+    """
+    points = [world_points(one) for one in shown]
+    studio.build(points, view)
+    joined = np.concatenate(points)
+    middle = (joined.min(axis=0) + joined.max(axis=0)) / 2.0
+    studio.look_flat(Pose(middle + 50.0 * view.axes[2], view), step * len(shown), 200.0)
+    studio.set_quality(size, _SAMPLES)
+    with TemporaryDirectory() as folder:
+        studio.render(Path(folder) / "row.png")
+        save_jpeg(Path(folder) / "row.png", name)
