@@ -20,10 +20,7 @@ _BONES, _ARMS = 3, 5
 
 def armatures(window: Window) -> Iterator[float]:
     """Do everything in turn; an AssertionError says what went wrong."""
-    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
-    yield 1.5
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    yield from window.empty_scene()
     body = window.import_shape("octopus")
     with window.override():
         bpy.ops.view3d.view_axis(type="TOP")

@@ -24,10 +24,7 @@ def densities(window: Window) -> Iterator[float]:
 
 
 def _begins(window: Window) -> Iterator[float]:
-    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
-    yield 1.5
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    yield from window.empty_scene()
     with window.override():
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5)
         bpy.ops.object.shade_smooth()

@@ -93,6 +93,13 @@ class Window:
         yield 4 * _REACTION
         assert drawn, f"the sidebar has no panel {name}"
 
+    def empty_scene(self) -> Iterator[float]:
+        """Open a new file, and leave nothing in it."""
+        bpy.ops.wm.read_homefile(use_empty=False, app_template="")
+        yield 1.5
+        for obj in list(bpy.data.objects):
+            bpy.data.objects.remove(obj)
+
     def import_shape(self, name: str) -> bpy.types.Object:
         """Import one of the sample shapes, and return it."""
         with self.override():

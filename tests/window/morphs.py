@@ -186,10 +186,7 @@ def _saves_and_comes_back(window: Window) -> Iterator[float]:
 
 def _new_scene(window: Window, count: int = 2) -> Iterator[float]:
     """Begin with some shapes side by side, all selected."""
-    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
-    yield 1.5
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    yield from window.empty_scene()
     makers = (bpy.ops.mesh.primitive_monkey_add, bpy.ops.mesh.primitive_torus_add, bpy.ops.mesh.primitive_cone_add)
     with window.override():
         for place, make in enumerate(makers[:count]):

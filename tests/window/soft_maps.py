@@ -27,10 +27,7 @@ def soft_maps(window: Window) -> Iterator[float]:
 
 
 def _begins(window: Window) -> Iterator[float]:
-    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
-    yield 1.5
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    yield from window.empty_scene()
     source = window.import_shape("horse")
     target = source.copy()
     target.data = source.data.copy()
