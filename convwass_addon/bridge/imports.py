@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 
 from ..errors import InputError
-from ..sentence import Sentence
+from .blend_files import appended_objects, listed_names
 from .flat.flat_objects import is_drawn_flat
 from .objects import frozen_copy
 from .workshop import reason, workshop
@@ -37,8 +37,6 @@ READERS: dict[str, Callable[[str], set[str]]] = {
     ".abc": lambda file: bpy.ops.wm.alembic_import(filepath=file),
 }
 """Blender's importer for each ending, besides .blend."""
-
-NAMES_SHOWN = 20
 
 
 @dataclass(frozen=True)
@@ -168,34 +166,18 @@ def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
 
 def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
     """Load objects of a .blend and return each as a shape."""
-    try:
-        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
-            missing = [name for name in names or () if name not in available.objects]
-            if not missing:
-                # Each one once: Blender crashes on a name that comes twice.
-                chosen = list(dict.fromkeys(names or available.objects))
-                wanted.objects = list(chosen)
-            listed = _listed(available.objects)
-    except OSError as error:
-        raise InputError(
-            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
-        ) from error
-    if missing:
-        raise InputError(
-            "{file} has no object {name!r}; it holds {listed}.", file=file.name, name=missing[0], listed=listed
-        )
-    parts = {name: _Part(name, [obj]) for name, obj in zip(chosen, wanted.objects, strict=True)}
+    parts = {name: _Part(name, [obj]) for name, obj in appended_objects(file, names).items()}
     if names:
         return [parts[name] for name in names]
     meshes = [part for part in parts.values() if part.objects[0].type == "MESH"]
     meshes = meshes or [part for part in parts.values() if is_drawn_flat(part.objects[0])]
     if not meshes:
-        kinds = _kinds(file, wanted.objects)
+        kinds = _kinds(file, [part.objects[0] for part in parts.values()])
         raise InputError(
             "{file} holds no mesh, only {kinds}; convert: Object > Convert > Mesh.", file=file.name, kinds=kinds
         )
     if len(meshes) > 1:
-        available = _listed([part.name for part in meshes])
+        available = listed_names(part.name for part in meshes)
         raise InputError(
             "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
             file=file.name,
@@ -271,12 +253,3 @@ def _kinds(file: Path, objects: list[bpy.types.Object]) -> str:
             file=file.name,
         )
     return ", ".join(f"{kind} ({count})" for kind, count in sorted(counts.items()))
-
-
-def _listed(names: list[str]) -> str | Sentence:
-    """Say which names there are, not without end."""
-    if not names:
-        return Sentence("no objects")
-    more = len(names) - NAMES_SHOWN
-    shown = ", ".join(sorted(names)[:NAMES_SHOWN])
-    return Sentence("{names} and {more} more", {"names": shown, "more": more}) if more > 0 else shown

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import unit_mass
 from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
+from ..bridge.blend_files import open_blend
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_group
@@ -110,31 +110,32 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
 
 def opened_object(source: Source) -> bpy.types.Object:
     """Open a .blend and return the object meant in it: the one named, or the only mesh there is."""
-    file = Path(source.path).expanduser().absolute()
-    try:
-        bpy.ops.wm.open_mainfile(filepath=str(file), load_ui=False, use_scripts=False)
-    except RuntimeError as error:
+    open_blend(source.path)
+    if source.object_name is not None:
+        return object_in_scene(source)
+    meshes = _meshes_in_scene()
+    if len(meshes) != 1:
         raise InputError(
-            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
-        ) from error
-    meshes = sorted(obj.name for obj in bpy.context.scene.objects if obj.type == "MESH")
-    listed = ", ".join(meshes) or "none"
-    name = source.object_name
-    if name is None:
-        if len(meshes) != 1:
-            raise InputError(
-                "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
-                file=file.name,
-                count=len(meshes),
-                available=listed,
-            )
-        name = meshes[0]
-    found = bpy.context.scene.objects.get(name)
+            "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+            file=source.path.name,
+            count=len(meshes),
+            available=", ".join(meshes) or "none",
+        )
+    return bpy.context.scene.objects[meshes[0]]
+
+
+def object_in_scene(source: Source) -> bpy.types.Object:
+    """Return the object of the open file that is named; raises InputError where there is none."""
+    found = bpy.context.scene.objects.get(source.object_name or "")
     if found is None:
         raise InputError(
             "{file} has no object {name} in its scene; its meshes are {available}.",
-            file=file.name,
-            name=name,
-            available=listed,
+            file=source.path.name,
+            name=source.object_name or "-",
+            available=", ".join(_meshes_in_scene()) or "none",
         )
     return found
+
+
+def _meshes_in_scene() -> list[str]:
+    return sorted(obj.name for obj in bpy.context.scene.objects if obj.type == "MESH")

@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from pathlib import Path
 
 import bpy
 
+from ..bridge.blend_files import appended_objects
 from ..bridge.imports import BLEND, READERS, Source, import_objects, parse_source
-from ..errors import InputError
-from .density_inputs import opened_object
+from .density_inputs import object_in_scene, opened_object
 
 # Formats that may hold weights and shape keys, which must not be applied.
 _WITH_KEYS = (".gltf", ".glb", ".fbx", ".usd", ".usda", ".usdc", ".usdz")
@@ -39,7 +38,7 @@ def open_objects(source_text: str, target_text: str | None) -> tuple[bpy.types.O
         if source is opened:
             found.append(main)
         elif opened is not None and _is_blend(source) and source.path.resolve() == opened.path.resolve():
-            found.append(_in_scene(source))
+            found.append(object_in_scene(source))
         else:
             found.append(_added(source))
     return found[0], found[-1]
@@ -47,20 +46,6 @@ def open_objects(source_text: str, target_text: str | None) -> tuple[bpy.types.O
 
 def _is_blend(source: Source) -> bool:
     return source.path.suffix.lower() == BLEND and source.path.is_file()
-
-
-def _in_scene(source: Source) -> bpy.types.Object:
-    """Return an object of the open file by its name."""
-    meshes = sorted(obj.name for obj in bpy.context.scene.objects if obj.type == "MESH")
-    found = bpy.context.scene.objects.get(source.object_name or "")
-    if found is None:
-        raise InputError(
-            "{file} has no object {name} in its scene; its meshes are {available}.",
-            file=source.path.name,
-            name=source.object_name or "-",
-            available=", ".join(meshes) or "none",
-        )
-    return found
 
 
 def _added(source: Source) -> bpy.types.Object:
@@ -83,24 +68,6 @@ def _added(source: Source) -> bpy.types.Object:
 
 def _appended(source: Source) -> bpy.types.Object:
     """Append an object with all that it needs, as it is."""
-    file = Path(source.path).expanduser().absolute()
-    try:
-        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
-            known = source.object_name in available.objects
-            if known:
-                wanted.objects = [source.object_name]
-            listed = ", ".join(sorted(available.objects)) or "none"
-    except OSError as error:
-        raise InputError(
-            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
-        ) from error
-    if not known:
-        raise InputError(
-            "{file} has no object {name} in its scene; its meshes are {available}.",
-            file=file.name,
-            name=source.object_name,
-            available=listed,
-        )
-    (obj,) = wanted.objects
+    (obj,) = appended_objects(source.path, [source.object_name]).values()
     bpy.context.scene.collection.objects.link(obj)
     return obj

@@ -11,7 +11,8 @@ from pathlib import Path
 import bpy
 
 from ...errors import InputError
-from ..imports import BLEND, READERS, Source, import_objects
+from ..blend_files import appended_objects, open_blend
+from ..imports import BLEND, READERS, Source, checked_file, import_objects
 from ..workshop import reason
 
 
@@ -43,42 +44,18 @@ def open_body_and_rig(body: Source, rig: Source) -> BodyAndRig:
         Files or objects that cannot be used.
     """
     for source in (body, rig):
-        _require_file(source)
+        checked_file(source.path, None, (*READERS, BLEND))
     opened = next((source.path for source in (body, rig) if _is_blend(source)), None)
     if opened is None:
         bpy.ops.wm.read_factory_settings(use_empty=True)
     else:
-        _open(opened)
+        open_blend(opened)
     found_body = _found_body(body, opened)
     return BodyAndRig(found_body, _found_rig(rig, opened, found_body))
 
 
 def _is_blend(source: Source) -> bool:
     return source.path.suffix.lower() == BLEND
-
-
-def _require_file(source: Source) -> None:
-    """Refuse what cannot be opened; raises InputError."""
-    file = source.path.expanduser().absolute()
-    if file.is_dir():
-        raise InputError("{file} is a folder; name a file in it.", file=str(file))
-    if not file.exists():
-        raise InputError("{file} does not exist; check the spelling and the folder.", file=str(file))
-    if file.suffix.lower() not in (*READERS, BLEND):
-        raise InputError(
-            "{file} is of an unknown format; these can be read: {formats}.",
-            file=file.name,
-            formats=" ".join((*READERS, BLEND)),
-        )
-
-
-def _open(path: Path) -> None:
-    try:
-        bpy.ops.wm.open_mainfile(filepath=str(path.expanduser().absolute()), load_ui=False, use_scripts=False)
-    except RuntimeError as error:
-        raise InputError(
-            "{file} could not be read; it is damaged, or not a file of Blender.", file=path.name
-        ) from error
 
 
 def _is_open(source: Source, opened: Path | None) -> bool:
@@ -160,6 +137,14 @@ def _names(objects: Iterable[bpy.types.Object]) -> str:
     return ", ".join(sorted(obj.name for obj in objects)) or "-"
 
 
+def _appended(source: Source) -> list[bpy.types.Object]:
+    """Append the objects of a .blend to the scene, or the one that is named, as they are."""
+    objects = appended_objects(source.path, [source.object_name] if source.object_name else None)
+    for obj in objects.values():
+        bpy.context.scene.collection.objects.link(obj)
+    return list(objects.values())
+
+
 def _read(source: Source) -> list[bpy.types.Object]:
     """Read a file into the scene and return what it brought."""
     if source.object_name:
@@ -178,24 +163,3 @@ def _read(source: Source) -> list[bpy.types.Object]:
             reason=reason(error),
         ) from error
     return [obj for obj in bpy.data.objects if obj not in before]
-
-
-def _appended(source: Source) -> list[bpy.types.Object]:
-    """Append the objects of a .blend to the scene, or the one that is named, as they are."""
-    file = source.path.expanduser().absolute()
-    try:
-        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
-            names = [name for name in available.objects if source.object_name in (None, name)]
-            listed = ", ".join(sorted(available.objects)) or "-"
-            wanted.objects = list(names)
-    except OSError as error:
-        raise InputError(
-            "{file} could not be read; it is damaged, or not a file of Blender.", file=file.name
-        ) from error
-    if source.object_name and not names:
-        raise InputError(
-            "{file} has no object {name!r}; it holds {listed}.", file=file.name, name=source.object_name, listed=listed
-        )
-    for obj in wanted.objects:
-        bpy.context.scene.collection.objects.link(obj)
-    return list(wanted.objects)

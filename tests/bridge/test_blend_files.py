@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files of Blender: what is opened and appended, and what is refused."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.blend_files import NAMES_SHOWN, appended_objects, listed_names, open_blend
+from convwass_addon.bridge.files import save_blend
+from convwass_addon.errors import InputError
+
+
+@pytest.fixture
+def file(make_object, tmp_path):
+    for name in ("A", "B"):
+        make_object(name)
+    path = save_blend(tmp_path / "two.blend")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return path
+
+
+def test_opening(file):
+    open_blend(file)
+    assert {obj.name for obj in bpy.context.scene.objects} == {"A", "B"}
+
+
+def test_appending_all_or_some_each_once(file):
+    assert sorted(appended_objects(file, None)) == ["A", "B"]
+    found = appended_objects(file, ["B", "B"])
+    assert list(found) == ["B"]
+    assert found["B"].name == "B.001"
+    assert not bpy.context.scene.objects
+
+
+def test_names_that_are_not_there(file):
+    with pytest.raises(InputError, match="two.blend has no object 'C'; it holds A, B"):
+        appended_objects(file, ["A", "C"])
+    assert not bpy.data.objects
+
+
+@pytest.mark.parametrize("read", [open_blend, lambda path: appended_objects(path, None)])
+def test_what_is_no_blend(tmp_path, read):
+    (tmp_path / "a.blend").write_bytes(b"BLENDER nonsense")
+    with pytest.raises(InputError, match="a.blend could not be read; it is damaged"):
+        read(tmp_path / "a.blend")
+
+
+def test_lists_end():
+    assert str(listed_names([])) == "no objects"
+    assert listed_names(["b", "a"]) == "a, b"
+    assert str(listed_names(map(str, range(NAMES_SHOWN + 3)))).endswith("and 3 more")
