@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from .argument_types import joint_place, pinned_joint
+from .reports import add_output_options
 
 ARMATURE_HELP = """Fit an armature into a mesh: pinned joints stay where they are, the others are laid out inside.
 
@@ -37,11 +38,7 @@ def add_armature_options(parser: ArgumentParser) -> None:
     group.add_argument(
         "--auto-weights", action="store_true", help="bind the body to the armature with Blender's automatic weights"
     )
-    group.add_argument(
-        "--out", type=Path, metavar="FILE", default=Path("armature.blend"), help="the .blend to write (%(default)s)"
-    )
-    group.add_argument("--report", type=Path, metavar="FILE", help="write where the joints are as JSON")
-    group.add_argument("--json", action="store_true", help="print it as JSON")
+    add_output_options(group, Path("armature.blend"), "write where the joints are as JSON")
 
 
 def _add_pin_options(parser: ArgumentParser) -> None:

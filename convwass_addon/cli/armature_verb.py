@@ -4,10 +4,7 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from argparse import Namespace
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -23,8 +20,9 @@ from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
 from ..bridge.mesh_checks import writable_mesh
 from ..console import ProgressBar
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from .answer import Answer
+from .reports import note, write_report
 
 
 def run_armature(options: Namespace) -> Answer:
@@ -50,7 +48,7 @@ def run_armature(options: Namespace) -> Answer:
         record = _fitted(options, settings)
         written = [save_blend(target)]
     if report is not None:
-        _write_report(report, record)
+        write_report(report, record)
         written.append(report)
     return Answer.of_files(record, written)
 
@@ -76,15 +74,15 @@ def _fitted(options: Namespace, settings: SkeletonSettings) -> dict[str, object]
     pin_joints(pair.rig, rig, np.flatnonzero(rig.graph.pinned).tolist(), True)
     short = move_joints(pair.rig, rig, found.positions)
     for notice in found.notices:
-        _note(notice)
+        note(notice)
     if short:
-        _note(f"these bones came out without length and are tiny now: {', '.join(short)}")
+        note(f"these bones came out without length and are tiny now: {', '.join(short)}")
     record = _record(pair, rig, found)
     if options.auto_weights:
         count = bind_with_weights(pair.body, pair.rig)
         record["unweighted"] = count
         if count:
-            _note(f"automatic weights left {count} of {len(pair.body.data.vertices)} vertices without a bone")
+            note(f"automatic weights left {count} of {len(pair.body.data.vertices)} vertices without a bone")
     return record
 
 
@@ -123,16 +121,3 @@ def _record(pair: BodyAndRig, rig: RigGraph, found: FittedSkeleton) -> dict[str,
     }
     notices = [str(notice) for notice in found.notices]
     return {"body": pair.body.name, "rig": pair.rig.name, "fit": found.record, "joints": joints, "notices": notices}
-
-
-def _write_report(path: Path, record: dict[str, object]) -> None:
-    try:
-        path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise ConvwassError(
-            "{file} could not be written: {reason}", file=str(path), reason=str(error).strip()
-        ) from error
-
-
-def _note(text: object) -> None:
-    print(f"convwass: {text}", file=sys.stderr)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import Namespace
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -28,6 +27,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .density_inputs import DensityScene, open_mesh
+from .reports import note
 
 _DIGITS = 6
 
@@ -58,7 +58,7 @@ def run_density(options: Namespace) -> Answer:
         scene = open_mesh(options.mesh, settings)
         bar.show(1.0, options.mesh)
     for notice in scene.notices:
-        _note(notice)
+        note(notice)
     if options.measure:
         return _measured(options, scene, settings)
     if options.matrix:
@@ -145,7 +145,7 @@ def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings
         match_pieces=options.match_pieces,
     )
     if not found.converged:
-        _note("the distance is less exact than asked for; more --blur helps")
+        note("the distance is less exact than asked for; more --blur helps")
     record = {"object": scene.object.name, "groups": [first, second], **vars(found), "blur": scene.blur}
     return Answer({**record, "written": []}, (f"{found.squared if options.biased else found.length:.{_DIGITS}g}",))
 
@@ -159,10 +159,10 @@ def _matrix(scene: DensityScene) -> Answer:
             object=scene.object.name,
         )
     if len(names) < len(groups):
-        _note(f"empty groups that are left out: {len(groups) - len(names)}")
+        note(f"empty groups that are left out: {len(groups) - len(names)}")
     table = distance_table([groups[name] for name in names], names, scene.surface)
     for notice in table.notices:
-        _note(notice)
+        note(notice)
     width = max(*map(len, names), _DIGITS + 6)
     cells = [["", *names], *([name, *map(_number, row)] for name, row in zip(names, table.lengths, strict=True))]
     lines = tuple("  ".join(cell.rjust(width) for cell in row) for row in cells)
@@ -174,7 +174,7 @@ def _matrix(scene: DensityScene) -> Answer:
 def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> Answer:
     found = distances_from(options.distance_from, scene.surface)
     for notice in found.notices:
-        _note(notice)
+        note(notice)
     reached = np.flatnonzero(np.isfinite(found.lengths))
     far = int(reached[found.lengths[reached].argmax()])
     shown = found.heat_map()
@@ -193,7 +193,7 @@ def _frames(steps: Iterable[DensityStep]) -> DensityFrames:
         frames = joined_frames(_shown(steps, bar))
     slack = sum(not record["converged"] for record in frames.records)
     if slack:
-        _note(f"frames that are less exact than asked for: {slack}; more --blur helps, or --sharpen with more nats")
+        note(f"frames that are less exact than asked for: {slack}; more --blur helps, or --sharpen with more nats")
     return frames
 
 
@@ -212,7 +212,3 @@ def _plain(values: np.ndarray) -> list[object]:
 
 def _number(value: float) -> str:
     return f"{value:.{_DIGITS}g}" if np.isfinite(value) else "-"
-
-
-def _note(text: object) -> None:
-    print(f"convwass: {text}", file=sys.stderr)

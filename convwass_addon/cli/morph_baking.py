@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
@@ -24,6 +23,7 @@ from ..bridge.morphs.job import MorphJob
 from ..console import ProgressBar
 from .answer import Answer
 from .morph_choices import Computing
+from .reports import note
 
 # Colors of shapes that bring no material.
 _PALETTE = ((0.55, 0.09, 0.035, 1.0), (0.72, 0.30, 0.02, 1.0), (0.02, 0.13, 0.40, 1.0), (0.08, 0.24, 0.06, 1.0))
@@ -45,9 +45,9 @@ def baked(
         raise
     slack = sum(not record.get("converged", True) for record in job.records)
     if slack:
-        print(f"convwass: {slack} blends are less exact than asked for; more --blur helps", file=sys.stderr)
+        note(f"{slack} blends are less exact than asked for; more --blur helps")
     for notice in job.notices:
-        print(f"convwass: {notice}", file=sys.stderr)
+        note(notice)
     return job.finish(hide_inputs=True), job.records
 
 
@@ -76,7 +76,7 @@ def run_job(job: MorphJob | FlatJob, computing: Computing, take: Callable[[Morph
             take(step)
             bar.show(step.fraction, str(step.message))
     for notice in computing.cache.notices if computing.cache else ():
-        print(f"convwass: {notice}", file=sys.stderr)
+        note(notice)
 
 
 def rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> list[Path]:

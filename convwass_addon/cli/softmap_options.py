@@ -8,6 +8,7 @@ from argparse import ArgumentParser
 from pathlib import Path
 
 from .argument_types import vertex_pair
+from .reports import add_output_options
 
 KINDS = ("weights", "keys", "uvs", "colors")
 """What can be transferred."""
@@ -36,11 +37,7 @@ def add_softmap_options(parser: ArgumentParser) -> None:
     _add_transfer_options(parser)
     _add_solver_options(parser)
     group = parser.add_argument_group("what is written")
-    group.add_argument(
-        "--out", type=Path, metavar="FILE", default=Path("softmap.blend"), help="the .blend to write (%(default)s)"
-    )
-    group.add_argument("--report", type=Path, metavar="FILE", help="write what is known about the map as JSON")
-    group.add_argument("--json", action="store_true", help="print it as JSON")
+    add_output_options(group, Path("softmap.blend"), "write what is known about the map as JSON")
 
 
 def _add_pair_options(parser: ArgumentParser) -> None:

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from argparse import Namespace
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -30,8 +28,9 @@ from ..bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from ..bridge.surfaces import SurfaceReading, read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..console import ProgressBar
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from .answer import Answer
+from .reports import note, write_report
 from .softmap_inputs import open_objects
 
 
@@ -85,7 +84,7 @@ def run_softmap(options: Namespace) -> Answer:
         meshes = [reading.mesh for reading in ends.readings]
         found = repaired_map(found, *meshes, options.repair)
     for notice in found.notices:
-        _note(notice)
+        note(notice)
     marks = (
         mapped_side(ends.source, ends.readings[0].mesh.faces),
         mapped_side(ends.target, ends.readings[1].mesh.faces),
@@ -94,12 +93,7 @@ def run_softmap(options: Namespace) -> Answer:
     record = _record(ends, pairs, found) | {"transferred": _transferred(options, ends, found)}
     written = [save_blend(target)]
     if report is not None:
-        try:
-            report.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise ConvwassError(
-                "{file} could not be written: {reason}", file=str(report), reason=str(error).strip()
-            ) from error
+        write_report(report, record)
         written.append(report)
     return Answer.of_files(record, written)
 
@@ -125,7 +119,7 @@ def _opened_ends(options: Namespace) -> _Ends:
         bar.show(1.0, f"{source.name}, {target.name}")
     ignored = dict.fromkeys(name for reading in readings for name in reading.ignored)
     if ignored:
-        _note(f"modifiers that change the vertices are left out: {', '.join(ignored)}")
+        note(f"modifiers that change the vertices are left out: {', '.join(ignored)}")
     return _Ends(source, target, readings)
 
 
@@ -183,9 +177,9 @@ def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str
         done = part.write(way.receiver)
         names[kind] = list(done.written)
         for notice in done.notices:
-            _note(notice)
+            note(notice)
         if done.kept:
-            _note(f"left as they were: {', '.join(done.kept)}")
+            note(f"left as they were: {', '.join(done.kept)}")
     return names
 
 
@@ -228,7 +222,3 @@ def _figures(points: PointMap) -> dict[str, object]:
         "doubtful": int((confidence < DOUBTFUL).sum()),
         "median_confidence": float(np.median(confidence)),
     }
-
-
-def _note(text: object) -> None:
-    print(f"convwass: {text}", file=sys.stderr)

@@ -83,7 +83,7 @@ MAY_IMPORT = {
         "translations",
     },
     "console": {"errors", "sentence"},
-    "cli": {"errors", "sentence", "applications", "bridge", "console"},
+    "cli": {"drafts", "errors", "sentence", "applications", "bridge", "console"},
     "__main__": {"cli", "console", "errors", "sentence"},
     "__init__": {
         "armature_properties",
