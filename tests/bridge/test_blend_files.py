@@ -35,7 +35,7 @@ def test_appending_all_or_some_each_once(file):
 
 
 def test_names_that_are_not_there(file):
-    with pytest.raises(InputError, match="two.blend has no object 'C'; it holds A, B"):
+    with pytest.raises(InputError, match=r"two\.blend has no object 'C'; it holds A, B"):
         appended_objects(file, ["A", "C"])
     assert not bpy.data.objects
 
@@ -43,7 +43,7 @@ def test_names_that_are_not_there(file):
 @pytest.mark.parametrize("read", [open_blend, lambda path: appended_objects(path, None)])
 def test_what_is_no_blend(tmp_path, read):
     (tmp_path / "a.blend").write_bytes(b"BLENDER nonsense")
-    with pytest.raises(InputError, match="a.blend could not be read; it is damaged"):
+    with pytest.raises(InputError, match=r"a\.blend could not be read; it is damaged"):
         read(tmp_path / "a.blend")
 
 
