@@ -4,62 +4,9 @@
 
 from __future__ import annotations
 
-import json
-import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import bpy
-
-from ..console import own_stdout
-from ..errors import Cancelled, ConvwassError, InputError, ResourceError
-from .answer import Answer
-from .armature_options import ARMATURE_HELP, add_armature_options
-from .armature_verb import run_armature
-from .demo_verb import DEMO_HELP, add_demo_options, run_demo
-from .density_options import DENSITY_HELP, add_density_options
-from .density_verb import run_density
-from .morph_options import MORPH_HELP, add_morph_options
-from .morph_verb import run_morph
-from .recolor_options import RECOLOR_HELP, add_recolor_options
-from .recolor_verb import run_recolor
-from .reflect_options import REFLECT_HELP, SKY_HELP, add_reflect_options, add_sky_options
-from .reflect_verb import run_reflect
-from .sky_verb import run_sky
-from .softmap_options import SOFTMAP_HELP, add_softmap_options
-from .softmap_verb import run_softmap
-
-EXIT_CODES = """exit codes:
-  0  done                            3  the shapes or settings cannot be used (the message says what to do)
-  1  a failure while working         4  the job needs more memory than there is
-  2  the command line is wrong     130  interrupted
-"""
-
-
-@dataclass(frozen=True)
-class _Verb:
-    """A verb of the command line: what it is called, its options, and what it does with them."""
-
-    name: str
-    summary: str
-    description: str
-    add_options: Callable[[ArgumentParser], None]
-    run: Callable[[Namespace], Answer]
-
-
-_VERBS = (
-    _Verb("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
-    _Verb("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
-    _Verb(
-        "softmap", "map a mesh to another and transfer what is on it", SOFTMAP_HELP, add_softmap_options, run_softmap
-    ),
-    _Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
-    _Verb("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
-    _Verb("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
-    _Verb("sky", "make skies between two others", SKY_HELP, add_sky_options, run_sky),
-    _Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
-)
 
 
 def main(arguments: Sequence[str], program: str = "blender --command convwass") -> int:
@@ -77,42 +24,10 @@ def main(arguments: Sequence[str], program: str = "blender --command convwass") 
     int
         The exit code; see the help text.
     """
-    try:
-        options = _parser(program).parse_args(list(arguments))
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    try:
-        with own_stdout() as output:
-            found = options.run(options)
-            print(json.dumps(found.record, indent=2) if options.json else "\n".join(found.lines), file=output)
-    except Cancelled as stop:
-        print(f"convwass: {stop}", file=sys.stderr)
-        return 130
-    except ConvwassError as error:
-        print(f"convwass: {error}", file=sys.stderr)
-        return 4 if isinstance(error, ResourceError) else 3 if isinstance(error, InputError) else 1
-    except KeyboardInterrupt:
-        kept = getattr(options, "cache", None)
-        left = f"finished frames are kept in {kept}" if kept else "nothing was saved"
-        print(f"convwass: interrupted; {left}", file=sys.stderr)
-        return 130
-    return 0
+    # Imported here: Blender's window does without the verbs, and should not wait for them when it starts.
+    from .program import run
 
-
-def _parser(program: str) -> ArgumentParser:
-    parser = ArgumentParser(program, description="Convolutional Wasserstein distances for Blender.")
-    verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in _VERBS:
-        own = verbs.add_parser(
-            verb.name,
-            help=verb.summary,
-            description=verb.description,
-            formatter_class=RawDescriptionHelpFormatter,
-            epilog=EXIT_CODES,
-        )
-        verb.add_options(own)
-        own.set_defaults(run=verb.run)
-    return parser
+    return run(arguments, program)
 
 
 _commands: list[object] = []

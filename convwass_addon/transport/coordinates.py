@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize, nnls
 
 from .barycenter import Barycenter, barycenter
 from .checks import check_distribution, check_distributions, check_sharpness, check_solver
@@ -180,6 +179,9 @@ def nearest_barycenter(
     ).weights
     search.value(start)
     if len(family) > 1:
+        # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+        from scipy.optimize import minimize
+
         minimize(
             search.value,
             start,
@@ -247,6 +249,9 @@ def _checked(mu: ArrayLike, mus: ArrayLike, domain: Domain) -> tuple[NDArray[np.
 
 def _least_on_simplex(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights, not negative and of sum 1, for which the quadratic form is least."""
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    from scipy.optimize import nnls
+
     values, vectors = np.linalg.eigh(covariance)
     root = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
     scale = max(float(np.sqrt(np.trace(covariance))), np.finfo(np.float64).tiny)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import (
     Grid,
     barycenter,
     barycentric_coordinates,
-    coordinates,
     distance,
     nearest_barycenter,
 )
@@ -173,7 +173,7 @@ def test_a_search_that_goes_astray_never_leaves_a_worse_answer(monkeypatch):
     """Whatever the minimizer tries last."""
     target = STRANGERS["two bumps"]
     start = barycentric_coordinates(target, SPAN, LINE).weights
-    monkeypatch.setattr(coordinates, "minimize", lambda value, x, **rest: [value(corner) for corner in np.eye(3)])
+    monkeypatch.setattr(scipy.optimize, "minimize", lambda value, x, **rest: [value(corner) for corner in np.eye(3)])
     found = nearest_barycenter(target, SPAN, LINE)
     np.testing.assert_allclose(found.weights, start)
     assert found.evaluations == 4

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -102,6 +101,9 @@ def _couples(
     free = [np.setdiff1d(np.arange(count), own) for count, own in zip(counts, named, strict=True)]
     if not (len(free[0]) and len(free[1])):
         return
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    from scipy.optimize import linear_sum_assignment
+
     looks = [
         _looks(side.mesh, own, count)[chosen]
         for side, own, count, chosen in zip(sides, labels, counts, free, strict=True)
