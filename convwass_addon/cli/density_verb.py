@@ -60,7 +60,7 @@ def run_density(options: Namespace) -> Answer:
     for notice in scene.notices:
         note(notice)
     if options.measure:
-        return _measured(options, scene, settings)
+        return _measured(options, scene)
     if options.matrix:
         return _matrix(scene)
     if options.distance_from:
@@ -134,7 +134,7 @@ def _propagated(options: Namespace, scene: DensityScene, settings: DensitySettin
     return Answer.of_files(record, [save_blend(target)])
 
 
-def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings) -> Answer:
+def _measured(options: Namespace, scene: DensityScene) -> Answer:
     first, second = options.measure
     found = measured_distance(
         scene.weights(first),

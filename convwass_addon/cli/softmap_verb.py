@@ -170,7 +170,7 @@ def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str
     if parts:
         with ProgressBar("Transferring") as bar:
             for place, part in enumerate(parts.values()):
-                for message in part.steps(None):
+                for message in part.steps():
                     bar.show(place / len(parts), str(message))
     names = {}
     for kind, part in parts.items():

@@ -31,7 +31,7 @@ from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_lef
 class _Part(Protocol):
     """One kind of what is carried."""
 
-    def steps(self, check: Check | None) -> Iterator[Sentence]:
+    def steps(self) -> Iterator[Sentence]:
         """Compute, and say what comes next."""
 
     def write(self, receiver: bpy.types.Object) -> Carried:
@@ -67,7 +67,7 @@ class TransferJob(ObjectJob):
     def steps(self, check: Check | None = None) -> Iterator[_TransferStep]:
         """Yield the steps of the work."""
         for place, part in enumerate(self.parts.values()):
-            for message in part.steps(check):
+            for message in part.steps():
                 yield _TransferStep(place / len(self.parts), message)
                 if check is not None:
                     check()

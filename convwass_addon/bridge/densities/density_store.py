@@ -63,11 +63,6 @@ def forget_density(obj: bpy.types.Object, name: str) -> None:
         del obj[DENSITIES_KEY]
 
 
-def density_names(obj: bpy.types.Object) -> list[str]:
-    """Return the names of all densities that an object remembers; none where the description is damaged."""
-    return _readable_names(obj)
-
-
 def stored_density(obj: bpy.types.Object, name: str) -> StoredDensity:
     """Read and check what `store_density` wrote.
 

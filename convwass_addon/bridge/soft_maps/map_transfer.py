@@ -37,8 +37,6 @@ from .map_weights import (
     write_weights,
 )
 
-Check = Callable[[], None]
-
 
 @dataclass(frozen=True)
 class TransferEnds:
@@ -148,7 +146,7 @@ class CarriedGroups:
         self._fixed = staying_weights(ends.receiver, sorted(stays))
         self._result: dict[str, NDArray[np.float64]] = {}
 
-    def steps(self, check: Check | None) -> Iterator[Sentence]:
+    def steps(self) -> Iterator[Sentence]:
         """Compute, and say what comes next."""
         yield Sentence("Transferring vertex groups")
         deforming = self._values(self._deforming)
@@ -199,7 +197,7 @@ class CarriedKeys:
         self._keys = read_keys(ends.giver, list(self._names))
         self._result: list[KeyOffsets] = []
 
-    def steps(self, check: Check | None) -> Iterator[Sentence]:
+    def steps(self) -> Iterator[Sentence]:
         """Compute key by key."""
         ends, total = self._ends, len(self._keys)
         yield Sentence("Comparing the shapes")
@@ -247,7 +245,7 @@ class CarriedColors:
             self._colors |= {name: self._colors[name][loops] for name in corners}
         self._result: dict[str, NDArray[np.float64]] = {}
 
-    def steps(self, check: Check | None) -> Iterator[Sentence]:
+    def steps(self) -> Iterator[Sentence]:
         """Compute."""
         yield Sentence("Transferring color attributes")
         points, mesh = self._ends.points, self._ends.giver_mesh
@@ -292,7 +290,7 @@ class CarriedUvs:
         self._loops, self._polygons = triangle_loops(receiver, ends.receiver_mesh.faces), triangle_polygons(receiver)
         self._result: dict[str, TransferredUvs] = {}
 
-    def steps(self, check: Check | None) -> Iterator[Sentence]:
+    def steps(self) -> Iterator[Sentence]:
         """Compute map by map."""
         ends = self._ends
         for name, given in self._given.items():

@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.soft_maps.surface_maps import SurfaceMap
 from ...errors import InputError
 from ..mesh_checks import readable_mesh
 from .soft_map_bytes import MappedSide, MeshMark, StoredSoftMap, packed, unpacked
@@ -132,11 +131,6 @@ def map_state(obj: bpy.types.Object, side: MappedSide) -> MapState:
     if (now.vertices, now.polygons, now.topology) != (side.mark.vertices, side.mark.polygons, side.mark.topology):
         return MapState.OTHER
     return MapState.CURRENT if now.shape == side.mark.shape else MapState.RESHAPED
-
-
-def with_map(stored: StoredSoftMap, found: SurfaceMap) -> StoredSoftMap:
-    """Return the same meshes with another map between them."""
-    return StoredSoftMap(found, stored.source, stored.target)
 
 
 def _digest(*arrays: NDArray) -> str:
