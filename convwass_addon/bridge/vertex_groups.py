@@ -100,7 +100,7 @@ def require_unlocked(obj: bpy.types.Object, names: Iterable[str]) -> None:
 
 
 def as_weights(density: ArrayLike) -> NDArray[np.float64]:
-    """Scale a density, or several, so that the largest value is 1; negative values become 0."""
+    """Scale a density, (n,), or several, (k, n), so that the largest value is 1; negative values become 0."""
     values = np.maximum(np.asarray(density, dtype=np.float64), 0.0)
     largest = float(values.max(initial=0.0))
     return values / largest if largest > 0.0 else values

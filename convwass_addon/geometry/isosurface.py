@@ -140,7 +140,7 @@ def estimate_shortfall(density: NDArray[np.floating], volume: float) -> float:
 
 
 def as_floats(density: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return a density in the precision that it has, float32 or float64."""
+    """Return a density of any shape in the precision that it has, float32 or float64."""
     density = np.asarray(density)
     return density if density.dtype == np.float32 else density.astype(np.float64, copy=False)
 

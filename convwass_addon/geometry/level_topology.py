@@ -29,7 +29,7 @@ def pieces_above(density: NDArray[np.floating], level: float) -> Pieces:
 
 
 def hollows_below(density: NDArray[np.floating], level: float) -> Pieces:
-    """Return the pieces of the rest that do not reach the grid's walls."""
+    """Return the pieces of the rest that do not reach the walls of the grid, (x, y, z)."""
     return _joined_across(Pieces.of(density <= level), density, level).within()
 
 

@@ -86,12 +86,12 @@ class Barycenter:
 
     @property
     def log_v(self) -> NDArray[np.float64]:
-        """Logarithms of the scalings on the side of the barycenter, one per input of positive weight."""
+        """Logarithms of the scalings on the barycenter's side, (a, *shape), one per input of positive weight."""
         return self.levels[-1].region.scatter(self.levels[-1].log_v, LOG_NOTHING)
 
     @property
     def active(self) -> NDArray[np.int64]:
-        """Indices of the inputs whose weight is not zero."""
+        """Indices of the inputs whose weight is not zero, (a,)."""
         return np.flatnonzero(self.weights)
 
     def record(self) -> dict[str, object]:

@@ -65,12 +65,12 @@ class Distance:
 
     @property
     def v(self) -> NDArray[np.float64]:
-        """The scaling on the side of mu0; what float64 cannot express is its largest number."""
+        """The scaling on the side of mu0, of its shape; what float64 cannot express is its largest number."""
         return _exponential(self.log_v)
 
     @property
     def w(self) -> NDArray[np.float64]:
-        """The scaling on the side of mu1; what float64 cannot express is its largest number."""
+        """The scaling on the side of mu1, of its shape; what float64 cannot express is its largest number."""
         return _exponential(self.log_w)
 
 

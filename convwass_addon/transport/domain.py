@@ -119,24 +119,24 @@ class Multiscale(Domain, Protocol):
     fall_of_gamma: float
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Densities on the coarser domain."""
+        """Densities on the coarser domain, (k, *its shape), of those here, (k, *shape)."""
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
-        """Columns of the coarser domain, interpolated to the elements of a region of this one."""
+        """Columns of the coarser domain, (k, *its shape), interpolated to a region of this one, (k, len)."""
 
     def refined(self, support: Region, region: Region) -> Region:
         """Elements here that a solve needs whose density on the coarser domain has a `support` within a `region`."""
 
 
 def total_mass(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:
-    """Return a^T density."""
+    """Return a^T density, the mass of a density of the domain's shape."""
     if isinstance(weights, float):
         return float(density.sum()) * weights
     return float((density * weights).sum())
 
 
 def floored_log(values: NDArray[np.float64], shift: float | NDArray[np.float64] = 0.0) -> None:
-    """Take the logarithm in place and add `shift`; LOG_NOTHING where there is nothing."""
+    """Take the logarithm of an array of any shape in place and add `shift`; LOG_NOTHING where there is nothing."""
     with np.errstate(divide="ignore"):
         np.log(values, out=values)
     # Nothing stays nothing: the floor comes last, since a large shift would lift it to where it looks like a result.

@@ -86,14 +86,17 @@ class PropagationGraph:
 
     @cached_property
     def ends_at(self) -> tuple[NDArray[np.int64], ...]:
-        """The ends at every vertex."""
+        """The ends at every vertex, one array for each of the `size` vertices."""
         order = np.argsort(self.vertex_of_end, kind="stable")
         counts = np.bincount(self.vertex_of_end, minlength=self.size)
         return tuple(np.split(order, np.cumsum(counts)[:-1]))
 
     @cached_property
     def parts(self) -> NDArray[np.int64]:
-        """Label of every free vertex, -1 at fixed ones: parts that only fixed vertices join are separate problems."""
+        """Label of every free vertex, (size,), -1 at fixed ones.
+
+        Parts that only fixed vertices join are separate problems.
+        """
         tails, heads = self.vertex_of_end[0::2], self.vertex_of_end[1::2]
         inner = ~(self.fixed[tails] | self.fixed[heads])
         labels = _components(self.size, tails[inner], heads[inner])
@@ -103,7 +106,7 @@ class PropagationGraph:
 
     @cached_property
     def part_of_end(self) -> NDArray[np.int64]:
-        """The part that the edge of every end belongs to."""
+        """The part that the edge of every end belongs to, (2 e,)."""
         parts = self.parts[self.vertex_of_end]
         return np.maximum(parts, parts[np.arange(len(parts)) ^ 1])
 

@@ -39,7 +39,7 @@ class Region:
 
     @cached_property
     def index(self) -> NDArray[np.int64]:
-        """Flat indices of the elements."""
+        """Flat indices of the elements, (len,), ascending."""
         return np.flatnonzero(self.inside)
 
     @cached_property
@@ -64,7 +64,7 @@ class Region:
 
     @cached_property
     def index_in_box(self) -> NDArray[np.int64]:
-        """Flat indices of the elements within their box."""
+        """Flat indices of the elements within their box, (len,)."""
         return np.flatnonzero(self.inside[self.box])
 
     def gather(self, values: NDArray) -> NDArray:
@@ -102,7 +102,7 @@ class Region:
 
     @cached_property
     def interior(self) -> NDArray[np.bool_]:
-        """Elements of a grid whose neighbors, diagonal ones too, all belong to the region."""
+        """Mask, of the grid's shape, of elements whose neighbors, diagonal ones too, all belong to the region."""
         if self.is_whole:
             return self.inside
         interior = self.inside

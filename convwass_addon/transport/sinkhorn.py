@@ -82,7 +82,7 @@ class KernelInLogarithms:
 
 
 def log_density(mus: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return ln mu, LOG_NOTHING where there is no mass."""
+    """Return ln mu of densities of any shape, LOG_NOTHING where there is no mass."""
     logs = np.full(mus.shape, LOG_NOTHING)
     np.log(mus, out=logs, where=mus > 0)
     return logs

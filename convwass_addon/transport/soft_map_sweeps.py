@@ -69,14 +69,14 @@ class SweepOrder:
 
     @cached_property
     def opposite(self) -> NDArray[np.int64]:
-        """Where in this order the other end of every end's edge is."""
+        """Where in this order the other end of every end's edge is, (2 e,)."""
         place = np.empty_like(self.ends)
         place[self.ends] = np.arange(len(self.ends))
         return place[self.ends ^ 1]
 
     @cached_property
     def total_weights(self) -> NDArray[np.float64]:
-        """The sum of the weights of the edges at every vertex, in this order."""
+        """The sum of the weights of the edges at every vertex, (size,), in this order."""
         return np.bincount(self.graph.vertex_of_end, self.graph.weight_of_end, self.graph.size)[self.vertices]
 
     @cached_property

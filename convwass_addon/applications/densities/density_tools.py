@@ -105,7 +105,7 @@ def sharpened(weights: ArrayLike, surface: Surface, limit: float, name: str) -> 
 
 
 def sharpened_by(weights: ArrayLike, surface: Surface, share: float, name: str) -> NDArray[np.float64]:
-    """Sharpen a density until it covers `share` of the area that it has covered, 0 < share <= 1.
+    """Sharpen a density, (n,), until it covers `share` of the area that it has covered, 0 < share <= 1.
 
     The area is that of the even density of the same entropy; errors as :func:`sharpened`.
     """
@@ -116,7 +116,7 @@ def sharpened_by(weights: ArrayLike, surface: Surface, share: float, name: str) 
 
 
 def unit_mass(vertices: int | Sequence[int] | ArrayLike, surface: Surface) -> NDArray[np.float64]:
-    """Return the density of mass 1 that lies on some vertices alone, the same mass on each.
+    """Return the density of mass 1, (n,), that lies on some vertices alone, the same mass on each.
 
     Raises
     ------

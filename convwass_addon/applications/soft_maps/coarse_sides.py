@@ -54,13 +54,13 @@ class CoarseSide:
     normals: NDArray[np.float64]
 
     def places(self, fine: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the coarse vertices that some of the finer mesh's are."""
+        """Return the coarse vertices, (k,), that some of the finer mesh's, (k,), are."""
         order = np.argsort(self.vertices)
         return order[np.searchsorted(self.vertices[order], fine)]
 
 
 def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64]) -> CoarseSide:
-    """Return a coarser mesh of about `count` vertices, some of the finer one's among them.
+    """Return a coarser mesh of about `count` vertices, some of the finer one's, `kept` (k,), among them.
 
     Raises
     ------

@@ -66,7 +66,7 @@ def matched_pieces(source: MapSide, target: MapSide, pairs: NDArray[np.int64]) -
 
 
 def part_of(side: MapSide, vertices: NDArray[np.int64]) -> MapSide:
-    """Return the part of a side that has just these vertices, in their order; whole pieces."""
+    """Return the part of a side that has just these vertices, (v,), in their order; whole pieces."""
     mesh = side.mesh
     if len(vertices) == len(mesh.vertices):
         return side
@@ -78,7 +78,7 @@ def part_of(side: MapSide, vertices: NDArray[np.int64]) -> MapSide:
 
 
 def faces_of(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the triangles that `part_of` keeps, in its order."""
+    """Return the numbers of the triangles that `part_of` keeps, (f,), in its order."""
     is_kept = np.zeros(len(mesh.vertices), bool)
     is_kept[vertices] = True
     return np.flatnonzero(is_kept[mesh.faces].all(axis=1))

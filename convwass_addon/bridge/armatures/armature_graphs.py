@@ -91,7 +91,7 @@ class _Layout:
 
     @cached_property
     def fitted(self) -> NDArray[np.int64]:
-        """Numbers of the bones that are fitted: those that deform meshes, or all where none does."""
+        """Numbers of the bones that are fitted, (f,): those that deform meshes, or all where none does."""
         deforming = [place for place, bone in enumerate(self.bones) if bone.is_deforming]
         return np.array(deforming or range(len(self.bones)), dtype=np.int64)
 

@@ -120,7 +120,7 @@ def _points(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
 
 
 def pinned_vertices(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
-    """Return which vertices of a mesh are pinned, as they are in Edit Mode where it is being edited."""
+    """Return which vertices of a mesh are pinned, (n,), as they are in Edit Mode where it is being edited."""
     if mesh.is_editmode:
         edited = bmesh.from_edit_mesh(mesh)
         layer = edited.verts.layers.bool.get(PINNED)

@@ -12,7 +12,7 @@ from ...errors import InputError
 
 
 def triangle_polygons(obj: bpy.types.Object) -> NDArray[np.int64]:
-    """Return the polygon of a mesh object that each of its triangles is part of."""
+    """Return the polygon of a mesh object that each of its triangles is part of, (m,)."""
     totals = _totals(obj.data)
     return np.repeat(np.arange(len(totals)), np.maximum(totals - 2, 0))
 
