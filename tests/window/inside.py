@@ -36,12 +36,14 @@ class Window:
 
     def __init__(self, pictures: Path) -> None:
         self.pictures = pictures
+        self.editor = "VIEW_3D"
+        self.at = 0.0, 0.0
 
     @property
     def area(self) -> bpy.types.Area:
-        """The largest 3D viewport."""
+        """The largest editor of the kind that is used, at first the 3D viewport."""
         areas = bpy.context.window_manager.windows[0].screen.areas
-        return max((a for a in areas if a.type == "VIEW_3D"), key=lambda a: a.width * a.height)
+        return max((a for a in areas if a.type == self.editor), key=lambda a: a.width * a.height)
 
     def region(self, kind: str) -> bpy.types.Region:
         """Return the viewport's region of a kind: "WINDOW" or, for the sidebar, "UI"."""
@@ -108,6 +110,7 @@ class Window:
 
     def move(self, x: float, y: float) -> Iterator[float]:
         """Move the mouse; y counts from the top, as on the screen."""
+        self.at = x, y
         yield from self._input("mousemove", round(x), round(y))
 
     def click(self, x: float, y: float, button: int = 1) -> Iterator[float]:
@@ -161,6 +164,30 @@ class Window:
             yield from self.move(region.x + 30, self._height - region.y - region.height + 20)
             yield from self._input("click", "--repeat", 15, 5)
         raise AssertionError(f"the sidebar shows no button for {operator}")
+
+    def click_field(self, path: str) -> Iterator[float]:
+        """Find the sidebar's field of a property, as one who looks for it, and click it."""
+        region = self.region("UI")
+        for below in range(30, region.height, _SEARCH_STEP):
+            yield from self.move(region.x + region.width / 3, self._height - region.y - region.height + below)
+            bpy.context.window_manager.clipboard = ""
+            with self.override("UI"):
+                if bpy.ops.ui.copy_data_path_button.poll():
+                    bpy.ops.ui.copy_data_path_button()
+            if bpy.context.window_manager.clipboard == path:
+                yield from self._input("click", 1)
+                return
+        raise AssertionError(f"the sidebar shows no field of {path}")
+
+    def click_tab(self, name: str) -> Iterator[float]:
+        """Find a tab of the open sidebar, and click it."""
+        region = self.region("UI")
+        for below in range(20, region.height, _HEADER_STEP):
+            yield from self.click(region.x + region.width - 8, self._height - region.y - region.height + below)
+            yield _REACTION
+            if region.active_panel_category == name:
+                return
+        raise AssertionError(f"the sidebar has no tab {name}")
 
     def wait(self, until: Callable[[], bool], seconds: float, what: str) -> Iterator[float]:
         """Let Blender go on until something is so; an error if it takes too long."""
