@@ -3,8 +3,9 @@
 """Draw docs/pictures/recolor.jpg, the colors of two photographs exchanged: ``PYTHONPATH=. python docs/recolor.py``.
 
 As in figure 11 of Solomon et al. 2015: above, each photograph with the barycenter of both palettes, from its own to the
-other's; below, the barycenter's histogram of a and b, where a bin has its color and is the paler the less it holds. The
-photographs, from scikit-image, are in the public domain: coffee by Rachel Michetti, a rocket by SpaceX.
+other's, with the slope of the lightness and the grain of even parts held down; below, the barycenter's histogram of b
+(to the right) and a (up), where a place has its color and is the paler the less there is of it. The photographs, from
+scikit-image, are in the public domain: coffee by Rachel Michetti, a rocket by SpaceX.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 from skimage import data
 
 from convwass_addon.applications.palettes.lab_colors import linear_of_lab, srgb_of_linear
+from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.applications.palettes.palette_statistics import BINS, REACH
 from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
 from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
@@ -27,8 +30,11 @@ from convwass_addon.bridge.palettes.image_files import save_pixels
 PICTURE = Path(__file__).resolve().parent / "pictures" / "recolor.jpg"
 _TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _WIDTH, _GAP = 420, 12
-# The part of the plane of a and b that is shown, in bins from the corner of low a and b, and the pixels of a bin.
-_FIRST, _SHOWN, _SCALE = (29, 43), (70, 64), 6
+_SETTINGS = RecolorSettings(steepest=2.0, edge_radius=8)
+# The part of the plane of a and b that is shown, in their units: the middle, and pixels for a unit. Faint colors are
+# shown as the power of how much there is of them.
+_MIDDLE, _SCALE, _POWER = (18.0, 24.0), 3.0, 0.3
+_HISTOGRAM_HEIGHT = 260
 _FORM = PixelFormat()
 
 
@@ -36,7 +42,7 @@ def main() -> None:
     """Make all pictures, and put them side by side."""
     photographs = [_fitted(own) for own in (data.coffee(), data.rocket())]
     palettes = [image_palette(own, _FORM) for own in photographs]
-    changes = [recoloring(own, [other]) for own, other in (palettes, palettes[::-1])]
+    changes = [recoloring(own, [other], None, _SETTINGS) for own, other in (palettes, palettes[::-1])]
     columns = []
     for time in _TIMES:
         shown = [
@@ -83,18 +89,15 @@ def _recolored(pixels: NDArray[np.float32], change: Recoloring, strength: float)
 
 
 def _histogram(chroma: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Draw a histogram: a to the right, b up."""
-    middles = (np.arange(BINS) + 0.5) * (2 * REACH / BINS) - REACH
-    colors = np.stack(np.broadcast_arrays(52.0, middles[None, :], middles[::-1, None]))
-    shown = np.clip(srgb_of_linear(linear_of_lab(colors)), 0, 1)
-    amount = (chroma / chroma.max()).T[::-1] ** 0.25
-    mixed = 1.0 + (np.moveaxis(shown, 0, -1) - 1.0) * amount[..., None]
-    (left, low), (width, height) = _FIRST, _SHOWN
-    top = BINS - low - height
-    part = mixed[top : top + height, left : left + width]
-    part = part.repeat(_SCALE, axis=0).repeat(_SCALE, axis=1)
-    pixels = np.ones((*part.shape[:2], 4), dtype=np.float32)
-    pixels[..., :3] = part
+    """Draw a histogram: b to the right, a up."""
+    rows, columns = np.mgrid[0:_HISTOGRAM_HEIGHT, 0:_WIDTH] + 0.5
+    a = _MIDDLE[0] + (_HISTOGRAM_HEIGHT / 2 - rows) / _SCALE
+    b = _MIDDLE[1] + (columns - _WIDTH / 2) / _SCALE
+    shown = np.clip(srgb_of_linear(linear_of_lab(np.stack([np.full(a.shape, 52.0), a, b]))), 0, 1)
+    places = (np.stack([a, b]) + REACH) * (BINS / (2 * REACH)) - 0.5
+    amount = np.clip(map_coordinates(chroma / chroma.max(), places, order=1), 0, 1) ** _POWER
+    pixels = np.ones((*a.shape, 4), dtype=np.float32)
+    pixels[..., :3] = 1.0 + (np.moveaxis(shown, 0, -1) - 1.0) * amount[..., None]
     return pixels
 
 
