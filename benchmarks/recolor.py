@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from .processes import measured
 
-_CASES = "benchmarks.recolor_cases"
+_CASES, _LARGE_CASES = "benchmarks.recolor_cases", "benchmarks.recolor_large"
 PAIRS = (("coffee", "rocket"), ("rocket", "coffee"), ("chelsea", "astronaut"))
 
 _TITLE = """
@@ -22,9 +22,11 @@ seconds   CPU seconds of one thread, with measuring and solving
           samples     POT's domain adaptation from 1000 samples each
 """
 _LARGE = """
-3840 x 2160 pixels, {workers} thread(s): measuring and solving {solve:.2f} CPU s; applied exactly {exact[cpu]:.2f} CPU s
-({exact[wall]:.2f} s on the clock), through a table of 65 {table[cpu]:.2f} CPU s ({table[wall]:.2f}); {memory:.0f} MB
-in all with both pictures, the interpreter and the libraries, {more:.0f} MB of it while applying.
+An enlarged photograph with grain, 3840 x 2160 pixels of {colors} colors; measuring and solving take {solve:.2f} CPU s.
+CPU s / s on the clock, of arrays to arrays; and MB beyond the picture and before, the result among it.
+"""
+_EDITOR = """
+The same in Blender, bytes, by the operator: read, measured, solved, applied, written.
 """
 
 
@@ -38,13 +40,28 @@ def main() -> None:
     for way in [name for name in found[PAIRS[0]] if name != "before"]:
         rows = [found[pair][way] for pair in PAIRS]
         print(f"{way:24}" + "".join(f"{own['left']:14.1f} {own['growth']:6.1f} {own['seconds']:6.2f}" for own in rows))
-    for workers in (1, 2):
-        print(
-            _LARGE.format(
-                workers=workers, **measured(_CASES, "large", source="coffee", target="rocket", workers=workers)
-            )
-        )
+    _print_large(*PAIRS[0])
     print("error of tables in levels of 255, mean / 99 % / worst:")
     for size in (17, 33, 65):
         errors = [measured(_CASES, "table_error", source=a, target=b, size=size) for a, b in PAIRS]
         print(f"{size:4}" + "".join(f"{own['mean']:10.2f} /{own['most']:5.1f} /{own['worst']:5.1f}" for own in errors))
+
+
+def _print_large(source: str, target: str) -> None:
+    """Print what a film frame takes."""
+    rows = [
+        (kind, workers, measured(_LARGE_CASES, "arrays", source=source, target=target, kind=kind, workers=workers))
+        for kind in ("bytes", "floats")
+        for workers in (1, 2)
+    ]
+    print(_LARGE.format(**rows[0][2]))
+    print(f"{'':24}{'exactly':>16}{'by a table of 65':>20}{'MB':>8}")
+    for kind, workers, own in rows:
+        name = f"{kind}, {workers} thread{'s' if workers > 1 else ''}"
+        times = "".join(f"{own[way]['cpu']:13.2f} / {own[way]['wall']:.2f}" for way in ("exact", "table"))
+        print(f"{name:20}{times}{own['more']:10.0f}")
+    print(_EDITOR)
+    for output, name in (("REPLACE", "replaced"), ("NEW", "new, and packed")):
+        own = measured(_LARGE_CASES, "editor", source=source, target=target, output=output)
+        print(f"{name:20}{own['cpu']:13.2f} / {own['wall']:.2f}{own['more']:27.0f}")
+    print()

@@ -28,7 +28,6 @@ from convwass_addon.applications.palettes.pixels import PixelFormat, image_palet
 from convwass_addon.applications.palettes.recoloring import Recoloring, recoloring
 
 from .clock import Clock
-from .processes import peak_megabytes
 
 # Directions along which palettes are compared, and how steep an edge must be for its growth to count.
 _DIRECTIONS, _EDGE = 64, 0.3
@@ -105,7 +104,7 @@ def ours(smoothing: float, edge_radius: int = 0) -> Way:
 
     def way(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
         settings = RecolorSettings(smoothing=smoothing, edge_radius=edge_radius)
-        pixels = [_opaque(own) for own in (source, target)]
+        pixels = [opaque(own) for own in (source, target)]
         change = _solved(*pixels, settings)
         out = np.empty_like(pixels[0])
         for _ in recolored_blocks(pixels[0], PixelFormat(), change, None, out, workers=1):
@@ -119,7 +118,8 @@ def _solved(source: NDArray[np.float32], target: NDArray[np.float32], settings: 
     return recoloring(image_palette(source, PixelFormat()), [image_palette(target, PixelFormat())], None, settings)
 
 
-def _opaque(picture: NDArray[np.float64]) -> NDArray[np.float32]:
+def opaque(picture: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return a picture as pixels with an alpha of one."""
     pixels = np.ones((*picture.shape[:2], 4), dtype=np.float32)
     pixels[..., :3] = picture
     return pixels
@@ -208,28 +208,10 @@ def pair(source: str, target: str) -> dict[str, object]:
     return found
 
 
-def large(source: str, target: str, workers: int) -> dict[str, object]:
-    """Recolor a picture of 3840 x 2160 pixels."""
-    tile = _opaque(photograph(source))
-    repeats = [-(-most // own) for most, own in zip((2160, 3840), tile.shape, strict=False)]
-    pixels = np.ascontiguousarray(np.tile(tile, (*repeats, 1))[:2160, :3840])
-    clock = Clock()
-    change = _solved(pixels, _opaque(photograph(target)), RecolorSettings())
-    solved, out = clock.read()["cpu"], np.empty_like(pixels)
-    found: dict[str, object] = {"solve": solved}
-    base = peak_megabytes()
-    for name, own in (("exact", change), ("table", lookup_table(change))):
-        clock = Clock()
-        for _ in recolored_blocks(pixels, PixelFormat(), own, None, out, workers=workers):
-            pass
-        found[name] = clock.read()
-    return found | {"memory": peak_megabytes(), "more": peak_megabytes() - base}
-
-
 def table_error(source: str, target: str, size: int) -> dict[str, float]:
     """Compare a table with the map that it was made of, on a photograph, in levels of 255."""
-    pixels = _opaque(photograph(source))
-    change, found = _solved(pixels, _opaque(photograph(target)), RecolorSettings()), []
+    pixels = opaque(photograph(source))
+    change, found = _solved(pixels, opaque(photograph(target)), RecolorSettings()), []
     for own in (change, lookup_table(change, size)):
         out = np.empty_like(pixels)
         for _ in recolored_blocks(pixels, PixelFormat(), own, None, out, workers=1):

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import ConvwassError
@@ -49,3 +49,55 @@ def written_whole(path: Path) -> Iterator[Path]:
     except (RuntimeError, OSError) as error:
         reason = str(error).strip()
         raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
+
+
+class DraftFiles:
+    """Files that are written beside those they replace, and take their places together, once all of them are there.
+
+    A work that is stopped, or fails, leaves whatever was there.
+    """
+
+    def __init__(self) -> None:
+        self._drafts: dict[Path, Path] = {}
+        self._folders: list[Path] = []
+
+    def draft_of(self, target: Path) -> Path:
+        """Return where to write what will become a file; a folder that is missing is made."""
+        if not target.parent.is_dir():
+            target.parent.mkdir()
+            self._folders.append(target.parent)
+        draft = target.with_name(f".{uuid.uuid4().hex}{target.suffix}")
+        self._drafts[target] = draft
+        return draft
+
+    def keep(self) -> list[Path]:
+        """Put all of them into their places, and return these.
+
+        Raises
+        ------
+        ConvwassError
+            The system refused.
+        """
+        done = []
+        try:
+            for target, draft in self._drafts.items():
+                os.replace(draft, target)
+                done.append(target)
+        except OSError as error:
+            raise ConvwassError(
+                "{file} could not be written: {reason}", file=str(target), reason=str(error).strip()
+            ) from error
+        finally:
+            for target in done:
+                del self._drafts[target]
+        self._folders = []
+        return done
+
+    def discard(self) -> None:
+        """Remove what was written, and folders that were made for it."""
+        for draft in self._drafts.values():
+            draft.unlink(missing_ok=True)
+        for folder in self._folders:
+            with suppress(OSError):
+                folder.rmdir()
+        self._drafts, self._folders = {}, []

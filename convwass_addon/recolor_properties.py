@@ -102,6 +102,17 @@ def attribute_name_property() -> object:
     )
 
 
+def clip_folder_property() -> object:
+    """Return the property of where the frames of a clip go."""
+    return StringProperty(
+        name="Folder",
+        description="Where the recolored frames go, under the names of the frames; made if missing",
+        default="//recolored/",
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
+
+
 def _palette() -> object:
     return PointerProperty(name="Palette", description="Image whose colors are taken", type=bpy.types.Image)
 
@@ -146,6 +157,7 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
         ),
     )
     cube_size: cube_size_property()
+    clip_folder: clip_folder_property()
     palette_object: PointerProperty(
         name="Palette",
         description="Mesh whose active color attribute gives the palette",

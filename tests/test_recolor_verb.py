@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 from convwass_addon import cli
+from convwass_addon.bridge.video import write_video
+from convwass_addon.cli import recolor_verb
+from convwass_addon.errors import ConvwassError
 from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -64,6 +67,44 @@ def test_frames_of_a_clip_are_graded_alike(tmp_path, red, blue):
     means = [mean_lab(opened(out / frame.name)) for frame in frames]
     assert means[0][0] < means[1][0] - 3.0
     np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(opened(blue)), atol=1.0)
+
+
+def test_movies_become_graded_frames(tmp_path, red, blue, capfd):
+    frames = [saved(image_of("Frame", opened(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
+    movie, out = tmp_path / "shot.mp4", tmp_path / "graded"
+    write_video(frames, movie, (60, 40), 24)
+    before = len(bpy.data.images), len(bpy.data.textures)
+    assert run(movie, "--palette", blue, "--out", out) == 0
+    assert before == (len(bpy.data.images), len(bpy.data.textures))
+    assert sorted(path.name for path in out.iterdir()) == ["shot.0001.png", "shot.0002.png"]
+    for path in out.iterdir():
+        np.testing.assert_allclose(mean_lab(opened(path)), mean_lab(opened(blue)), atol=1.0)
+    assert run(movie, red, "--palette", blue, "--out", out) == 3
+    assert run(movie, "--palette", blue, "--steps", 3, "--out", out) == 3
+    assert "A movie is recolored by itself" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("ends", [KeyboardInterrupt(), ConvwassError("The disk is full.")])
+def test_what_ends_early_leaves_what_was_there(tmp_path, red, blue, ends, monkeypatch):
+    out, cube = tmp_path / "graded", tmp_path / "grade.cube"
+    frames = [saved(image_of("Frame", opened(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
+    assert run(*frames, "--palette", blue, "--out", out, "--cube", cube, "--cube-size", 5) == 0
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+    save, left = recolor_verb.save_pixels, [1]
+
+    def breaks(*arguments):
+        if not left:
+            raise ends
+        left.pop()
+        save(*arguments)
+
+    monkeypatch.setattr(recolor_verb, "save_pixels", breaks)
+    arguments = (*frames, "--palette", blue, "--strength", 0.3, "--out", out, "--cube", cube, "--cube-size", 5)
+    try:
+        assert run(*arguments) != 0
+    except KeyboardInterrupt:
+        assert isinstance(ends, KeyboardInterrupt)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
 
 
 def test_steps_on_the_way(tmp_path, red, blue):

@@ -55,6 +55,19 @@ def absolute_folder(folder: str | Path) -> Path:
     return target
 
 
+def checked_folder(folder: str | Path) -> Path:
+    """Return the absolute path of a folder that files will go to, which need not be there yet.
+
+    Raises
+    ------
+    InputError
+        As `absolute_folder`, or it cannot be made or written to.
+    """
+    target = absolute_folder(folder)
+    checked_target(target / "x" if target.is_dir() else target)
+    return target
+
+
 def made_folder(folder: str | Path) -> Path:
     """Return the absolute path of a folder that files go to; its last part is made if missing.
 

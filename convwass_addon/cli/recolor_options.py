@@ -12,12 +12,14 @@ from .argument_types import numbers
 
 RECOLOR_HELP = """Give images the palette of another image, or the barycenter of the palettes of several.
 
-Several images are frames of one clip: they are graded alike, by the palette of all of them together, so that nothing
-flickers. With --cube the grade is written as a table too, for other programs; --lut applies such a table instead.
+Several images are frames of one clip, and so are those of a movie: they are graded alike, by the palette of all of them
+together, so that nothing flickers. With --cube the grade is written as a table too, for other programs; --lut applies
+such a table instead.
 
 examples:
   recolor photo.png --palette painting.jpg --out graded.png
   recolor shot.*.png --palette still.png --strength 0.7 --out graded/
+  recolor shot.mp4 --palette still.png --out graded/
   recolor day.exr --palette dusk.exr night.exr --weights 0.7,0.3 --out between.exr
   recolor photo.png --palette painting.jpg --steps 8 --out sequence/
   recolor photo.png --palette painting.jpg --cube grade.cube
@@ -30,7 +32,9 @@ _DEFAULTS = RecolorSettings()
 
 def add_recolor_options(parser: ArgumentParser) -> None:
     """Add all of them."""
-    parser.add_argument("images", metavar="IMAGE", nargs="+", type=Path, help="an image, or the frames of a clip")
+    parser.add_argument(
+        "images", metavar="IMAGE", nargs="+", type=Path, help="an image, the frames of a clip, or a movie"
+    )
     parser.add_argument("--palette", type=Path, nargs="+", default=[], metavar="IMAGE", help="whose colors are taken")
     parser.add_argument("--weights", type=numbers, metavar="W,W,...", help="of several palettes (all alike)")
     parser.add_argument("--lut", type=Path, metavar="FILE", help="apply this .cube instead of a palette")

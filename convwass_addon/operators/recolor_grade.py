@@ -11,27 +11,47 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
-from ..applications.palettes.recolor_job import recolor_steps
 from ..bridge.files import checked_target
+from ..bridge.handles import Handle
+from ..bridge.palettes.clip_frames import ClipFrames, is_clip
 from ..bridge.palettes.grade_nodes import grade_group
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..recolor_properties import RecolorProperties, cube_size_property
+from .background import BackgroundOperator
 from .density_targets import tell
-from .recolor_targets import OnImage, chosen_image, image_property, read_pictures
-from .reporting import refuse
+from .recolor_clip import ClipJob
+from .recolor_image import RecolorJob
+from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, read_pictures
 
 
-class _MakesTable(RecolorProperties):
-    """An operator that needs the map of colors as a table; measuring and solving take a fraction of a second."""
+class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
+    """An operator that needs the map of colors as a table; that of a clip comes from all of its frames together."""
 
-    def _table(self, context: bpy.types.Context) -> LookupTable:
-        image = chosen_image(context, self.image)
-        source, palettes, weights = read_pictures(context, image)
-        steps = list(recolor_steps(source, palettes, weights, self.recolor_settings(), only_map=True))
-        return lookup_table(steps[-1].change, self.cube_size)
+    _job: RecolorJob | ClipJob
+
+    def _begin(self, context):
+        image, settings = chosen_image(context, self.image), self.recolor_settings()
+        if is_clip(image):
+            frames = ClipFrames(image, context.scene.convwass_recolor.mask)
+            return ClipJob(frames, *read_palettes(context), settings)
+        return RecolorJob(Handle.of("images", image), *read_pictures(context, image), settings, ends="map")
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Matching palettes")
+
+    def _finish(self, context, job):
+        job.discard()
+        return self._use(context, lookup_table(job.change, self.cube_size))
+
+    def _use(self, context: bpy.types.Context, table: LookupTable) -> set[str]:
+        """Do with the table what it is made for."""
+        raise NotImplementedError
 
 
-class CONVWASS_OT_write_lut(_MakesTable, OnImage, bpy.types.Operator):
+class CONVWASS_OT_write_lut(_MakesTable, bpy.types.Operator):
     """Write the map of colors as a .cube table, which video editors and other programs apply to whole clips"""
 
     bl_idname = "convwass.write_lut"
@@ -40,29 +60,39 @@ class CONVWASS_OT_write_lut(_MakesTable, OnImage, bpy.types.Operator):
     image: image_property()
     cube_size: cube_size_property()
     filepath: StringProperty(
-        name="File Path", description="The .cube file to write", subtype="FILE_PATH", options={"SKIP_SAVE"}
+        name="File Path",
+        description="The .cube file to write",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     filter_glob: StringProperty(name="File Filter", default="*.cube", options={"HIDDEN"})
 
-    def execute(self, context):
-        try:
-            if not self.filepath:
-                raise InputError("Choose a file to write.")
-            path = checked_target(Path(bpy.path.abspath(self.filepath)).with_suffix(".cube"))
-            write_cube(self._table(context), path, context.scene.convwass_recolor.chosen_palettes[0][0].name)
-        except ConvwassError as error:
-            return refuse(self, error)
-        tell(self, rpt_("Wrote {:s}").format(str(path)))
-        return {"FINISHED"}
+    _chosen_in_browser = False
 
     def invoke(self, context, event):
         if not self.filepath:
             self.filepath = "//grade.cube" if bpy.data.filepath else "grade.cube"
+        self._chosen_in_browser = True
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
+    def execute(self, context):
+        # The file browser calls this where others are invoked.
+        return super().invoke(context, None) if self._chosen_in_browser else super().execute(context)
 
-class CONVWASS_OT_build_grade_nodes(_MakesTable, OnImage, bpy.types.Operator):
+    def _begin(self, context):
+        if not self.filepath:
+            raise InputError("Choose a file to write.")
+        self._path = checked_target(Path(bpy.path.abspath(self.filepath)).with_suffix(".cube"))
+        return super()._begin(context)
+
+    def _use(self, context, table):
+        write_cube(table, self._path, _palette_name(context))
+        tell(self, rpt_("Wrote {:s}").format(str(self._path)))
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
     """Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group"""  # noqa: E501
 
     bl_idname = "convwass.build_grade_nodes"
@@ -71,14 +101,15 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, OnImage, bpy.types.Operator):
     image: image_property()
     cube_size: cube_size_property()
 
-    def execute(self, context):
-        try:
-            name = context.scene.convwass_recolor.chosen_palettes[0][0].name
-            group = grade_group(self._table(context), f"Grade {name}")
-        except ConvwassError as error:
-            return refuse(self, error)
+    def _use(self, context, table):
+        group = grade_group(table, f"Grade {_palette_name(context)}")
         tell(self, rpt_("Made the node group {:s} for the compositor").format(group.name))
         return {"FINISHED"}
+
+
+def _palette_name(context: bpy.types.Context) -> str:
+    chosen = context.scene.convwass_recolor.chosen_palettes
+    return chosen[0][0].name if chosen else ""
 
 
 classes = (CONVWASS_OT_write_lut, CONVWASS_OT_build_grade_nodes)

@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Literal
 
 import bpy
 import numpy as np
@@ -13,14 +15,21 @@ from bpy.props import EnumProperty
 from numpy.typing import NDArray
 
 from ..applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.png_bytes import png_bytes
 from ..applications.palettes.recolor_job import Picture, RecolorStep, recolor_steps
+from ..applications.palettes.recoloring import Recoloring
 from ..bridge.handles import Handle
+from ..bridge.palettes.clip_frames import is_clip
 from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
 from ..errors import InputError
 from ..recolor_properties import RecolorProperties
+from ..sentence import Sentence
 from .background import BackgroundOperator
 from .density_targets import tell
 from .recolor_targets import OnImage, chosen_image, image_property, read_pictures
+
+# Share of a job that is done once the pixels are, where they become a file after that.
+_RECOLORED = 0.95
 
 
 class RecolorJob:
@@ -38,6 +47,8 @@ class RecolorJob:
         One for each.
     settings : RecolorSettings
         How.
+    ends : "map", "pixels" or "file"
+        With what: a file only where pixels are bytes, which is what most time goes into when they are packed.
     """
 
     def __init__(
@@ -47,23 +58,35 @@ class RecolorJob:
         palettes: Sequence[Picture],
         weights: Sequence[float],
         settings: RecolorSettings,
+        *,
+        ends: Literal["map", "pixels", "file"] = "pixels",
     ) -> None:
         self._target = target
         self._inputs = source, palettes, weights, settings
+        self._ends = ends
+        self.change: Recoloring | None = None
+        self.file: bytes | None = None
         self._pixels: NDArray[np.float32] | None = None
 
     def steps(self, check: Callable[[], None] | None = None) -> Iterator[RecolorStep]:
         """Yield the steps of the work."""
-        yield from recolor_steps(*self._inputs, check)
+        source = self._inputs[0]
+        for step in recolor_steps(*self._inputs, check, only_map=self._ends == "map"):
+            if step.pixels is None or self._ends != "file" or not source.pixel_format.levels:
+                yield step
+            else:
+                yield RecolorStep(_RECOLORED, Sentence("Packing the image"))
+                yield replace(step, file=png_bytes(step.pixels, check))
 
     def write(self, step: RecolorStep) -> None:
         """Take what a step has brought; the file stays as it is until the end."""
+        self.change = step.change
         if step.pixels is not None:
-            self._pixels = step.pixels
+            self._pixels, self.file = step.pixels, step.file
 
     def discard(self) -> None:
         """Forget it."""
-        self._pixels = None
+        self._pixels = self.file = None
 
     @property
     def pixels(self) -> NDArray[np.float32]:
@@ -102,7 +125,13 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
             raise InputError(
                 "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
             )
-        return RecolorJob(Handle.of("images", image), *read_pictures(context, image), self.recolor_settings())
+        if self.output == "REPLACE" and is_clip(image):
+            raise InputError(
+                "{image} is a clip, whose frames stay as they are; make a new image, or recolor the clip.",
+                image=image.name,
+            )
+        inputs, ends = read_pictures(context, image), "file" if self.output == "NEW" else "pixels"
+        return RecolorJob(Handle.of("images", image), *inputs, self.recolor_settings(), ends=ends)
 
     def _steps(self):
         return self._job.steps
@@ -113,9 +142,10 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
     def _finish(self, context, job):
         image = job.target()
         result = image if self.output == "REPLACE" else result_image(image)
-        write_pixels(result, job.pixels)
+        if job.file is None:
+            write_pixels(result, job.pixels)
         if result != image:
-            keep_in_file(result)
+            keep_in_file(result, job.file)
         space = context.space_data
         if space is not None and space.type == "IMAGE_EDITOR" and space.image == image:
             space.image = result

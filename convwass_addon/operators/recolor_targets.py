@@ -72,10 +72,21 @@ def read_pictures(context: bpy.types.Context, image: bpy.types.Image) -> tuple[P
     InputError
         Images that cannot be read, or masks of other sizes.
     """
+    source = read_picture(image, context.scene.convwass_recolor.mask)
+    return source, *read_palettes(context)
+
+
+def read_palettes(context: bpy.types.Context) -> tuple[list[Picture], list[float]]:
+    """Read the palettes, with their weights.
+
+    Raises
+    ------
+    InputError
+        Images that cannot be read, or a mask of another size.
+    """
     own = context.scene.convwass_recolor
-    source = read_picture(image, own.mask)
     palettes = [read_picture(palette) for palette, _ in own.chosen_palettes]
     if own.palette_mask is not None and own.palette is not None:
         masked = read_picture(own.palette, own.palette_mask)
         palettes[0] = replace(palettes[0], mask=masked.mask)
-    return source, palettes, [weight for _, weight in own.chosen_palettes]
+    return palettes, [weight for _, weight in own.chosen_palettes]

@@ -6,10 +6,13 @@ from __future__ import annotations
 
 import bpy
 
+from ..bridge.palettes.clip_frames import is_clip
 from ..operators.background import CONVWASS_OT_stop_bake
 from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
+from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
 from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_lut
 from ..operators.recolor_image import CONVWASS_OT_recolor_image
+from ..operators.recolor_targets import shown_image
 from ..recolor_properties import PALETTES, CONVWASS_PG_recolor, RecolorProperties
 from .sidebar import Sidebar, fill_operator
 
@@ -37,18 +40,38 @@ class CONVWASS_PT_recolor_image(_ImageSidebar, bpy.types.Panel):
             layout.progress(factor=progress.fraction, text=progress.message)
             layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
             return
-        row = layout.row()
-        row.scale_y = 1.6
-        operator = row.operator(CONVWASS_OT_recolor_image.bl_idname, icon="COLOR")
-        fill_operator(operator, own, RecolorProperties)
-        operator.output = own.output
-        layout.row().prop(own, "output", expand=True)
+        draw = _draw_clip if is_clip(shown_image(context)) else _draw_image
+        draw(layout, own)
+
+
+def _draw_image(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
+    """Draw what can be done with a still image."""
+    row = layout.row()
+    row.scale_y = 1.6
+    operator = row.operator(CONVWASS_OT_recolor_image.bl_idname, icon="COLOR")
+    fill_operator(operator, own, RecolorProperties)
+    operator.output = own.output
+    layout.row().prop(own, "output", expand=True)
+
+
+def _draw_clip(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
+    """Draw what can be done with a sequence or a movie: all frames alike, or a try on the one that is shown."""
+    row = layout.row()
+    row.scale_y = 1.6
+    operator = row.operator(CONVWASS_OT_recolor_clip.bl_idname, icon="RENDER_ANIMATION")
+    fill_operator(operator, own, RecolorProperties)
+    operator.folder = own.clip_folder
+    layout.prop(own, "clip_folder")
+    operator = layout.operator(CONVWASS_OT_recolor_image.bl_idname, text="Recolor This Frame", icon="COLOR")
+    fill_operator(operator, own, RecolorProperties)
+    operator.output = "NEW"
 
 
 def _draw_palettes(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
     """Draw the palettes that are chosen and room for one more; weights where there are several."""
     count = len(own.chosen_palettes)
     column = layout.column(align=True)
+    column.label(text="Palette")
     empty = 0
     for name in PALETTES:
         chosen = getattr(own, name) is not None

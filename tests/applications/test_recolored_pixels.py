@@ -8,8 +8,11 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
-from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb
+from convwass_addon.applications.palettes.distinct_colors import LEVELS
+from convwass_addon.applications.palettes.interpolation import interpolated
+from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb, srgb_of_linear
 from convwass_addon.applications.palettes.lookup_table import LookupTable, lookup_table, read_cube, write_cube
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
@@ -21,6 +24,7 @@ from convwass_addon.errors import Cancelled, InputError
 from .palettes import cloud, picture_of
 
 SRGB, SCENE = PixelFormat(), PixelFormat("linear", "associated", highest=np.inf)
+BYTES = PixelFormat(levels=LEVELS)
 
 
 @pytest.fixture(scope="module")
@@ -181,6 +185,33 @@ def test_the_edge_aware_filter_averages_what_is_even(target):
     assert abs(steps[1] / steps[0] - 1.0) < 0.1
 
 
+def test_the_filter_knows_colors_from_highlights(target):
+    """White spots on a saturated ground, among darker ones: each kind changes as it does without the filter."""
+    rng = np.random.default_rng(0)
+    lab = np.zeros((3, 64, 64))
+    lab[:] = np.array([45.0, 45.0, 30.0])[:, None, None]
+    lab[:, rng.random((64, 64)) < 0.1] = np.array([25.0, 30.0, 15.0])[:, None]
+    white = rng.random((64, 64)) < 0.03
+    lab[:, white] = np.array([80.0, 0.0, 0.0])[:, None]
+    pixels = picture_of(lab.reshape(3, -1), 64)
+    plain, filtered = (
+        recolored(pixels, change_of(pixels, target, RecolorSettings(edge_radius=radius))) for radius in (0, 6)
+    )
+    apart = np.abs(filtered - plain)[white].max(axis=1) * 255
+    assert np.median(apart) < 6.0 and apart.max() < 20.0
+
+
+@pytest.mark.parametrize("brightest", [1e3, 1e6])
+def test_the_filter_stands_lamps(source, target, brightest):
+    scene = source.copy()
+    scene[..., :3] = linear_of_srgb(source[..., :3])
+    scene[::9, ::7, :3] = brightest
+    found = recolored(scene, change_of(scene, target, RecolorSettings(edge_radius=5), SCENE), SCENE)
+    assert np.isfinite(found).all() and found[::9, ::7, :3].min() > 0.5 * brightest
+    rest = (scene[..., 0] < brightest) & (scene[..., 0] > 0)
+    assert found[rest].max() < 2.0
+
+
 def test_large_images_take_little_more_than_themselves(source, target):
     change = change_of(source, target)
     large = np.ones((2048, 2048, 4), np.float32)
@@ -192,6 +223,71 @@ def test_large_images_take_little_more_than_themselves(source, target):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 0.7 * large.nbytes
+
+
+def bytes_of(picture):
+    """Return a picture with the values that bytes have, as Blender gives them."""
+    return (np.round(picture * 255).astype(np.float32)) * np.float32(1 / 255)
+
+
+@pytest.mark.parametrize("repeats", [1, 7])
+@pytest.mark.parametrize("kind", ["map", "table"])
+def test_bytes_change_as_floats_do(source, target, repeats, kind):
+    """Both with few colors, each of which is changed once, and with more of them than half the pixels."""
+    pixels = bytes_of(np.tile(source, (repeats, 1, 1)))
+    pixels[2:4, 5:50, 3] = 0.0
+    pixels[6, :, 3] = bytes_of(np.linspace(0.1, 0.9, 100))
+    change = change_of(source, target)
+    if kind == "table":
+        change = lookup_table(change, 17)
+    found, wanted = recolored(pixels, change, BYTES, workers=2), recolored(pixels, change)
+    # A sum of four shares may be rounded in another order, where a vector of the processor ends elsewhere.
+    np.testing.assert_allclose(found, wanted, atol=1e-6)
+    np.testing.assert_array_equal(found[2:4, 5:50], pixels[2:4, 5:50])
+
+
+def test_every_byte_comes_back(source, target):
+    """All 16 million colors would take long: every level of each channel, and some of their mixtures."""
+    levels = np.arange(256)
+    ends = [np.stack(np.broadcast_arrays(*own)) for own in ((levels, 0, 255), (255, levels, 0), (0, 255, levels))]
+    channels = np.concatenate([*ends, np.random.default_rng(0).integers(0, 256, (3, 3000))], axis=1)
+    pixels = np.ones((3, channels.shape[1], 4), np.float32)
+    pixels[..., :3] = channels.T.astype(np.float32) * np.float32(1 / 255)
+    found = recolored(pixels, change_of(source, target, RecolorSettings(strength=0.0)), BYTES)
+    np.testing.assert_array_equal(found, pixels)
+
+
+@pytest.mark.parametrize("shape", [(7, 9), (5, 2, 4)])
+def test_tables_are_read_as_scipy_reads_them(shape):
+    rng = np.random.default_rng(0)
+    tables = rng.random((2, *shape)).astype(np.float32)
+    places = rng.uniform(-1.0, max(shape) + 1.0, (len(shape), 40_000))
+    found = interpolated(tables, places)
+    for table, own in zip(tables, found, strict=True):
+        inside = np.clip(places, 0.0, np.array(shape)[:, None] - 1.0)
+        np.testing.assert_allclose(own, map_coordinates(table, inside, order=1), atol=1e-6)
+
+
+def test_tables_leave_scenes_what_they_have_above_white(source, target):
+    """An identity on the unit cube changes nothing anywhere; another table adds the rest to what it has at its rim."""
+    steps = np.linspace(0.0, 1.0, 5, dtype=np.float32)
+    lattice = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1)
+    identity = LookupTable(lattice, np.zeros(3), np.ones(3))
+    inverse = LookupTable(1.0 - lattice, np.zeros(3), np.ones(3))
+    scene = np.ones((2, 3, 4), np.float32)
+    scene[0, :, :3] = [[0.2, 7.0, 300.0], [0.5, 0.5, 0.5], [-0.5, 0.1, 2.0]]
+    straight = PixelFormat("linear", "straight", highest=np.inf)
+    np.testing.assert_allclose(recolored(scene, identity, straight), scene, rtol=2e-5, atol=1e-5)
+    found = recolored(scene, inverse, straight)
+    rest = srgb_of_linear(np.array([7.0, 300.0])) - 1.0
+    np.testing.assert_allclose(found[0, 0, 1:3], linear_of_srgb(rest), rtol=1e-4)
+
+
+def test_a_single_pixel_is_not_changed_in_place(source, target):
+    pixel = np.array([[[0.2, 0.1, 0.3, 0.5]]], np.float32)
+    before = pixel.copy()
+    recolored(pixel, change_of(source, target), SCENE)
+    np.testing.assert_array_equal(pixel, before)
 
 
 def test_steps_of_a_job(source, target):

@@ -11,7 +11,8 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.bridge.files import checked_target, save_blend
+from convwass_addon.bridge.files import checked_folder, checked_target, save_blend
+from convwass_addon.drafts import DraftFiles
 from convwass_addon.errors import ConvwassError, InputError
 
 
@@ -87,3 +88,49 @@ def test_folder_that_cannot_be_written(tmp_path, monkeypatch):
 def test_home(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     assert checked_target(Path("~/a.obj")) == tmp_path / "a.obj"
+
+
+def test_drafts_take_their_places_together(tmp_path):
+    (tmp_path / "old.png").write_text("old")
+    drafts = DraftFiles()
+    targets = [tmp_path / "old.png", tmp_path / "new" / "a.png"]
+    for target in targets:
+        drafts.draft_of(target).write_text("new")
+    assert targets[0].read_text() == "old" and not targets[1].exists()
+    assert drafts.keep() == targets
+    drafts.discard()
+    assert [target.read_text() for target in targets] == ["new", "new"]
+    assert sorted(tmp_path.rglob("*.*")) == sorted(targets)
+
+
+def test_discarded_drafts_leave_nothing(tmp_path):
+    (tmp_path / "old.png").write_text("old")
+    drafts = DraftFiles()
+    for target in (tmp_path / "old.png", tmp_path / "new" / "a.png"):
+        drafts.draft_of(target).write_text("new")
+    drafts.draft_of(tmp_path / "never.png")
+    drafts.discard()
+    assert list(tmp_path.iterdir()) == [tmp_path / "old.png"] and (tmp_path / "old.png").read_text() == "old"
+
+
+def test_a_draft_that_finds_no_place_says_so(tmp_path):
+    (tmp_path / "a.png").mkdir()
+    drafts = DraftFiles()
+    drafts.draft_of(tmp_path / "a.png").write_text("new")
+    with pytest.raises(ConvwassError, match="could not be written"):
+        drafts.keep()
+    drafts.discard()
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.png"]
+
+
+def test_folders_are_checked(tmp_path):
+    assert checked_folder(str(tmp_path)) == tmp_path
+    assert checked_folder(str(tmp_path / "new")) == tmp_path / "new" and not (tmp_path / "new").exists()
+    (tmp_path / "file").write_text("x")
+    for wrong, said in (
+        (tmp_path / "file", "is a file"),
+        (tmp_path / "none" / "new", "does not exist"),
+        ("//x", "Save the file"),
+    ):
+        with pytest.raises(InputError, match=said):
+            checked_folder(str(wrong))

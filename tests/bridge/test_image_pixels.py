@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.palettes.png_bytes import png_bytes
 from convwass_addon.bridge.palettes import image_files, image_pixels
 from convwass_addon.bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from convwass_addon.errors import ConvwassError, InputError
@@ -70,6 +71,28 @@ def test_results_are_like_their_source_and_used_again(noise, as_floats):
     assert image_pixels.result_image(image) == result
     with pytest.raises(InputError, match="another size"):
         image_pixels.write_pixels(result, noise[:3])
+
+
+@pytest.mark.parametrize("space", ["sRGB", "Linear Rec.709", "Non-Color"])
+@pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE"])
+def test_packed_files_hold_what_is_read(noise, tmp_path, space, alpha_mode):
+    """Also after the .blend was opened again; without an alpha where nothing is seen through."""
+    if alpha_mode == "NONE":
+        noise[..., 3] = 1.0
+    image = image_of("A", np.tile(noise, (40, 3, 1)))
+    image.colorspace_settings.name, image.alpha_mode = space, alpha_mode
+    picture = image_pixels.read_picture(image)
+    result = image_pixels.result_image(image)
+    for pixels in (picture.pixels[::-1], picture.pixels):
+        image_pixels.keep_in_file(result, png_bytes(pixels))
+        np.testing.assert_array_equal(pixels_of(result), pixels)
+    assert not result.is_dirty
+    result.use_fake_user = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
+    again = image_pixels.read_picture(bpy.data.images["A recolored"])
+    np.testing.assert_array_equal(again.pixels, picture.pixels)
+    assert again.pixel_format.encoding == picture.pixel_format.encoding
 
 
 @pytest.mark.parametrize(

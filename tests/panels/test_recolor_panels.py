@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import pytest
 
@@ -42,6 +44,21 @@ def test_weights_show_where_there_are_several_palettes():
     assert images() == ["palette", "palette_2"]
     own.palette_2 = blue_image()
     assert images() == ["palette", "weight", "palette_2", "weight_2", "palette_3"]
+
+
+def test_clips_have_a_button_of_their_own():
+    """In an editor that shows a sequence: all frames, or the one that is shown as a new image."""
+    clip = red_image("Shot")
+    clip.source = "SEQUENCE"
+    scene, manager = bpy.context.scene, bpy.context.window_manager
+    context = SimpleNamespace(
+        scene=scene, window_manager=manager, space_data=SimpleNamespace(type="IMAGE_EDITOR", image=clip)
+    )
+    drawn = draw(bpy.types.CONVWASS_PT_recolor_image, context)
+    assert ("operator", "convwass.recolor_clip") in drawn and ("operator", "convwass.recolor_image") in drawn
+    assert ("prop", "clip_folder") in drawn and ("prop", "output") not in drawn
+    context.space_data.image = blue_image()
+    assert ("operator", "convwass.recolor_clip") not in draw(bpy.types.CONVWASS_PT_recolor_image, context)
 
 
 def test_progress_takes_the_place_of_the_button():

@@ -53,6 +53,7 @@ MAY_IMPORT = {
     "preferences": {"sentence", "solver_presets"},
     "translations": {"sentence"},
     "operators": {
+        "drafts",
         "errors",
         "sentence",
         "applications",

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks import recolor, recolor_cases
+from benchmarks import recolor, recolor_cases, recolor_large
 from benchmarks.recolor_cases import WAYS, distance_left, gradient_growth, lab, shown
 from tests.applications.palettes import cloud
 
@@ -52,12 +52,24 @@ def test_larger_tables_are_more_exact(small):
     assert errors[1] < 0.5 * errors[0]
 
 
+def test_film_frames_are_measured(small, monkeypatch):
+    monkeypatch.setattr(recolor_large, "_HEIGHT", 54)
+    monkeypatch.setattr(recolor_large, "_WIDTH", 96)
+    monkeypatch.setattr(recolor_large, "photograph", recolor_cases.photograph)
+    pixels = recolor_large.enlarged("coffee")
+    np.testing.assert_allclose(pixels * 255, np.round(pixels * 255), atol=1e-4)
+    for kind in recolor_large.FORMATS:
+        found = recolor_large.arrays("coffee", "camera!", kind, 1)
+        assert 1000 < found["colors"] <= 54 * 96 and found["exact"]["cpu"] > 0 and found["table"]["cpu"] > 0
+
+
 def test_the_tables_are_printed(monkeypatch, capsys):
     figures = {"seconds": 1.0, "left": 2.0, "growth": 3.0}
     clocks = {"cpu": 1.0, "wall": 2.0}
     answers = {
         "pair": {"before": 9.0, "linear": figures},
-        "large": {"solve": 0.5, "exact": clocks, "table": clocks, "memory": 400.0, "more": 40.0},
+        "arrays": {"colors": 900, "solve": 0.5, "exact": clocks, "table": clocks, "more": 40.0},
+        "editor": {**clocks, "more": 50.0},
         "table_error": {"mean": 0.1, "most": 1.0, "worst": 5.0},
     }
     monkeypatch.setattr(recolor, "measured", lambda _module, case, **_options: answers[case])

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, map_coordinates
+from scipy.ndimage import gaussian_filter
 
 from ...transport import Grid, barycenter, distance, transport_map
+from .interpolation import interpolated
 from .palette_statistics import BINS, REACH
 
 SIGMA = 4.0
@@ -44,11 +45,8 @@ class ChromaMap:
 
     def __call__(self, ab: NDArray[np.floating]) -> NDArray[np.floating]:
         """Return the changes of colors, (2, ...), interpolated between bins."""
-        places = (ab.reshape(2, -1) + REACH) / _BIN - 0.5
-        found = np.empty(places.shape, dtype=ab.dtype)
-        for shifts, own in zip(self.shifts, found, strict=True):
-            map_coordinates(shifts, places, own, order=1, mode="nearest")
-        return found.reshape(ab.shape)
+        places = ab.reshape(2, -1) * (1.0 / _BIN) + (REACH / _BIN - 0.5)
+        return interpolated(self.shifts, places).reshape(ab.shape)
 
 
 def chroma_domain() -> Grid:

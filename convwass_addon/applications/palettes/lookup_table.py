@@ -7,13 +7,14 @@ from __future__ import annotations
 import os
 import uuid
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import map_coordinates
 
 from ...errors import ConvwassError, InputError
+from .interpolation import interpolated
 from .lab_colors import linear_of_srgb, srgb_of_linear
 from .recoloring import Recoloring
 
@@ -43,18 +44,22 @@ class LookupTable:
 
     def applied(self, encoded: NDArray[np.floating]) -> NDArray[np.floating]:
         """Look up colors, (3, ...), interpolated between the eight around them; those outside count at the rim."""
-        size = len(self.colors)
-        span = (self.highest - self.lowest)[:, None]
-        places = (encoded.reshape(3, -1) - self.lowest[:, None]) * ((size - 1) / span)
-        places = np.clip(places, 0.0, size - 1.0).astype(encoded.dtype)
-        found = np.empty(places.shape, dtype=encoded.dtype)
-        for channel, own in enumerate(found):
-            map_coordinates(self.colors[..., channel], places, own, order=1, mode="nearest")
-        return found.reshape(encoded.shape)
+        steps = (len(self.colors) - 1) / (self.highest - self.lowest)
+        places = np.empty((3, encoded[0].size), dtype=encoded.dtype)
+        for channel, lowest, step, own in zip(encoded, self.lowest, steps, places, strict=True):
+            np.subtract(channel.reshape(-1), float(lowest), out=own)
+            own *= float(step)
+        return interpolated(self._channels, places).reshape(encoded.shape)
 
-    def applied_linear(self, linear: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Look up colors in linear Rec.709, and return such."""
-        return linear_of_srgb(self.applied(srgb_of_linear(linear)))
+    def beyond(self, encoded: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Return by how much colors, (3, ...), lie outside of the domain: what a scene has above white."""
+        ends = (own.astype(encoded.dtype).reshape(3, *[1] * (encoded.ndim - 1)) for own in (self.lowest, self.highest))
+        return encoded - np.clip(encoded, *ends)
+
+    @cached_property
+    def _channels(self) -> NDArray[np.float32]:
+        """Red, green and blue, each by itself."""
+        return np.ascontiguousarray(np.moveaxis(self.colors, -1, 0), dtype=np.float32)
 
 
 def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:

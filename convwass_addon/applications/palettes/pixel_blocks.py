@@ -6,25 +6,27 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter
 
 from ..workers import frame_workers
-from .lab_colors import lab_of_linear
+from .distinct_colors import LEVELS, color_keys, distinct_colors, present_flags
 from .lookup_table import LookupTable
+from .pixel_change import recolor_rows
 from .pixels import PixelFormat
 from .recoloring import Recoloring
 
 # Pixels that are worked on at once, by each thread.
-_AT_ONCE = 1 << 17
-# Contrast in L below which the edge-aware filter averages, squared.
-_EDGE = 4.0
+_AT_ONCE = 1 << 16
+# Shares of the work after which distinct colors are noted, and changed.
+_NOTED, _CHANGED = 0.3, 0.7
+# With more colors than this share of the pixels nothing is gained by taking each once.
+_FEW = 0.5
 
 
 @dataclass(frozen=True)
@@ -75,80 +77,107 @@ def recolored_blocks(
     workers : int, optional
         Threads; by default one per processor.
     """
-    blocks = _blocks(pixels.shape, 2 * change.settings.edge_radius if isinstance(change, Recoloring) else 0)
-    count, done = len(blocks), 0
-
-    def work(block: Block) -> None:
-        part = None if mask is None else mask[block.seen]
-        _recolor(pixels[block.seen], pixel_format, change, part, block.own, out[block.first : block.last])
-
+    # Elsewhere what becomes of a color depends on where it is.
+    is_the_same_everywhere = mask is None and not _radius(change)
+    way = _by_distinct_colors if pixel_format.levels == LEVELS and is_the_same_everywhere else _by_pixels
     threads = workers or os.cpu_count() or 1
     with frame_workers(threads) as executor:
-        waiting, ahead = iter(blocks), 2 * threads
-        running: deque[Future[None]] = deque(executor.submit(work, block) for block in islice(waiting, ahead))
+        crew = _Crew(executor, threads, check)
+        yield from way(_Task(pixels, pixel_format, change, mask, out), crew)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What :func:`recolored_blocks` was asked for."""
+
+    pixels: NDArray[np.float32]
+    pixel_format: PixelFormat
+    change: Recoloring | LookupTable
+    mask: NDArray[np.float32] | None
+    out: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class _Crew:
+    """Threads, and who asks them to stop."""
+
+    executor: Executor
+    threads: int
+    check: Callable[[], None] | None
+
+    def run(
+        self, work: Callable[[Block], None], blocks: Sequence[Block], begun: float, ended: float
+    ) -> Iterator[float]:
+        """Work on all blocks, and yield shares of the whole from where this begins to where it ends."""
+        waiting = iter(blocks)
+        running = deque(self.executor.submit(work, block) for block in islice(waiting, 2 * self.threads))
+        done = 0
         while running:
             running.popleft().result()
-            if check is not None:
-                check()
-            running.extend(executor.submit(work, block) for block in islice(waiting, 1))
+            if self.check is not None:
+                self.check()
+            running.extend(self.executor.submit(work, block) for block in islice(waiting, 1))
             done += 1
-            yield done / count
+            yield begun + (ended - begun) * done / len(blocks)
+
+
+def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Iterator[float]:
+    """Recolor pixel by pixel."""
+
+    def work(block: Block) -> None:
+        part = None if task.mask is None else task.mask[block.seen]
+        out = task.out[block.first : block.last]
+        recolor_rows(task.pixels[block.seen], task.pixel_format, task.change, part, block.own, out)
+
+    yield from crew.run(work, _blocks(task.pixels.shape, 2 * _radius(task.change)), begun, 1.0)
+
+
+def _by_distinct_colors(task: _Task, crew: _Crew) -> Iterator[float]:
+    """Recolor every color once, and give it to all pixels that have it."""
+    shape = task.pixels.shape
+    present, keys = present_flags(), np.empty(shape[:2], dtype=np.uint32)
+
+    def note(block: Block) -> None:
+        keys[block.seen] = color_keys(task.pixels[block.seen])
+        present[keys[block.seen]] = True
+
+    yield from crew.run(note, _blocks(shape, 0), 0.0, _NOTED)
+    if np.count_nonzero(present) > _FEW * keys.size:
+        yield from _by_pixels(task, crew, _NOTED)
+        return
+    colors = distinct_colors(present)
+    found = np.empty_like(colors.pixels)
+    rows = [colors.pixels.reshape(-1, 1, 4), found.reshape(-1, 1, 4)]
+    yield from crew.run(
+        lambda block: recolor_rows(
+            rows[0][block.seen], task.pixel_format, task.change, None, block.own, rows[1][block.seen]
+        ),
+        _blocks(rows[0].shape, 0),
+        _NOTED,
+        _CHANGED,
+    )
+
+    def give(block: Block) -> None:
+        old, new = task.pixels[block.seen], found[0].take(colors.ranks[keys[block.seen]], axis=0)
+        alpha = old[..., 3]
+        new[..., 3] = alpha
+        clear = ~(alpha > 0)
+        if clear.any():
+            new[clear] = old[clear]
+        task.out[block.seen] = new
+
+    yield from crew.run(give, _blocks(shape, 0), _CHANGED, 1.0)
+
+
+def _radius(change: Recoloring | LookupTable) -> int:
+    return change.settings.edge_radius if isinstance(change, Recoloring) else 0
 
 
 def _blocks(shape: tuple[int, ...], margin: int) -> list[Block]:
     height, width = shape[:2]
-    rows = max(1, _AT_ONCE // max(width, 1), 4 * margin)
+    rows = max(1, _AT_ONCE // max(width, 1), 2 * margin)
     starts = range(0, height, rows)
     return [
         Block(start, min(start + rows, height), min(margin, start), min(margin, max(height - start - rows, 0)))
         for start in starts
     ]
-
-
-def _recolor(
-    pixels: NDArray[np.float32],
-    pixel_format: PixelFormat,
-    change: Recoloring | LookupTable,
-    mask: NDArray[np.float32] | None,
-    own: slice,
-    out: NDArray[np.float32],
-) -> None:
-    """Recolor a block; `own` are the rows of it that go to `out`."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        linear = pixel_format.linear(pixels)
-    usable = np.isfinite(linear).all(axis=0) & np.isfinite(pixels[..., 3])
-    np.copyto(linear, 0.0, where=~usable)
-    if isinstance(change, LookupTable):
-        found = change.applied_linear(linear)
-        if mask is not None:
-            found = linear + mask * (found - linear)
-    else:
-        lab = lab_of_linear(linear)
-        shifts = change.shifts(lab)
-        if change.settings.edge_radius:
-            shifts = _along_edges(shifts, lab[0], change.settings.edge_radius)
-        if mask is not None:
-            shifts *= mask
-        found = change.finished(linear, lab, shifts, pixel_format.highest)
-    old, alpha = pixels[own], pixels[own][..., 3]
-    moved = usable[own] & (alpha > 0) & (found[:, own] != linear[:, own]).any(axis=0)
-    new = pixel_format.encoded(found[:, own], alpha)
-    out[..., 3] = alpha
-    out[..., :3] = np.where(moved[..., None], new, old[..., :3])
-
-
-def _along_edges(shifts: NDArray[np.float32], guide: NDArray[np.float32], radius: int) -> NDArray[np.float32]:
-    """Average changes where L is even, and keep them apart at its edges: the guided filter of He et al. 2013."""
-    size = 2 * radius + 1
-
-    def mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
-        return uniform_filter(values, size, mode="nearest")
-
-    middle = mean(guide)
-    variance = np.maximum(mean(guide * guide) - middle * middle, 0.0)
-    found = np.empty_like(shifts)
-    for values, own in zip(shifts, found, strict=True):
-        average = mean(values)
-        slope = (mean(guide * values) - middle * average) / (variance + _EDGE)
-        own[...] = mean(slope) * guide + mean(average - slope * middle)
-    return found

@@ -28,19 +28,19 @@ class PixelFormat:
         From the primaries of linear values to those of Rec.709.
     highest : float
         Largest value of a channel; infinite for scenes, which may be brighter than white.
+    levels : int
+        Steps from 0 to 1 where there are but few, 255 for bytes; 0 for floats.
     """
 
     encoding: Literal["srgb", "linear"] = "srgb"
     alpha: Literal["straight", "associated", "ignored"] = "straight"
     to_rec709: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
     highest: float = 1.0
+    levels: int = 0
 
     def linear(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the colors of pixels, (..., 4), as linear Rec.709, (3, ...); whatever is not finite stays so."""
-        colors = np.ascontiguousarray(np.moveaxis(pixels[..., :3], -1, 0))
-        if self.alpha == "associated":
-            alpha = pixels[..., 3]
-            colors /= np.where(alpha > 0, alpha, 1.0)
+        colors = self._straight(pixels)
         if self.encoding == "srgb":
             colors = linear_of_srgb(colors)
         return colors if self._is_rec709 else transformed(self.to_rec709, colors)
@@ -50,9 +50,36 @@ class PixelFormat:
         colors = linear if self._is_rec709 else transformed(np.linalg.inv(self.to_rec709), linear)
         if self.encoding == "srgb":
             colors = srgb_of_linear(colors)
+        return self._with_alpha(colors, alpha)
+
+    def displayed(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the colors of pixels, (..., 4), as sRGB encodes them, (3, ...); whatever is not finite stays so."""
+        return self._straight(pixels) if self._is_srgb else srgb_of_linear(self.linear(pixels))
+
+    def encoded_displayed(self, displayed: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return what pixels hold for colors that sRGB has encoded, (3, ...), where alpha is as given."""
+        if self._is_srgb:
+            return self._with_alpha(displayed, alpha)
+        return self.encoded(linear_of_srgb(displayed), alpha)
+
+    def _straight(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return red, green and blue, (3, ...), without alpha in them."""
+        # A copy even where the view of a single pixel is contiguous: what follows changes it.
+        colors = np.moveaxis(pixels[..., :3], -1, 0).copy(order="C")
+        if self.alpha == "associated":
+            alpha = pixels[..., 3]
+            colors /= np.where(alpha > 0, alpha, 1.0)
+        return colors
+
+    def _with_alpha(self, colors: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Undo it."""
         if self.alpha == "associated":
             colors = colors * np.where(alpha > 0, alpha, 1.0)
         return np.moveaxis(colors, 0, -1)
+
+    @property
+    def _is_srgb(self) -> bool:
+        return self.encoding == "srgb" and self._is_rec709
 
     @property
     def _is_rec709(self) -> bool:

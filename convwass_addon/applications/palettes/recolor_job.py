@@ -64,12 +64,15 @@ class RecolorStep:
         The map, with the last step.
     pixels : (height, width, 4) float32 or None
         The recolored image, with the last step.
+    file : bytes or None
+        The same as a PNG file, where it was asked for.
     """
 
     fraction: float
     message: Sentence
     change: Recoloring | None = None
     pixels: NDArray[np.float32] | None = None
+    file: bytes | None = None
 
 
 def recolor_steps(
@@ -105,17 +108,8 @@ def recolor_steps(
     """
     yield RecolorStep(0.0, Sentence("Measuring palettes"))
     own = source.palette()
-    used = [place for place, weight in enumerate(weights) if weight > 0]
-    if not used:
-        raise InputError("Weights must be 0 or more, and not all of them 0.")
-    measured = []
-    for place in used:
-        if check is not None:
-            check()
-        measured.append(palettes[place].palette())
     yield RecolorStep(_MEASURED, Sentence("Matching palettes"))
-    change = recoloring(own, measured, [weights[place] for place in used], settings, check)
-    _require_solved(change)
+    change = matched(own, palettes, weights, settings, check)
     if only_map:
         yield RecolorStep(1.0, Sentence("The map is there"), change)
         return
@@ -124,6 +118,33 @@ def recolor_steps(
     for share in recolored_blocks(source.pixels, source.pixel_format, change, source.mask, out, check):
         yield RecolorStep(_SOLVED + (0.99 - _SOLVED) * share, Sentence("Recoloring"))
     yield RecolorStep(1.0, Sentence("The image is there"), change, out)
+
+
+def matched(
+    source: Palette,
+    palettes: Sequence[Picture],
+    weights: Sequence[float],
+    settings: RecolorSettings,
+    check: Callable[[], None] | None = None,
+) -> Recoloring:
+    """Measure palettes, those that have a weight, and return the map to their barycenter.
+
+    Raises
+    ------
+    InputError
+        Pictures without colors, weights that do not fit, or palettes that could not be matched.
+    """
+    used = [place for place, weight in enumerate(weights) if weight > 0]
+    if not used:
+        raise InputError("Weights must be 0 or more, and not all of them 0.")
+    measured = []
+    for place in used:
+        if check is not None:
+            check()
+        measured.append(palettes[place].palette())
+    change = recoloring(source, measured, [weights[place] for place in used], settings, check)
+    _require_solved(change)
+    return change
 
 
 def _require_solved(change: Recoloring) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from mathutils import Color
 from numpy.typing import NDArray
 
+from ...applications.palettes.distinct_colors import LEVELS
 from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
@@ -82,7 +83,8 @@ def image_format(image: bpy.types.Image) -> PixelFormat:
             image=image.name,
             space=space,
         )
-    return PixelFormat("linear" if space in _LINEAR else "srgb", "ignored" if ignores_alpha else "straight")
+    encoding, alpha = "linear" if space in _LINEAR else "srgb", "ignored" if ignores_alpha else "straight"
+    return PixelFormat(encoding, alpha, levels=LEVELS)
 
 
 def scene_to_rec709() -> NDArray[np.float64]:
@@ -110,12 +112,16 @@ def result_image(source: bpy.types.Image) -> bpy.types.Image:
     width, height = source.size
     wanted = (source.name, (width, height), source.is_float, None)
     for image in bpy.data.images:
+        if image.source == "SEQUENCE":
+            continue
         if (image.get(RESULT_OF), tuple(image.size), image.is_float, image.library) == wanted:
             return image
     image = bpy.data.images.new(f"{source.name} recolored", width, height, alpha=True, float_buffer=source.is_float)
     if not source.is_float:
         image.colorspace_settings.name = source.colorspace_settings.name
-    image.alpha_mode = source.alpha_mode
+    # What is read of bytes is straight, whatever the file was.
+    premultiplied = source.alpha_mode == "PREMUL" and not source.is_float
+    image.alpha_mode = "STRAIGHT" if premultiplied else source.alpha_mode
     image[RESULT_OF] = source.name
     return image
 
@@ -145,6 +151,20 @@ def write_pixels(image: bpy.types.Image, pixels: NDArray[np.float32]) -> None:
     image.update()
 
 
-def keep_in_file(image: bpy.types.Image) -> None:
-    """Store the pixels of a result with the .blend; those that are in no file would be lost."""
-    image.pack()
+def keep_in_file(image: bpy.types.Image, file: bytes | None = None) -> None:
+    """Store a result with the .blend; pixels that are in no file would be lost.
+
+    Parameters
+    ----------
+    image : bpy.types.Image
+        The result.
+    file : bytes or None
+        The result as a file, which the image shows from then on; None for its own pixels.
+    """
+    if file is None:
+        image.pack()
+        return
+    image.pack(data=file, data_len=len(file))
+    image.source = "FILE"
+    # What it was before is out of date.
+    image.buffers_free()

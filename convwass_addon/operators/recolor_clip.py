@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grade a sequence of images or a movie by one map for all frames, beside the user's work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..applications.palettes.clip_job import ClipStep, FrameDesk, clip_steps
+from ..applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.recolor_job import Picture
+from ..applications.palettes.recoloring import Recoloring
+from ..bridge.files import checked_folder
+from ..bridge.palettes.clip_frames import ClipFrames, first_number, is_clip, sequence_image
+from ..bridge.palettes.image_files import save_pixels
+from ..drafts import DraftFiles
+from ..errors import InputError
+from ..recolor_properties import RecolorProperties, clip_folder_property
+from .background import BackgroundOperator
+from .density_targets import tell
+from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
+
+
+class ClipJob:
+    """One clip. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    frames : ClipFrames
+        What is measured, and recolored.
+    palettes, weights
+        Where the colors come from.
+    settings : RecolorSettings
+        How.
+    targets : sequence of Path
+        Where the frames go, one for each; none to end with the map.
+    """
+
+    def __init__(
+        self,
+        frames: ClipFrames,
+        palettes: Sequence[Picture],
+        weights: Sequence[float],
+        settings: RecolorSettings,
+        targets: Sequence[Path] = (),
+    ) -> None:
+        self._frames, self._targets = frames, list(targets)
+        self._inputs = palettes, weights, settings
+        self._desk, self._drafts = FrameDesk(), DraftFiles()
+        self.change: Recoloring | None = None
+
+    def steps(self, check: Callable[[], None] | None = None) -> Iterator[ClipStep]:
+        """Yield the steps of the work."""
+        yield from clip_steps(len(self._frames.numbers), self._desk, *self._inputs, check, only_map=not self._targets)
+
+    def write(self, step: ClipStep) -> None:
+        """Read the frame that a step asks for, and write the one that it has brought."""
+        if step.wanted is not None:
+            self._desk.hand_over(self._frames.read(step.wanted))
+        if step.change is not None:
+            self.change = step.change
+        if step.pixels is not None:
+            draft = self._drafts.draft_of(self._targets[step.place])
+            save_pixels(step.pixels, self._frames.image, draft)
+
+    def discard(self) -> None:
+        """Leave everything as it was."""
+        self._drafts.discard()
+        self._frames.close()
+
+    def keep(self) -> list[Path]:
+        """Put the files into their places, and return these."""
+        try:
+            return self._drafts.keep()
+        finally:
+            self.discard()
+
+
+class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, bpy.types.Operator):
+    """Carry the palette of another image, or the blend of several, to all frames of a sequence or a movie: by one map, from the colors of all frames together, so that nothing flickers. Files that are replaced stay until all frames are there"""  # noqa: E501
+
+    bl_idname = "convwass.recolor_clip"
+    bl_label = "Recolor Clip"
+
+    image: image_property()
+    folder: clip_folder_property()
+
+    _job: ClipJob
+
+    @classmethod
+    def poll(cls, context):
+        image = shown_image(context)
+        if image is not None and not is_clip(image):
+            cls.poll_message_set("Open a sequence of images or a movie")
+            return False
+        return super().poll(context)
+
+    def _begin(self, context):
+        image = chosen_image(context, self.image)
+        if not is_clip(image):
+            raise InputError("{image} is neither a sequence of images nor a movie.", image=image.name)
+        folder, own = checked_folder(self.folder), context.scene.convwass_recolor
+        frames = ClipFrames(image, own.mask)
+        if folder == frames.path.absolute().parent:
+            raise InputError(
+                "The results would replace the frames of {image}; choose another folder.", image=image.name
+            )
+        self._name = image.name
+        try:
+            targets = [folder / name for name in frames.names]
+            return ClipJob(frames, *read_palettes(context), self.recolor_settings(), targets)
+        except BaseException:
+            frames.close()
+            raise
+
+    def _steps(self):
+        return self._job.steps
+
+    def _title(self):
+        return rpt_("Recoloring")
+
+    def _finish(self, context, job):
+        paths = job.keep()
+        source = bpy.data.images.get(self._name)
+        if source is not None:
+            _show(context, source, sequence_image(source, paths), paths)
+        text = rpt_("Recolored {:d} frames of {:s}, in {:s}")
+        tell(self, text.format(len(paths), self._name, str(paths[0].parent)))
+        return {"FINISHED"}
+
+
+def _show(context: bpy.types.Context, source: bpy.types.Image, result: bpy.types.Image, paths: Sequence[Path]) -> None:
+    """Show a sequence where its clip is shown."""
+    space = context.space_data
+    if space is None or space.type != "IMAGE_EDITOR" or space.image not in (source, result):
+        return
+    space.image = result
+    space.image_user.frame_duration, space.image_user.frame_offset = len(paths), first_number(paths[0]) - 1
+
+
+classes = (CONVWASS_OT_recolor_clip,)

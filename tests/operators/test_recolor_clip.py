@@ -1,0 +1,213 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grading sequences of images and movies by one map, and tables made of them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon import cli
+from convwass_addon.applications.palettes.lookup_table import read_cube
+from convwass_addon.bridge.video import write_video
+from convwass_addon.operators import recolor_clip
+from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
+from convwass_addon.operators.recolor_targets import shown_image
+from tests.operators.densities import Pressed, inventory, until, window_context
+from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
+from tests.rigs import call
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+GAINS = (0.6, 0.9, 1.2)
+
+
+def saved(image, path):
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+    bpy.data.images.remove(image)
+    return path
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Frames 7 to 9 of a shot that grows brighter, and what has no place among them."""
+    red = red_image()
+    pixels = pixels_of(red)
+    bpy.data.images.remove(red)
+    found = []
+    for number, gain in enumerate(GAINS, 7):
+        changed = pixels.copy()
+        changed[..., :3] = np.minimum(changed[..., :3] * gain, 1.0)
+        found.append(saved(image_of("Frame", changed), tmp_path / f"shot.{number:04d}.png"))
+    for other in ("shot.12.png", "shot.0010.exr", "other.0008.png"):
+        (tmp_path / other).write_text("no image")
+    return found
+
+
+@pytest.fixture
+def clip(files):
+    image = bpy.data.images.load(str(files[1]))
+    image.name, image.source = "Shot", "SEQUENCE"
+    bpy.context.scene.convwass_recolor.palette = blue_image()
+    return image
+
+
+def opened(path):
+    image = bpy.data.images.load(str(path))
+    found = pixels_of(image)
+    bpy.data.images.remove(image)
+    return found
+
+
+def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
+    """The same as the verb, which measures the frames together: each keeps its place, all together have the palette."""
+    before = len(bpy.data.textures), {path: path.read_bytes() for path in files}
+    assert call("recolor_clip", image="Shot", folder=str(tmp_path / "graded")) == {"FINISHED"}
+    results = sorted((tmp_path / "graded").iterdir())
+    assert [path.name for path in results] == [path.name for path in files]
+    means = np.array([mean_lab(opened(path)) for path in results])
+    assert (np.diff(means[:, 0]) > 2.0).all()
+    np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.0)
+    assert before == (len(bpy.data.textures), {path: path.read_bytes() for path in files})
+    palette = saved(image_of("Copy", pixels_of(bpy.data.images["Blue"])), tmp_path / "blue.png")
+    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "verb")]) == 0
+    for path in results:
+        np.testing.assert_allclose(opened(path), opened(tmp_path / "verb" / path.name), atol=1.1 / 255)
+
+
+def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):
+    editor = SimpleNamespace(type="IMAGE_EDITOR", image=clip, image_user=SimpleNamespace())
+    context = SimpleNamespace(space_data=editor)
+    paths = [tmp_path / "graded" / path.name for path in files]
+    call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+    result = bpy.data.images["Shot recolored"]
+    assert result.source == "SEQUENCE" and bpy.path.abspath(result.filepath) == str(paths[0])
+    recolor_clip._show(context, clip, result, paths)
+    assert editor.image == result and (editor.image_user.frame_duration, editor.image_user.frame_offset) == (3, 6)
+    assert shown_image(context) == clip
+    known = inventory()
+    call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"), strength=0.0)
+    assert inventory() == known, "the result is used again"
+    np.testing.assert_array_equal(opened(paths[0]), opened(files[0]))
+    frames = recolor_clip.ClipFrames(clip)
+    np.testing.assert_array_equal(frames.read(2).pixels, opened(files[2]))
+    frames.close()
+    with pytest.raises(RuntimeError, match="Shot has no pixels"):
+        call("recolor_image", image="Shot")
+    assert bpy.data.images["Shot recolored"].source == "SEQUENCE"
+
+
+def test_a_table_of_a_clip_comes_from_all_frames(clip, files, tmp_path):
+    call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+    call("write_lut", image="Shot", filepath=str(tmp_path / "a.cube"), cube_size=33)
+    table = read_cube(tmp_path / "a.cube")
+    for path in files:
+        found = np.moveaxis(table.applied(np.moveaxis(opened(path)[..., :3], -1, 0)), 0, -1)
+        assert np.abs(found - opened(tmp_path / "graded" / path.name)[..., :3]).mean() * 255 < 1.0
+    call("build_grade_nodes", image="Shot", cube_size=5)
+    assert "Grade Blue" in bpy.data.node_groups and not bpy.data.textures
+
+
+def test_movies(files, tmp_path):
+    """Frames that a codec has changed a little: their colors are those of the palette afterwards."""
+    write_video(files, tmp_path / "shot.mp4", (60, 40), 24)
+    movie = bpy.data.images.load(str(tmp_path / "shot.mp4"))
+    assert movie.source == "MOVIE"
+    bpy.context.scene.convwass_recolor.palette = blue_image()
+    call("recolor_clip", image="shot.mp4", folder=str(tmp_path / "graded"))
+    results = sorted((tmp_path / "graded").iterdir())
+    assert [path.name for path in results] == [f"shot.{number:04d}.png" for number in (1, 2, 3)]
+    means = np.array([mean_lab(opened(path)) for path in results])
+    assert (np.diff(means[:, 0]) > 2.0).all()
+    np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.5)
+
+
+def test_masks_protect_in_every_frame(clip, files, tmp_path):
+    white = np.ones((40, 60, 4))
+    white[:, :30, :3] = 0.0
+    own = bpy.context.scene.convwass_recolor
+    own.mask = image_of("Mask", white)
+    call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+    for path in files:
+        found, before = opened(tmp_path / "graded" / path.name), opened(path)
+        np.testing.assert_array_equal(found[:, :30], before[:, :30])
+        assert np.abs(found[:, 30:] - before[:, 30:]).mean() > 0.03
+
+
+def test_what_cannot_work_is_refused(clip, files, tmp_path):
+    (tmp_path / "taken").write_text("x")
+    for folder, said in (
+        (tmp_path, "replace the frames of Shot"),
+        (tmp_path / "none" / "deeper", "does not exist"),
+        (tmp_path / "taken", "is a file"),
+        ("//graded", "Save the file first"),
+    ):
+        with pytest.raises(RuntimeError, match=said):
+            call("recolor_clip", image="Shot", folder=str(folder))
+    red_image()
+    with pytest.raises(RuntimeError, match="neither a sequence"):
+        call("recolor_clip", image="Red", folder=str(tmp_path / "graded"))
+    with pytest.raises(RuntimeError, match="frames stay as they are"):
+        call("recolor_image", image="Shot", output="REPLACE")
+    clip.filepath = str(tmp_path / "still.png")
+    with pytest.raises(RuntimeError, match="no number"):
+        call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+    clip.filepath = str(tmp_path / "gone.0001.png")
+    with pytest.raises(RuntimeError, match="no file"):
+        call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+
+
+def test_a_broken_frame_leaves_what_was_there(clip, files, tmp_path):
+    folder = tmp_path / "graded"
+    call("recolor_clip", image="Shot", folder=str(folder))
+    before, known = {path: path.read_bytes() for path in folder.iterdir()}, inventory()
+    files[2].write_bytes(b"no longer an image")
+    with pytest.raises(RuntimeError, match="Frame 9 of"):
+        call("recolor_clip", image="Shot", folder=str(folder), strength=0.3)
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+    assert inventory() == known
+    with pytest.raises(RuntimeError, match="Frame 9 of"):
+        call("recolor_clip", image="Shot", folder=str(tmp_path / "new"))
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("stops", [None, "Measuring frame 2", "Recoloring frame 2"])
+def test_beside_the_users_work(clip, tmp_path, stops):
+    """On its thread; stopped, it leaves neither files nor folders, and nothing in the scene."""
+    known, seen = inventory(), []
+    context = window_context()
+    context.space_data = None
+    pressed = Pressed(CONVWASS_OT_recolor_clip, image="Shot", folder=str(tmp_path / "graded"))
+    progress = context.window_manager.convwass_progress
+    write = recolor_clip.ClipJob.write
+
+    def noted(job, step):
+        seen.append(step.message.template.format(**step.message.values))
+        progress.stopping = stops is not None and seen[-1].startswith(stops)
+        write(job, step)
+
+    assert pressed._start(context) == {"RUNNING_MODAL"}
+    pressed._job.write = noted.__get__(pressed._job)
+    ends = until(pressed, context)
+    if stops is None:
+        assert ends == {"FINISHED"} and len(list((tmp_path / "graded").iterdir())) == 3
+        assert "Measuring frame 3 of 3" in seen and "Recoloring frame 3 of 3" in seen
+    else:
+        assert ends == {"CANCELLED"} and not (tmp_path / "graded").exists()
+        assert inventory() == known
+    assert not progress.running
+
+
+def test_undoing_does_not_lose_the_frames(clip, tmp_path):
+    """What is made for reading may be gone at any step."""
+    frames = recolor_clip.ClipFrames(clip)
+    first = frames.read(0).pixels
+    bpy.data.images.remove(frames.image)
+    bpy.data.textures.remove(bpy.data.textures[0])
+    np.testing.assert_array_equal(frames.read(0).pixels, first)
+    frames.close()
+    assert not bpy.data.textures and len([own for own in bpy.data.images if own.source == "SEQUENCE"]) == 1
