@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import blas
 
+from .products import product
 from .spectrum import Spectrum
 
 # Functions of the first fit, how many more every step takes, and where it ends.
@@ -84,8 +84,8 @@ def upsampled(matrix: NDArray[np.float64], source: Spectrum, target: Spectrum) -
             return match
         count = min(count + _STEP, most)
         here, there = source.functions[:, :count], target.functions[:, :count]
-        pulled = _product((source.areas[:, None] * here).T, there[match.forward])
-        pushed = _product((target.areas[:, None] * there).T, here[match.backward])
+        pulled = product((source.areas[:, None] * here).T, there[match.forward])
+        pushed = product((target.areas[:, None] * there).T, here[match.backward])
         matrix = 0.5 * (pulled + pushed.T)
 
 
@@ -93,9 +93,9 @@ def _fitted(
     source: Spectrum, target: Spectrum, here: NDArray[np.float64], there: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Least squares for descriptors, with a penalty where eigenvalues differ: a map of equal surfaces is diagonal."""
-    wanted = _product((source.areas[:, None] * source.functions).T, here)
-    given = _product((target.areas[:, None] * target.functions).T, there)
-    squares, mixed = _product(given, given.T), _product(wanted, given.T)
+    wanted = product((source.areas[:, None] * source.functions).T, here)
+    given = product((target.areas[:, None] * target.functions).T, there)
+    squares, mixed = product(given, given.T), product(wanted, given.T)
     top = max(source.eigenvalues[-1], target.eigenvalues[-1], np.finfo(float).tiny)
     apart = np.square((source.eigenvalues[:, None] - target.eigenvalues) / top)
     ridge = _RIDGE * np.trace(squares) / len(squares) + np.finfo(float).tiny
@@ -104,17 +104,11 @@ def _fitted(
 
 
 def _nearest(matrix: NDArray[np.float64], here: NDArray[np.float64], there: NDArray[np.float64]) -> SpectralMatch:
-    forward = _closest_rows(_product(here, matrix), there)
-    return SpectralMatch(forward, _closest_rows(_product(there, matrix.T), here))
+    forward = _closest_rows(product(here, matrix), there)
+    return SpectralMatch(forward, _closest_rows(product(there, matrix.T), here))
 
 
 def _closest_rows(rows: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.int64]:
     """Index of the closest of the other rows for every row, (n,)."""
     squares = np.square(others).sum(axis=1)
-    return (squares - 2.0 * _product(rows, others.T)).argmin(axis=1)
-
-
-def _product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return left @ right by SciPy's BLAS: the NumPy inside Blender may have none."""
-    # The transposed product of transposed arrays, for which nothing in C order is copied.
-    return blas.dgemm(1.0, np.ascontiguousarray(right).T, np.ascontiguousarray(left).T).T
+    return (squares - 2.0 * product(rows, others.T)).argmin(axis=1)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .products import product
 from .spectrum import Spectrum
 
 # Standard deviation of the wave kernel's bands, in steps between energies, and what is left free at the upper end
@@ -51,7 +52,7 @@ def wave_kernel_signature(spectrum: Spectrum, energies: int = 100) -> NDArray[np
     else:
         exponents = -np.square(grid[:, None] - logs) / (2.0 * width**2)
         bands = np.exp(exponents - exponents.max(axis=1, keepdims=True))
-    return squares @ (bands / bands.sum(axis=1, keepdims=True)).T
+    return product(squares, (bands / bands.sum(axis=1, keepdims=True)).T)
 
 
 def heat_kernel_signature(spectrum: Spectrum, times: int | ArrayLike = 100) -> NDArray[np.float64]:
@@ -83,7 +84,7 @@ def heat_kernel_signature(spectrum: Spectrum, times: int | ArrayLike = 100) -> N
         moments = np.asarray(times, dtype=np.float64)
         if not (moments > 0).all():
             raise ValueError("times must be positive")
-    return np.square(spectrum.functions) @ np.exp(-spectrum.eigenvalues[:, None] * moments)
+    return product(np.square(spectrum.functions), np.exp(-spectrum.eigenvalues[:, None] * moments))
 
 
 def _vibrations(spectrum: Spectrum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

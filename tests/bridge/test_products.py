@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The speed does not rest on NumPy's BLAS: nothing that the extension does asks NumPy for a large matrix product.
+
+Blender's own builds of NumPy may be without one, and then such a product takes many times as long.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.extension.everything import make_everything
+from tests.large_products import is_large_product, noted_products
+
+
+@pytest.mark.usefixtures("empty_scene")
+def test_nothing_asks_numpy_for_a_large_product(tmp_path):
+    with noted_products() as noted:
+        made = make_everything(tmp_path)
+    assert len(made) >= 20
+    assert sorted(set(noted)) == []
+
+
+@pytest.mark.parametrize(
+    "multiply",
+    [
+        lambda a: a @ a,
+        lambda a: np.matmul(a, a),
+        lambda a: np.dot(a, a),
+        lambda a: np.tensordot(a, a, 1),
+        lambda a: np.einsum("ij,jk->ik", a, a, optimize=True),
+        lambda a: np.linalg.solve(a, a),
+        lambda a: np.linalg.eigh(a),
+    ],
+)
+def test_they_would_be_noticed(multiply):
+    square = np.eye(64)
+    with noted_products() as noted:
+        before = multiply(square)
+    assert len(noted) == 1
+    np.testing.assert_array_equal(np.asarray(multiply(square)[0]), np.asarray(before[0]))
+    assert len(noted) == 1
+
+
+def test_small_and_narrow_ones_pass():
+    points, turn = np.ones((100_000, 3)), np.eye(3)
+    with noted_products() as noted:
+        assert (points @ turn).shape == points.shape
+        assert np.ones(1000) @ np.ones((1000, 1000)) is not None
+    assert noted == []
+    assert not is_large_product((4,), (4,))
