@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from .. import extension_id
 from ..applications.flat.flat_frames import FlatStep
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.cluster import cluster_workers
@@ -21,6 +22,7 @@ from ..bridge.morphs.animation import render_animation
 from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
 from ..console import ProgressBar
+from ..errors import InputError
 from .answer import Answer
 from .morph_choices import Computing
 from .reports import note
@@ -64,7 +66,19 @@ def prepared_job(
 
 
 def run_job(job: MorphJob | FlatJob, computing: Computing, take: Callable[[MorphStep | FlatStep], None]) -> None:
-    """Do all steps of a job, wherever its frames are computed, and hand them on."""
+    """Do all steps of a job, wherever its frames are computed, and hand them on.
+
+    Raises
+    ------
+    InputError
+        Other machines are to compute, and this is the extension that Blender has installed.
+    """
+    # Its manifest asks for no network, and no worker would know it by the name that it has in Blender.
+    if computing.scheduler and extension_id().startswith("bl_ext."):
+        raise InputError(
+            "The extension that is installed in Blender stays off the network; use --scheduler with: python -m "
+            "convwass_addon"
+        )
     cluster = cluster_workers(computing.scheduler) if computing.scheduler else nullcontext()
     with cluster as executor, ProgressBar("Morphing") as bar:
         where = {"workers": computing.workers, "executor": executor}

@@ -92,6 +92,7 @@ TEXTS: dict[str, str] = {
     "The entropy limit must be 'between', 'max', a number, or off.": "L'entropie maximale doit être « between », « max », un nombre, ou désactivée.",
     "The entropy limit must be 'max', a number, or off.": "L'entropie maximale doit être « max », un nombre, ou désactivée.",
     "The entropy to sharpen to must be a number, got {limit}.": "L'entropie à atteindre doit être un nombre, et non {limit}.",
+    "The extension that is installed in Blender stays off the network; use --scheduler with: python -m convwass_addon": "L'extension installée dans Blender n'utilise pas le réseau ; utiliser --scheduler avec : python -m convwass_addon",
     "The first frame must be from {first} to {last}, not {first_frame}.": "La première image doit être comprise entre {first} et {last}, et non {first_frame}.",
     "The folder {folder} cannot be made ({reason}); choose another one.": "Le dossier {folder} ne peut pas être créé ({reason}) ; en choisir un autre.",
     "The folder {folder} cannot be made; choose another one.": "Le dossier {folder} ne peut pas être créé ; en choisir un autre.",

@@ -92,6 +92,7 @@ TEXTS: dict[str, str] = {
     "The entropy limit must be 'between', 'max', a number, or off.": "Die Entropiegrenze muss „between“, „max“, eine Zahl oder aus sein.",
     "The entropy limit must be 'max', a number, or off.": "Die Entropiegrenze muss „max“, eine Zahl oder aus sein.",
     "The entropy to sharpen to must be a number, got {limit}.": "Die Entropie, auf die geschärft wird, muss eine Zahl sein, nicht {limit}.",
+    "The extension that is installed in Blender stays off the network; use --scheduler with: python -m convwass_addon": "Die in Blender installierte Erweiterung bleibt vom Netz weg; --scheduler verwenden mit: python -m convwass_addon",
     "The first frame must be from {first} to {last}, not {first_frame}.": "Das erste Bild muss zwischen {first} und {last} liegen, nicht bei {first_frame}.",
     "The folder {folder} cannot be made ({reason}); choose another one.": "Der Ordner {folder} kann nicht angelegt werden ({reason}); einen anderen wählen.",
     "The folder {folder} cannot be made; choose another one.": "Der Ordner {folder} kann nicht angelegt werden; einen anderen wählen.",

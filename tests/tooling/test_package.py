@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import runpy
 import tomllib
@@ -71,9 +72,31 @@ def test_blenders_own_command_builds_the_same_files(project, tmp_path):
     assert sorted(names_in(path)) == shipped_files(project)
 
 
-def test_same_source_gives_the_same_bytes(tmp_path):
-    first = package.build_small(tmp_path / "work", tmp_path / "first").read_bytes()
-    assert package.build_small(tmp_path / "elsewhere", tmp_path / "second").read_bytes() == first
+def test_same_source_gives_the_same_bytes(tmp_path, monkeypatch):
+    """At another time, in another folder, where new files are nobody else's business."""
+    wheels = tmp_path / "wheels"
+    wheels.mkdir()
+    for name in WHEELS:
+        (wheels / name).write_bytes(b"stands in for a wheel")
+
+    def built(folder: Path) -> list[bytes]:
+        zips = [package.build_small(folder / "work", folder), *package.build_platforms(folder / "work", wheels, folder)]
+        return [path.read_bytes() for path in zips]
+
+    def copied_yesterday(stage: Path) -> None:
+        copy(stage)
+        for path in stage.rglob("*"):
+            os.utime(path, (1e9, 1e9))
+
+    first = built(tmp_path / "first")
+    copy = package._copy_shipped
+    monkeypatch.setattr(package, "_copy_shipped", copied_yesterday)
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    mask = os.umask(0o077)
+    try:
+        assert built(tmp_path / "ë elsewhere") == first
+    finally:
+        os.umask(mask)
 
 
 def test_each_platform_gets_its_own_wheels_for_both_pythons(project, tmp_path):

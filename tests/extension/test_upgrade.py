@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A later version installed over an earlier one: settings, presets, caches and work stay.
+
+The earlier version is this one under a smaller number, or any other zip that is given by ``--from-zip``.
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+EARLIER = "0.0.9"
+PREFERRED = {"cache_folder": "", "spare_megabytes": 77, "threads": 1, "default_preset": "Mine ä"}
+
+
+@pytest.fixture(scope="module")
+def earlier_zip(request, zip_file, tmp_path_factory) -> Path:
+    given = request.config.getoption("--from-zip", None)
+    if given is not None:
+        return given.resolve()
+    target = tmp_path_factory.mktemp("earlier") / "convwass-earlier.zip"
+    with zipfile.ZipFile(zip_file) as source, zipfile.ZipFile(target, "w") as copy:
+        for entry in source.infolist():
+            content = source.read(entry)
+            if entry.filename == "blender_manifest.toml":
+                content, count = re.subn(rb'(?m)^version = ".*"$', f'version = "{EARLIER}"'.encode(), content)
+                assert count == 1
+            copy.writestr(entry, content)
+    return target
+
+
+@pytest.fixture(scope="module")
+def work(profile) -> Path:
+    return profile.folder.parent / "Work"
+
+
+@pytest.fixture(scope="module")
+def before(profile, earlier_zip, work) -> dict:
+    """What a session with the earlier version saw."""
+    return profile.run(
+        ("install", [str(earlier_zip)]),
+        ("clear", []),
+        ("prefer", [PREFERRED]),
+        ("add_preset", ["Mine ä", 41]),
+        ("clear", []),
+        ("make", [str(work)]),
+        ("figures", []),
+        ("version", []),
+        ("own_files", []),
+    )
+
+
+@pytest.fixture(scope="module")
+def after(before, profile, zip_file, work) -> dict:
+    """What the first session with this version saw."""
+    stray = profile.extension / "convwass_addon" / "of_the_earlier_version.py"
+    stray.write_text("raise RuntimeError('nobody imports this any more')\n", encoding="utf-8")
+    profile.run(("install", [str(zip_file)]))
+    return profile.run(
+        ("version", []),
+        ("preferred", []),
+        ("presets", []),
+        ("own_files", []),
+        ("open_file", [str(work)]),
+        ("figures", []),
+        ("panels", []),
+        ("polls", []),
+        ("bake_again", ["Morph objects ball to objects box"]),
+        ("bake_again", ["Morph player ball to player box"]),
+        ("figures", []),
+    )
+
+
+@pytest.fixture(scope="module")
+def is_same_code(request) -> bool:
+    return request.config.getoption("--from-zip", None) is None
+
+
+PLAYER = "Morph player ball to player box Player"
+
+
+def assert_same(one: dict, other: dict) -> None:
+    for frame, own in one.items():
+        assert own.keys() <= other[frame].keys()
+        for name, numbers in own.items():
+            np.testing.assert_allclose(other[frame][name], numbers, rtol=2e-3, atol=0.01, err_msg=f"{frame}: {name}")
+
+
+def test_the_later_version_takes_the_place_of_the_earlier(before, after, profile):
+    assert before["install"] == [True, True]
+    assert before["version"] != after["version"]
+    assert not (profile.extension / "convwass_addon" / "of_the_earlier_version.py").exists()
+
+
+def test_preferences_stay(after):
+    assert {name: after["preferred"][name] for name in PREFERRED} == PREFERRED
+
+
+def test_presets_stay(after):
+    assert after["presets"]["Mine ä"] == 41
+    assert set(after["presets"]) == {"Draft", "Standard", "Fine", "Mine ä"}
+
+
+def test_frames_that_were_kept_stay(before, after):
+    assert before["own_files"]
+    assert before["own_files"].items() <= after["own_files"].items()
+
+
+def test_work_opens_and_plays(before, after):
+    assert_same(before["figures"], after["figures"])
+
+
+def test_work_is_known_and_can_be_baked_again(after, is_same_code):
+    assert after["polls"]["rebake_morph"] and after["panels"]["CONVWASS_PT_baked_morph"]
+    assert after["bake_again"] == after["bake_again 2"] == ["FINISHED"]
+    if is_same_code:
+        # The frames themselves are new objects.
+        assert_same({frame: {PLAYER: own[PLAYER]} for frame, own in after["figures"].items()}, after["figures 2"])
+
+
+def test_caches_of_the_same_code_are_used(before, after, is_same_code):
+    if is_same_code:
+        assert before["own_files"] == after["own_files"]
+
+
+def test_a_file_that_the_earlier_version_saved_needs_no_extension(before, stranger, work):
+    found = stranger.run(("open_file", [str(work)]), ("figures", []), ("leftovers", []))
+    assert_same(before["figures"], found["figures"])
+    assert {name: own for name, own in found["leftovers"].items() if own} == {}
+
+
+def test_an_earlier_version_can_be_put_back(after, profile, earlier_zip):
+    found = profile.run(("install", [str(earlier_zip)]), ("version", []), ("preferred", []), ("presets", []))
+    assert found["version"] != after["version"]
+    assert found["preferred"] == after["preferred"]
+    assert found["presets"] == after["presets"]
