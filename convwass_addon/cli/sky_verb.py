@@ -22,6 +22,8 @@ def run_sky(options: Namespace) -> Answer:
     InputError
         Images or options that cannot work.
     """
+    if len(options.skies) < 2:
+        raise InputError("Name two images or more.")
     if options.steps < 2:
         raise InputError("--steps must be 2 or more.")
     if options.width is not None and not 64 <= options.width <= 16384:
@@ -33,11 +35,12 @@ def run_sky(options: Namespace) -> Answer:
     records = []
     try:
         with ProgressBar("Blending skies") as bar:
-            for step in sky_steps(*(resized(sky, height) for sky in skies), options.steps, settings):
+            for step in sky_steps([resized(sky, height) for sky in skies], options.steps, settings):
                 bar.show(step.fraction, str(step.message))
                 files.write(step)
                 if step.frame is not None:
                     records.append(step.frame.record)
+        files.finish()
     except BaseException:
         files.discard()
         raise

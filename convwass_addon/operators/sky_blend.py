@@ -30,7 +30,7 @@ class SkyJob:
     Parameters
     ----------
     skies : list of (rows, columns, 3) array
-        The first and the last.
+        Two or more, in turn.
     files : SkyFiles
         Where they go.
     settings : SkySettings
@@ -44,7 +44,7 @@ class SkyJob:
 
     def steps(self, check: Callable[[], None] | None = None) -> Iterator[SkyStep]:
         """Yield the steps of the work."""
-        yield from sky_steps(*self._skies, len(self.files.paths), self._settings, check)
+        yield from sky_steps(self._skies, len(self.files.paths), self._settings, check)
 
     def write(self, step: SkyStep) -> None:
         """Write the sky that a step has brought."""
@@ -53,7 +53,7 @@ class SkyJob:
             self.ends.append(step.frame)
 
     def discard(self) -> None:
-        """Remove the files."""
+        """Remove what has been written; older files stay."""
         self.files.discard()
 
     def notices(self) -> list[Sentence]:
@@ -72,8 +72,8 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
 
     worlds: StringProperty(
         name="Worlds",
-        description="Names of two worlds, one per line or with a comma between them; empty for those that are chosen "
-        "in the panel",
+        description="Names of two worlds or more to go through, one per line or with commas between them; empty for "
+        "those that are chosen in the panel",
         options={"SKIP_SAVE"},
     )
 
@@ -99,8 +99,8 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
         worlds = [world for world in (own.first, own.last) if world is not None]
         if self.worlds.strip():
             worlds = [_named(name) for name in split_names(self.worlds)]
-        if len(worlds) != 2:
-            raise InputError("Choose two worlds, not {count}.", count=len(worlds))
+        if len(worlds) < 2:
+            raise InputError("Choose two worlds or more, not {count}.", count=len(worlds))
         return worlds
 
     def _steps(self):
@@ -110,6 +110,7 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
         return rpt_("Blending skies")
 
     def _finish(self, context, job):
+        job.files.finish()
         name = "{} {}".format(rpt_("Sky"), "-".join(self._names))
         world = sequence_world(name, job.files.paths, self.frame_start)
         context.scene.world = world

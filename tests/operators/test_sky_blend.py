@@ -53,7 +53,7 @@ def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
 
 def test_the_worlds_of_the_panel_count_where_none_is_named(worlds):
     own = bpy.context.scene.convwass_sky
-    with pytest.raises(RuntimeError, match="Choose two worlds, not 0"):
+    with pytest.raises(RuntimeError, match="Choose two worlds or more, not 0"):
         blend(worlds, worlds="")
     own.first, own.last = bpy.data.worlds["0"], bpy.data.worlds["1"]
     assert blend(worlds, worlds="", frame_end=5) == {"FINISHED"}
@@ -68,7 +68,7 @@ def test_a_sky_without_a_sun_is_told(worlds, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"worlds": "0"}, "Choose two worlds, not 1"),
+        ({"worlds": "0"}, "Choose two worlds or more, not 1"),
         ({"worlds": "0, 7"}, "There is no world 7"),
         ({"frame_end": 4}, "must come after"),
         ({"frame_start": -2}, "Frames before 0"),
@@ -82,7 +82,11 @@ def test_what_makes_no_sense_is_refused(worlds, arguments, message):
     assert bpy.context.scene.world is None
 
 
-def test_escape_leaves_no_files(worlds):
+@pytest.mark.parametrize("older", [False, True])
+def test_escape_leaves_what_was_there(worlds, older):
+    if older:
+        worlds.mkdir()
+        (worlds / "sky.0001.exr").write_text("older")
     pressed = Pressed(
         CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=200, width=128
     )
@@ -92,5 +96,6 @@ def test_escape_leaves_no_files(worlds):
     while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:
         pass
     assert result == {"CANCELLED"}
-    assert not worlds.exists() or not list(worlds.iterdir())
+    assert worlds.exists() == older
+    assert not older or [item.read_text() for item in worlds.iterdir()] == ["older"]
     assert bpy.context.scene.world is None

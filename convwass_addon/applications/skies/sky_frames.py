@@ -5,26 +5,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...transport import Inputs, KernelTooNarrowError, Sphere
-from ...transport.barycenter import Barycenter, barycenter
-from ...transport.domain import LOG_NOTHING
-from ...transport.sphere import directions
+from ...transport.barycenter import Barycenter
+from .glow_travel import GlowTravel
 from .lamps import Lamp, matched, split_lamps
-from .sky_images import LUMINANCE, add_disc, enlarged, great_circle, light_of, shrunk
+from .sky_images import LUMINANCE, add_disc, great_circle, light_of
 from .sky_settings import SkySettings
+from .sun_frames import SunWay
+from .sun_glow import split_glows
 
-# Within this share of the way from an end its glow goes over into what it is there exactly.
-_END = 0.2
-# Above the horizon glow comes up within so many degrees; with more a band of it would stay behind.
-_HORIZON = 0.7
-# What keeps the color of a glow defined where there is hardly any, as a share of the brightest.
-_FAINT = 1e-4
+# Suns of which less than this share of all light becomes one another move without their glow.
+_LEAST_MOVE = 0.05
 
 
 @dataclass(frozen=True)
@@ -76,30 +71,41 @@ class Skies:
         split = [split_lamps(image, self.settings) for image in images]
         self.lamps = tuple(tuple(lamps) for lamps, _ in split)
         self._moves = matched(*(lamps for lamps, _ in split))
-        self._glow = _glows([rest for _, rest in split], self.lamps, self.settings)
-        self._still = [rest - glow for (_, rest), glow in zip(split, self._glow, strict=True)]
-        self.domain = Sphere(self.settings.rows, self.settings.sigma)
-        self._colors = [shrunk(np.maximum(glow, 0.0), self.settings.rows) for glow in self._glow]
+        self._still = [rest for _, rest in split]
+        self._travels = self._travelling()
 
     @property
     def has_glow(self) -> bool:
         """Whether both skies have a glow that can travel from one to the other."""
-        return all(color.any() for color in self._colors)
+        return bool(self._travels)
 
-    @cached_property
-    def _tints(self) -> list[NDArray[np.float64]]:
-        """Color of the glow over its luminance, (rows, columns, 3)."""
-        raised = [color + _FAINT * (color @ LUMINANCE).max() for color in self._colors]
-        return [color / (color @ LUMINANCE)[..., None] for color in raised]
-
-    @cached_property
-    def _inputs(self) -> Inputs:
-        return Inputs.of(np.stack([color @ LUMINANCE for color in self._colors]), self.domain)
-
-    @cached_property
-    def _corrections(self) -> list[NDArray[np.float64]]:
-        """What the transported glow lacks of the true one at both ends."""
-        return [glow - self._travelled(float(end))[0] for end, glow in enumerate(self._glow)]
+    def _travelling(self) -> list[GlowTravel]:
+        """Take the glows of suns that become one another out of what stays still."""
+        everything = sum(lamp.flux @ LUMINANCE for lamp in self.lamps[0])
+        pairs = [
+            move
+            for move in self._moves
+            if move.first is not None
+            and move.second is not None
+            and move.first_share * (move.first.flux @ LUMINANCE) >= _LEAST_MOVE * everything
+        ]
+        if not pairs:
+            return []
+        glows = [
+            {id(lamp): glow for lamp, glow in zip(lamps, own, strict=True)}
+            for lamps, own in zip(self.lamps, split_glows(self._still, self.lamps, self.settings), strict=True)
+        ]
+        travels = []
+        for move in pairs:
+            moving = [
+                glows[0][id(move.first)].times(move.first_share),
+                glows[1][id(move.second)].times(move.second_share),
+            ]
+            if all(glow.light.any() for glow in moving):
+                self._still = [rest - glow.light - glow.ground for rest, glow in zip(self._still, moving, strict=True)]
+                way = SunWay.between(move.first.direction, move.second.direction)
+                travels.append(GlowTravel(moving, way, self.settings))
+        return travels
 
     def frame(self, time: float) -> SkyFrame:
         """Interpolate at a time in [0, 1]; the ends are the skies themselves.
@@ -113,13 +119,13 @@ class Skies:
             raise InputError("The time of a sky must lie between 0 and 1.")
         if time in (0, 1):
             end = int(time)
-            return SkyFrame(float(time), self._ends[end].astype(np.float32), self.lamps[end], self._record(time, None))
+            return SkyFrame(float(time), self._ends[end].astype(np.float32), self.lamps[end], self._record(time, []))
         image = (1.0 - time) * self._still[0] + time * self._still[1]
-        glow, solved = self._travelled(time) if self.has_glow else (self._faded(time), None)
-        image += glow
-        if solved is not None:
-            for correction, away in zip(self._corrections, (time, 1.0 - time), strict=True):
-                image += max(0.0, 1.0 - away / _END) ** 2 * correction
+        solved = []
+        for travel in self._travels:
+            glow, found = travel.at(time)
+            image += glow
+            solved.append(found)
         np.maximum(image, 0.0, out=image)
         lamps = self._lamps_at(time)
         # Clipping adds light: what is left of the two skies' own is scaled back.
@@ -140,79 +146,14 @@ class Skies:
             lamps.append(Lamp(direction, flux, (1.0 - time) * first.radius + time * second.radius))
         return tuple(lamps)
 
-    def _faded(self, time: float) -> NDArray[np.float64]:
-        return (1.0 - time) * self._glow[0] + time * self._glow[1]
-
-    def _travelled(self, time: float) -> tuple[NDArray[np.float64], Barycenter]:
-        """Glow as a distribution on the way, its color carried by the plans, with the light that the mix has."""
-        weights = np.array([1.0 - time, time])
-        try:
-            solved = barycenter(
-                self._inputs,
-                weights,
-                self.domain,
-                sharpness=self.settings.sharpness,
-                tolerance=self.settings.tolerance,
-            )
-        except KernelTooNarrowError as problem:
-            raise InputError("The glows are too far apart for this blur; blur the glow more.") from problem
-        tint = sum(
-            weights[index] * self._carried(log_v, index)
-            for log_v, index in zip(solved.log_v, solved.active, strict=True)
-        )
-        colored = solved.density[..., None] * tint
-        glow = np.stack([enlarged(colored[..., c], *self.shape) for c in range(3)], axis=-1)
-        glow *= _above(self.shape)[..., None]
-        want = sum(w * light_of(own) for w, own in zip(weights, self._glow, strict=True))
-        return glow * (want / np.maximum(light_of(glow), np.finfo(float).tiny)), solved
-
-    def _carried(self, log_v: NDArray[np.float64], index: int) -> NDArray[np.float64]:
-        """Mean color of the input's light that comes to every place: H(w c) / H(w), w = mu / H(v)."""
-        reached = np.empty(self.domain.shape)
-        self.domain.log_apply(log_v, reached)
-        mu = self._inputs.levels[-1].regions[index].scatter(self._inputs.levels[-1].log_mus[index], LOG_NOTHING)
-        known = (mu > LOG_NOTHING / 2) & (reached > LOG_NOTHING / 2)
-        log_w = np.where(known, mu - reached, LOG_NOTHING)
-        columns = np.concatenate([log_w[None], log_w + np.log(np.moveaxis(self._tints[index], -1, 0))])
-        self.domain.log_apply(columns, columns)
-        there = columns[0] > LOG_NOTHING / 2
-        means = np.exp(np.where(there, columns[1:] - columns[0], 0.0))
-        return np.moveaxis(means, 0, -1)
-
-    def _record(self, time: float, solved: Barycenter | None) -> dict[str, object]:
+    def _record(self, time: float, solved: list[Barycenter]) -> dict[str, object]:
         lamps = self.lamps[int(time)] if time in (0, 1) else self._lamps_at(time)
         return {
             "time": float(time),
             "settings": self.settings.as_dict(),
             "lamps": [lamp.record() for lamp in lamps],
-            "transport": None if solved is None else solved.record(),
+            "transport": [found.record() for found in solved],
         }
-
-
-def _glows(
-    rests: list[NDArray[np.float64]], lamps: tuple[tuple[Lamp, ...], ...], settings: SkySettings
-) -> list[NDArray[np.float64]]:
-    """Return what each sky has more than the other, around its brightest lamp and above the horizon."""
-    if not all(lamps):
-        return [np.zeros_like(rest) for rest in rests]
-    height, width = rests[0].shape[:2]
-    vectors = directions(height, width)
-    medians = [float(np.median((rest @ LUMINANCE)[: height // 2])) for rest in rests]
-    ratio = medians[0] / medians[1] if min(medians) > 0 else 1.0
-    common = np.minimum(rests[0], ratio * rests[1])
-    glows = []
-    for rest, shared, own in ((rests[0], common, lamps[0]), (rests[1], common / ratio, lamps[1])):
-        angle = np.degrees(np.arccos(np.clip(vectors @ own[0].direction, -1.0, 1.0)))
-        far = np.clip((angle - settings.near) / (settings.far - settings.near), 0.0, 1.0)
-        window = (1.0 - far * far * (3.0 - 2.0 * far)) * _above((height, width))
-        glows.append(np.maximum(rest - shared, 0.0) * window[..., None])
-    return glows
-
-
-def _above(shape: tuple[int, int]) -> NDArray[np.float64]:
-    """0 below the horizon, 1 a little above it, (rows, 1)."""
-    elevation = 90.0 - (np.arange(shape[0]) + 0.5) * (180.0 / shape[0])
-    return np.clip(elevation / _HORIZON, 0.0, 1.0)[:, None]
 
 
 def _checked(image: ArrayLike, rows: int) -> NDArray[np.float64]:

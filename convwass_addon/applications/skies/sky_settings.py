@@ -38,7 +38,7 @@ class SkySettings:
 
     rows: int = 64
     sigma: float = 2.0
-    sharpness: float = 0.0
+    sharpness: float = 0.5
     near: float = 20.0
     far: float = 60.0
     brightness: float = 20.0

@@ -4,7 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import os
+import shutil
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
-from ...errors import InputError
+from ...errors import ConvwassError, InputError
 from ...sentence import Sentence
 from ..files import checked_target
 from .sky_pixels import write_sky
@@ -39,27 +43,29 @@ def fitting_height(width: int, settings: SkySettings) -> int:
 
 
 def sky_steps(
-    first: NDArray[np.float64],
-    last: NDArray[np.float64],
+    ends: Sequence[NDArray[np.float64]],
     count: int,
     settings: SkySettings,
     check: Callable[[], None] | None = None,
 ) -> Iterator[SkyStep]:
-    """Interpolate between two skies at `count` even times, both ends among them.
+    """Interpolate through two skies or more at `count` even times, the first and the last among them.
 
     Raises
     ------
     InputError
         Skies that cannot be used; see :class:`...applications.skies.sky_frames.Skies`.
     """
-    yield SkyStep(0.0, Sentence("Finding suns"))
-    skies = Skies(first, last, settings)
-    for place, time in enumerate(np.linspace(0.0, 1.0, count)):
+    leg, skies = -1, None
+    for place, time in enumerate(np.linspace(0.0, len(ends) - 1.0, count)):
         if check is not None:
             check()
-        share = _PREPARING + (1.0 - _PREPARING) * (place + 1) / count
+        before, share = (_PREPARING + (1.0 - _PREPARING) * done / count for done in (place, place + 1))
+        if leg != min(int(time), len(ends) - 2):
+            leg = min(int(time), len(ends) - 2)
+            yield SkyStep(before if place else 0.0, Sentence("Finding suns"))
+            skies = Skies(*ends[leg : leg + 2], settings)
         message = Sentence("Sky {done} of {total}", {"done": place + 1, "total": count})
-        yield SkyStep(share, message, place, skies.frame(float(time)))
+        yield SkyStep(share, message, place, skies.frame(min(float(time) - leg, 1.0)))
 
 
 class SkyFiles:
@@ -89,19 +95,50 @@ class SkyFiles:
             raise InputError("{folder} is a file; choose a folder.", folder=str(target))
         checked_target(target / "x" if target.is_dir() else target)
         self.paths = [target / f"sky.{first_frame + place:04d}.exr" for place in range(count)]
-        self._written: list[Path] = []
+        self._drafts: Path | None = None
+        self._is_new = not target.exists()
 
     def write(self, step: SkyStep) -> None:
-        """Write the sky that a step has brought."""
+        """Write the sky that a step has brought, beside where it goes: what is there stays until all are whole."""
         if step.frame is None:
             return
         path = self.paths[step.place]
-        path.parent.mkdir(exist_ok=True)
-        write_sky(path, step.frame.image)
-        self._written.append(path)
+        if self._drafts is None:
+            self._drafts = path.parent / f".{uuid.uuid4().hex}"
+            with _told(self._drafts):
+                self._drafts.mkdir(parents=True)
+        write_sky(self._drafts / path.name, step.frame.image)
+
+    def finish(self) -> None:
+        """Put what has been written in its place.
+
+        Raises
+        ------
+        ConvwassError
+            The system does not let a file be replaced; those that have not been stay as they were.
+        """
+        for path in self.paths:
+            with _told(path):
+                os.replace(self._drafts / path.name, path)
+        self._drafts.rmdir()
+        self._drafts = None
 
     def discard(self) -> None:
-        """Remove what has been written."""
-        for path in self._written:
-            path.unlink(missing_ok=True)
-        self._written = []
+        """Remove what has been written and is not in its place; and the folder, if it was made for it."""
+        if self._drafts is None:
+            return
+        folder = self._drafts.parent
+        shutil.rmtree(self._drafts, ignore_errors=True)
+        self._drafts = None
+        if self._is_new and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Tell of the system's errors as of all others."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
