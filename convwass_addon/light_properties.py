@@ -23,12 +23,19 @@ class ReflectanceProperties:
         description="What is made of the materials",
         items=(
             ("PATH", "Over Time", "From the first material through the others to the last, over frames"),
+            ("KEYED", "Keyed", "As the weights in the panel are keyed, over frames"),
             ("WEIGHTS", "By Weights", "One material between all of them"),
+            (
+                "PAD",
+                "Pad",
+                "All over a triangle of three materials or a square of four, in which an empty is dragged",
+            ),
         ),
     )
     blends: IntProperty(
         name="Steps",
-        description="Blends that are computed on the way; between two of them the values are mixed",
+        description="Blends that are computed on the way, or along each side of a pad; between two of them the values "
+        "are mixed",
         default=5,
         min=2,
         soft_max=17,
@@ -89,6 +96,12 @@ class ReflectanceProperties:
             ("LARGEST", "As the Widest", "No more than the widest of the materials, as in the paper"),
             ("MEAN", "As Their Mean", "No more than their weighted mean"),
         ),
+    )
+    table: StringProperty(
+        name="Table",
+        description="File that the highlights go to as well; empty for none. Names that end in .npz or .lobes.exr hold "
+        "all directions of one blend, other .exr what the node group looks up",
+        subtype="FILE_PATH",
     )
 
     def reflectance_settings(self) -> ReflectanceSettings:
@@ -156,7 +169,7 @@ class SkyProperties:
 def _material() -> object:
     return PointerProperty(
         name="Material",
-        description="Material with a Principled or Glossy BSDF without textures",
+        description="Material with a Principled or Glossy BSDF; of an image on its roughness the mean counts",
         type=bpy.types.Material,
     )
 

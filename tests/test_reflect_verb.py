@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import json
 
+import bpy
 import numpy as np
 import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.reflectance.table_files import read_table
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
+from convwass_addon.bridge.reflectance.pad_materials import PLACE
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from tests.lights import sky
 
@@ -35,15 +37,35 @@ def test_a_blend_is_written_and_told(tmp_path, capfd):
 
 
 def test_tables_that_were_written_are_blended_on(tmp_path):
-    for name, word in (("a", "blinn:50"), ("b", "principled:0.7")):
-        assert reflect(tmp_path / f"{name}.npz", word, word) == 0
-    assert reflect(tmp_path / "c.exr", str(tmp_path / "a.npz"), str(tmp_path / "b.npz"), "--steps", "3") == 0
+    for name, word in (("a.npz", "blinn:50"), ("b.lobes.exr", "principled:0.7")):
+        assert reflect(tmp_path / name, word, word) == 0
+    assert reflect(tmp_path / "c.exr", str(tmp_path / "a.npz"), str(tmp_path / "b.lobes.exr"), "--steps", "3") == 0
     assert len(read_lobe_exr(tmp_path / "c.exr")) == 3
 
 
-def test_a_grain_goes_to_npz_only(tmp_path, capfd):
+def test_a_way_and_a_pad_are_written(tmp_path):
+    words = ["ggx:0.2,0.2", "ggx:0.6,0.6", "blinn:20"]
+    assert reflect(tmp_path / "way.exr", *words, "--weights", "1,0,0", "--weights", "0,1,1", "--steps", "3") == 0
+    assert len(read_lobe_exr(tmp_path / "way.exr")) == 3
+    assert reflect(tmp_path / "pad.exr", *words, "--pad", "2") == 0
+    assert len(read_lobe_exr(tmp_path / "pad.exr")) == 4
+
+
+def test_a_file_of_blenders_shows_a_pad_on_balls(tmp_path):
+    words = ["ggx:0.2,0.2", "ggx:0.6,0.6", "blinn:20"]
+    assert reflect(tmp_path / "pad.blend", *words, "--pad", "2") == 0
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "pad.blend"))
+    name = "-".join(words)
+    assert {name, f"{name} fitted"} <= {block.name for block in bpy.data.objects}
+    handle = bpy.data.objects["Material Handle"]
+    handle.location.x = 10.0
+    bpy.context.scene.frame_set(1)
+    assert bpy.data.materials[name].node_tree.nodes[PLACE].inputs["X"].default_value == pytest.approx(1.0)
+
+
+def test_a_grain_goes_to_whole_tables_only(tmp_path, capfd):
     assert reflect(tmp_path / "a.exr", "ashikhmin:10,100", "ggx:0.3,0.3") == 3
-    assert "choose .npz" in capfd.readouterr().err
+    assert "choose .npz or .lobes.exr" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -57,6 +79,8 @@ def test_a_grain_goes_to_npz_only(tmp_path, capfd):
         (["none.binary", "blinn:20"], "cannot be read"),
         (["blinn:20", "blinn:30", "--steps", "3"], "holds one blend"),
         (["blinn:20", "blinn:30", "--weights", "1"], "one weight for each"),
+        (["blinn:20", "blinn:30", "--weights", "1,0", "--weights", "0,1"], "say with --steps"),
+        (["blinn:20", "blinn:30", "--pad", "3"], "leave --steps and --pad out"),
     ],
 )
 def test_what_makes_no_sense_is_refused(tmp_path, capfd, words, message):
@@ -86,3 +110,5 @@ def test_skies_that_are_none_are_refused(tmp_path, capfd):
     assert "There is no file" in capfd.readouterr().err
     assert cli.main([*words, "--out", str(tmp_path / "out"), "--steps", "1"]) == 3
     assert not (tmp_path / "out").exists()
+    assert cli.main(["sky", str(tmp_path / "a.exr"), "--out", str(tmp_path / "out")]) == 3
+    assert "two images or more" in capfd.readouterr().err

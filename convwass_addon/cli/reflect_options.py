@@ -18,13 +18,14 @@ REFLECT_HELP = """Make a material between two to four others. A material is
   blinn:EXPONENT                      Blinn's highlight
   ashikhmin:NU,NV                     Ashikhmin and Shirley's
   FILE.binary                         a measured material of the MERL database
-  FILE.npz                            a table that this verb has written; all of them tables then
+  FILE.npz, FILE.lobes.exr            a table that this verb has written; all of them tables then
 
   convwass reflect principled:0.2 principled:0.6 --weights 0.5,0.5 --out half.npz
   convwass reflect blinn:400 principled:0.7 --steps 9 --out path.exr
+  convwass reflect blinn:400 principled:0.4 principled:0.8 --pad 5 --out pad.blend
 """
 
-SKY_HELP = """Make the skies between two equirectangular images: suns move with their glow, the rest fades.
+SKY_HELP = """Make the skies between equirectangular images, two or more: suns move with their glow, the rest fades.
 
   convwass sky morning.exr noon.exr --steps 25 --out skies
 """
@@ -34,13 +35,25 @@ def add_reflect_options(parser: ArgumentParser) -> None:
     """Add what ``reflect`` takes."""
     parser.add_argument("materials", nargs="+", metavar="MATERIAL", help="two to four, see above")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE", help=".npz for one blend, .exr for what Blender looks up"
+        "--out",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help=".npz or .lobes.exr for one blend, .exr for what Blender looks up, .blend for balls that show it",
     )
     parser.add_argument("--json", action="store_true", help="print a record for programs")
     group = parser.add_argument_group("blend")
-    choice = group.add_mutually_exclusive_group()
-    choice.add_argument("--weights", type=numbers, metavar="W,…", help="one blend with these weights (all alike)")
-    choice.add_argument("--steps", type=int, metavar="N", help="so many blends from the first material to the last")
+    group.add_argument(
+        "--weights",
+        type=numbers,
+        action="append",
+        metavar="W,…",
+        help="one blend with these weights (all alike); given several times, a way through them in --steps",
+    )
+    group.add_argument(
+        "--steps", type=int, metavar="N", help="so many blends on a way, or from the first material to the last"
+    )
+    group.add_argument("--pad", type=int, metavar="N", help="N x N blends all over a pad of three or four materials")
     settings = parser.add_argument_group("transport")
     default = ReflectanceSettings()
     settings.add_argument("--rows", type=int, default=default.rows, metavar="N", help="rows of a lobe (%(default)s)")
@@ -55,7 +68,9 @@ def add_reflect_options(parser: ArgumentParser) -> None:
 
 def add_sky_options(parser: ArgumentParser) -> None:
     """Add what ``sky`` takes."""
-    parser.add_argument("skies", nargs=2, type=Path, metavar="IMAGE", help="twice as wide as high; .exr or .hdr")
+    parser.add_argument(
+        "skies", nargs="+", type=Path, metavar="IMAGE", help="two or more in turn, twice as wide as high; .exr or .hdr"
+    )
     parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="where the images go")
     parser.add_argument("--json", action="store_true", help="print a record for programs")
     parser.add_argument("--steps", type=int, default=25, metavar="N", help="images, both ends included (%(default)s)")

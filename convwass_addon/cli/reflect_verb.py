@@ -16,10 +16,12 @@ from ..applications.reflectance.lobe_table import LobeTable
 from ..applications.reflectance.materials import AshikhminShirley, BlinnPhong, Ggx, Material
 from ..applications.reflectance.merl import read_merl
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
-from ..applications.reflectance.table_files import read_table, write_table
-from ..bridge.files import checked_target
+from ..applications.reflectance.weight_sheets import MOST_ON_PAD, PadSheet, spread_out, way_weights
+from ..bridge.files import checked_target, save_blend
+from ..bridge.reflectance.lobe_files import is_whole, read_whole_table, write_whole_table
 from ..bridge.reflectance.lobe_frames import LobeFrame, blended_frames, path_weights
 from ..bridge.reflectance.lobe_images import write_lobe_exr
+from ..bridge.reflectance.lobe_scene import show_on_balls
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
@@ -43,33 +45,53 @@ def run_reflect(options: Namespace) -> Answer:
     """
     target = checked_target(options.out)
     kind = target.suffix.lower()
-    if kind not in (".npz", ".exr"):
-        raise InputError("{name} ends neither in .npz nor in .exr.", name=target.name)
-    if kind == ".npz" and options.steps is not None:
-        raise InputError("A file .npz holds one blend; leave --steps out, or name a file .exr.")
-    if options.steps is not None and options.steps < 2:
-        raise InputError("--steps must be 2 or more.")
+    _check_kind(target, kind, options)
     settings = ReflectanceSettings(
         rows=options.rows, sigma=options.sigma, sharpness=options.sharpness, entropy=options.entropy
     )
-    weights = _weights(options)
+    sheet = None if options.pad is None else PadSheet.of(len(options.materials), options.pad)
+    weights = _weights(options) if sheet is None else sheet.weights
     blend = _blend(options.materials, settings)
-    if kind == ".exr" and not blend.tables[0].is_isotropic:
-        raise InputError("Materials with a grain fill no .exr; choose .npz.")
+    if kind == ".exr" and not is_whole(target) and not blend.tables[0].is_isotropic:
+        raise InputError("Materials with a grain need all directions; choose .npz or .lobes.exr.")
     frames = _solved(blend, weights)
-    if kind == ".npz":
-        write_table(target, frames[0].table)
+    shown = frames if sheet is None else spread_out(sheet, frames)
+    if is_whole(target):
+        write_whole_table(target, frames[0].table)
+    elif kind == ".exr":
+        write_lobe_exr(target, [frame.image for frame in shown])
     else:
-        write_lobe_exr(target, [frame.image for frame in frames])
+        show_on_balls(options.materials, shown, sheet)
+        save_blend(target)
     record = {"materials": list(options.materials), "blends": [frame.record for frame in frames]}
     return Answer.of_files(record, [target])
+
+
+def _check_kind(target: Path, kind: str, options: Namespace) -> None:
+    """Refuse a file that cannot hold what is asked for."""
+    if kind not in (".npz", ".exr", ".blend"):
+        raise InputError("{name} ends neither in .npz, .exr nor in .blend.", name=target.name)
+    if is_whole(target) and (options.steps is not None or options.pad is not None):
+        raise InputError(
+            "A file .npz or .lobes.exr holds one blend; leave --steps and --pad out, or name another file .exr."
+        )
+    if options.steps is not None and options.steps < 2:
+        raise InputError("--steps must be 2 or more.")
+    if options.pad is not None and not 2 <= options.pad <= MOST_ON_PAD:
+        raise InputError("--pad must be 2 to {most}.", most=MOST_ON_PAD)
+    if options.pad is not None and (options.steps is not None or options.weights):
+        raise InputError("--pad goes all over the weights; leave --steps and --weights out.")
+    if options.weights and len(options.weights) > 1 and options.steps is None:
+        raise InputError("Several --weights are a way; say with --steps how many blends it has.")
+    if options.weights and len(options.weights) == 1 and options.steps is not None:
+        raise InputError("One --weights is one blend; leave --steps out, or give more of them.")
 
 
 def _weights(options: Namespace) -> NDArray[np.float64]:
     count = len(options.materials)
     if options.steps is not None:
-        return path_weights(options.steps, count)
-    return np.array([options.weights or [1.0] * count])
+        return way_weights(options.weights, options.steps) if options.weights else path_weights(options.steps, count)
+    return np.array([options.weights[0] if options.weights else [1.0] * count])
 
 
 def _blend(words: Sequence[str], settings: ReflectanceSettings) -> LobeBlend:
@@ -87,8 +109,8 @@ def _material(word: str) -> Material | LobeTable:
     path = Path(word)
     if path.suffix.lower() == ".binary":
         return read_merl(path)
-    if path.suffix.lower() == ".npz":
-        return read_table(path)
+    if path.suffix.lower() in (".npz", ".exr"):
+        return read_whole_table(path)
     kind, _, text = word.partition(":")
     counts, make = _KINDS.get(kind, ((), None))
     try:

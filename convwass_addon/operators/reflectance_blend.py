@@ -8,25 +8,27 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import bpy
-import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
-from numpy.typing import NDArray
 
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
-from ..applications.reflectance.table_files import write_table
+from ..applications.reflectance.weight_sheets import spread_out
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
 from ..bridge.reflectance.glossy_materials import GlossyMaterial, read_glossy
-from ..bridge.reflectance.lobe_frames import LobeFrame, LobeFrameStep, lobe_frames, path_weights
+from ..bridge.reflectance.lobe_files import is_whole, write_whole_table
+from ..bridge.reflectance.lobe_frames import LobeFrame, LobeFrameStep, lobe_frames
 from ..bridge.reflectance.lobe_images import write_lobe_exr
 from ..bridge.reflectance.lobe_materials import FittedLook, fitted_material, lobe_material, mixed
+from ..bridge.reflectance.material_pad import material_pad
+from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
 from ..errors import InputError
 from ..light_properties import ReflectanceProperties, sun_of
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
 from .density_targets import tell
+from .reflectance_weights import BlendPlan, blend_plan
 
 
 class ReflectanceJob:
@@ -36,8 +38,8 @@ class ReflectanceJob:
     ----------
     materials : sequence of GlossyMaterial
         Two to four.
-    weights : (n, k) array
-        One row for every blend.
+    plan : BlendPlan
+        At which weights.
     settings : ReflectanceSettings
         How.
     sun : bpy.types.Object or None
@@ -47,18 +49,18 @@ class ReflectanceJob:
     def __init__(
         self,
         materials: Sequence[GlossyMaterial],
-        weights: NDArray[np.float64],
+        plan: BlendPlan,
         settings: ReflectanceSettings,
         sun: bpy.types.Object | None,
     ) -> None:
         self.materials = tuple(materials)
-        self._weights, self._settings = weights, settings
+        self.plan, self._settings = plan, settings
         self._sun = None if sun is None else Handle.of("objects", sun)
         self.found: list[LobeFrame] = []
 
     def steps(self, check: Callable[[], None] | None = None) -> Iterator[LobeFrameStep]:
         """Yield the steps of the work; whoever runs them checks between them."""
-        for step in lobe_frames([own.lobe for own in self.materials], self._weights, self._settings):
+        for step in lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings):
             if check is not None:
                 check()
             yield step
@@ -90,12 +92,17 @@ class ReflectanceJob:
                 mixed([own.base_color for own in self.materials], frame.weights),
                 float(frame.weights @ [own.metallic for own in self.materials]),
             )
-            for frame in self.found
+            for frame in self.shown
         ]
+
+    @property
+    def shown(self) -> list[LobeFrame]:
+        """The blends in the order in which they are shown."""
+        return self.found if self.plan.sheet is None else spread_out(self.plan.sheet, self.found)
 
     def diffuse(self) -> list[tuple[float, float, float]]:
         """Return matte colors, blend by blend."""
-        return [mixed([own.diffuse for own in self.materials], frame.weights) for frame in self.found]
+        return [mixed([own.diffuse for own in self.materials], frame.weights) for frame in self.shown]
 
 
 class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOperator, bpy.types.Operator):
@@ -113,17 +120,10 @@ class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOpera
     )
     weights: StringProperty(
         name="Weights",
-        description="Numbers with commas between them, one per material; empty for those in the panel",
+        description="Numbers with commas between them, one per material; for a way of weights several such rows with "
+        "semicolons between them. Empty for those in the panel",
         options={"SKIP_SAVE"},
     )
-    table: StringProperty(
-        name="Table",
-        description="File that the table goes to as well: .npz holds all directions of one blend, .exr what the node "
-        "group looks up; empty for none",
-        subtype="FILE_PATH",
-        options={"SKIP_SAVE"},
-    )
-
     _job: ReflectanceJob
 
     @classmethod
@@ -131,49 +131,34 @@ class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOpera
         return is_idle(cls, context)
 
     def _begin(self, context):
-        chosen, weights = self._chosen(context)
+        chosen = self._chosen(context)
         read = [read_glossy(material) for material in chosen]
-        job = ReflectanceJob(
-            read,
-            path_weights(self.blends, len(read)) if self.blend == "PATH" else np.array([weights]),
-            self.reflectance_settings(),
-            sun_of(context),
-        )
+        plan = blend_plan(context.scene, self, self.weights, [material.name for material in chosen])
+        job = ReflectanceJob(read, plan, self.reflectance_settings(), sun_of(context))
         if job.has_grain and self.output == "LOBES":
             raise InputError(
                 "Highlights along a grain cannot be looked up by two angles; choose Fitted, or set the anisotropy to 0."
             )
-        if self.blend == "PATH" and self.frame_end <= self.frame_start:
-            raise InputError("The last frame must come after the first one.")
         if self.table:
             self._checked_table(job)
         return job
 
-    def _chosen(self, context: bpy.types.Context) -> tuple[list[bpy.types.Material], list[float]]:
-        pairs = context.scene.convwass_reflectance.chosen_materials
+    def _chosen(self, context: bpy.types.Context) -> list[bpy.types.Material]:
+        chosen = [material for material, _ in context.scene.convwass_reflectance.chosen_materials]
         if self.materials.strip():
-            pairs = [(_named(name), 1.0) for name in split_names(self.materials)]
-        if not 2 <= len(pairs) <= 4:
-            raise InputError("Choose two to four materials, not {count}.", count=len(pairs))
-        weights = [weight for _, weight in pairs]
-        if self.weights.strip():
-            try:
-                weights = [float(word) for word in self.weights.split(",")]
-            except ValueError as error:
-                raise InputError(
-                    "Weights are numbers with commas between them, not {text!r}.", text=self.weights
-                ) from error
-        return [material for material, _ in pairs], weights
+            chosen = [_named(name) for name in split_names(self.materials)]
+        if not 2 <= len(chosen) <= 4:
+            raise InputError("Choose two to four materials, not {count}.", count=len(chosen))
+        return chosen
 
     def _checked_table(self, job: ReflectanceJob) -> Path:
         target = checked_target(Path(bpy.path.abspath(self.table)))
-        kind = target.suffix.lower()
-        if kind not in (".npz", ".exr"):
+        if target.suffix.lower() not in (".npz", ".exr"):
             raise InputError("{name} ends neither in .npz nor in .exr.", name=target.name)
-        if kind == ".npz" and self.blend == "PATH":
-            raise InputError("A file .npz holds one blend; choose By Weights, or a file .exr.")
-        if kind == ".exr" and job.has_grain:
-            raise InputError("Materials with a grain fill no .exr; choose .npz.")
+        if is_whole(target) and self.blend != "WEIGHTS":
+            raise InputError("A file .npz or .lobes.exr holds one blend; choose By Weights, or another file .exr.")
+        if not is_whole(target) and job.has_grain:
+            raise InputError("Materials with a grain need all directions; choose .npz or .lobes.exr.")
         return target
 
     def _steps(self):
@@ -188,13 +173,9 @@ class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOpera
         name = "{} {}".format(rpt_("Blend"), "-".join(own.name for own in job.materials))
         if self.blend == "WEIGHTS":
             name = "{} {}".format(name, ":".join(f"{100 * weight:.0f}" for weight in job.found[0].weights))
-        frames = self.frame_span() if self.blend == "PATH" else None
-        made = []
-        if self.output != "FITTED" and not job.has_grain:
-            images = [frame.image for frame in job.found]
-            made.append(lobe_material(name, images, job.diffuse(), job.sun, frames))
-        if self.output != "LOBES":
-            made.append(fitted_material("{} {}".format(name, rpt_("fitted")), job.looks(), frames))
+        if self.blend == "PAD":
+            name = "{} {}".format(name, rpt_("on a pad"))
+        made = self._made(context, job, name)
         text = rpt_("Made {:s}; the fitted one differs by {:.0f} % of the light at most")
         worst = 100 * max(frame.fit.total_variation for frame in job.found)
         if self.output == "LOBES":
@@ -202,12 +183,32 @@ class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOpera
         tell(self, text.format(", ".join(own.name for own in made), worst), self._remarks(job), _warnings(job))
         return {"FINISHED"}
 
+    def _made(self, context: bpy.types.Context, job: ReflectanceJob, name: str) -> list[bpy.types.Material]:
+        """Make the materials, and what drives them."""
+        with_lobes = self.output != "FITTED" and not job.has_grain
+        images = [frame.image for frame in job.shown] if with_lobes else []
+        fitted = "{} {}".format(name, rpt_("fitted"))
+        made = []
+        if job.plan.sheet is not None:
+            pad = material_pad(context.scene, name, [own.name for own in job.materials], job.plan.sheet.side)
+            if with_lobes:
+                made.append(pad_lobe_material(name, images, job.diffuse(), job.sun, pad))
+            if self.output != "LOBES":
+                made.append(pad_fitted_material(fitted, job.looks(), pad))
+            return made
+        frames = self.frame_span() if self.blend != "WEIGHTS" else None
+        if with_lobes:
+            made.append(lobe_material(name, images, job.diffuse(), job.sun, frames))
+        if self.output != "LOBES":
+            made.append(fitted_material(fitted, job.looks(), frames))
+        return made
+
     def _write_table(self, job: ReflectanceJob) -> None:
         target = self._checked_table(job)
-        if target.suffix.lower() == ".npz":
-            write_table(target, job.found[0].table)
+        if is_whole(target):
+            write_whole_table(target, job.found[0].table)
         else:
-            write_lobe_exr(target, [frame.image for frame in job.found])
+            write_lobe_exr(target, [frame.image for frame in job.shown])
 
     def _remarks(self, job: ReflectanceJob) -> list[Sentence]:
         remarks = [notice for own in job.materials for notice in own.notices]

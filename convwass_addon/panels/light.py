@@ -13,6 +13,10 @@ from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_interpolate_sky
 from .sidebar import Sidebar, fill_operator
 
+# What counts for every kind of blend.
+_SPAN = ("blends", "frame_start", "frame_end")
+_COUNTED = {"PATH": _SPAN, "KEYED": _SPAN, "WEIGHTS": (), "PAD": ("blends",)}
+
 
 class CONVWASS_PT_light(Sidebar, bpy.types.Panel):
     """Blend what surfaces reflect and what skies shine, so that highlights and suns move"""
@@ -37,17 +41,16 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
 
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_reflectance
-        layout.row().prop(own, "blend", expand=True)
+        layout.prop(own, "blend", text="")
         _draw_materials(layout, own)
         row = layout.row()
         row.scale_y = 1.6
         row.enabled = len(own.chosen_materials) >= 2
         operator = row.operator(CONVWASS_OT_interpolate_reflectance.bl_idname, icon="MATERIAL")
         fill_operator(operator, own, ReflectanceProperties)
-        if own.blend == "PATH":
-            column = layout.column(align=True)
-            for name in ("blends", "frame_start", "frame_end"):
-                column.prop(own, name)
+        column = layout.column(align=True)
+        for name in _COUNTED[own.blend]:
+            column.prop(own, name)
 
 
 def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) -> None:
@@ -60,7 +63,7 @@ def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) ->
         if chosen or empty == 1:
             row = column.row(align=True)
             row.prop(own, name, text="")
-            if chosen and own.blend == "WEIGHTS":
+            if chosen and own.blend in ("KEYED", "WEIGHTS"):
                 weight = row.row(align=True)
                 weight.ui_units_x = 3.5
                 weight.prop(own, name.replace("material", "weight"), text="")
@@ -78,7 +81,7 @@ class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_reflectance
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("output", "sun", "detail", "blur", "sharpness", "entropy"):
+        for name in ("output", "sun", "detail", "blur", "sharpness", "entropy", "table"):
             layout.prop(own, name)
         layout.operator(CONVWASS_OT_import_lobes.bl_idname, icon="IMPORT")
 

@@ -5,18 +5,21 @@
 from __future__ import annotations
 
 import math
+import struct
 
 import bpy
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
 from convwass_addon.applications.reflectance.lobe_lookup import half_angle_table
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
+from convwass_addon.applications.reflectance.table_pictures import _directions_of, table_of_picture, table_picture
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
-from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file
+from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table
 from convwass_addon.bridge.reflectance.lobe_frames import path_weights
-from convwass_addon.bridge.reflectance.lobe_images import HEIGHT, WIDTH, read_lobe_exr, write_lobe_exr
+from convwass_addon.bridge.reflectance.lobe_images import HEIGHT, WIDTH, read_lobe_exr, write_lobe_exr, write_table_exr
 from convwass_addon.bridge.reflectance.lobe_materials import FittedLook, Frames, fitted_material, lobe_material
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH
 from convwass_addon.errors import InputError
@@ -165,6 +168,24 @@ def test_what_cannot_be_read_is_refused():
         read_glossy(material)
 
 
+def test_of_an_image_on_the_roughness_the_mean_counts():
+    material = principled("A", 0.9)
+    image = bpy.data.images.new("Rough", 4, 4, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(np.tile(np.float32([0.2, 0.2, 0.2, 1, 0.4, 0.4, 0.4, 1]), 8))
+    tree = material.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], only(material, "BSDF_PRINCIPLED").inputs["Roughness"])
+    found = read_glossy(material)
+    assert found.lobe.roughness == pytest.approx(0.3, rel=1e-5)
+    assert [str(notice) for notice in found.notices] == [
+        "Roughness of A is an image; its mean, 0.30, counts everywhere."
+    ]
+    image.colorspace_settings.name = "sRGB"
+    with pytest.raises(InputError, match="comes from another node"):
+        read_glossy(material)
+
+
 def test_a_fitted_material_is_keyed_step_by_step():
     looks = [FittedLook(Ggx(0.04, 0.04), (1, 0, 0), 1.0), FittedLook(Ggx(0.1, 0.4), (0, 1, 0), 0.5)]
     material = fitted_material("Keyed", looks, Frames(10, 20))
@@ -211,6 +232,68 @@ def test_files_that_are_no_tables_are_refused(tmp_path, values, message):
         read_lobe_exr(tmp_path / "c.exr")
     with pytest.raises(InputError, match="those end in"):
         read_lobe_file(tmp_path / "b.png")
+
+
+@pytest.mark.parametrize(("turns", "kind"), [(1, Ggx(0.3, 0.3, (0.9, 0.5, 0.1))), (3, Ggx(0.2, 0.5, (0.4, 0.5, 0.6)))])
+def test_whole_tables_survive_a_file(tmp_path, turns, kind):
+    table = tabulated(kind, incoming_directions(4, turns), 16)
+    back = read_whole_table(write_table_exr(tmp_path / "a.lobes.exr", table))
+    assert back.fits(table)
+    np.testing.assert_allclose(back.albedo, table.albedo, rtol=1e-5)
+    np.testing.assert_allclose(back.lobes, table.lobes, rtol=1e-5, atol=1e-6)
+    if turns == 1:
+        np.testing.assert_allclose(read_lobe_file(tmp_path / "a.lobes.exr")[0], half_angle_table(back), rtol=1e-5)
+    else:
+        with pytest.raises(InputError, match="grain"):
+            read_lobe_file(tmp_path / "a.lobes.exr")
+
+
+def test_a_whole_table_lies_in_its_file_as_it_is_told(tmp_path):
+    """The top row has the incoming directions; below lies f, from the normal down."""
+    table = tabulated(Ggx(0.3, 0.3), incoming_directions(4, 1), 16)
+    image = bpy.data.images.load(str(write_table_exr(tmp_path / "a.lobes.exr", table)))
+    image.colorspace_settings.name = "Non-Color"
+    values = np.array(image.pixels[:]).reshape(image.size[1], image.size[0], -1)[::-1, :, :3]
+    assert values.shape == (1 + 4 * 16, 64, 3)
+    np.testing.assert_allclose(values[0, :4], np.stack([table.theta_in, 0 * table.theta_in, np.ones(4)], axis=1))
+    np.testing.assert_allclose(values[1 + 2 * 16 + 5, 7], table.reflectance()[2, 5, 7], rtol=1e-5)
+
+
+def test_a_file_that_only_says_it_is_large_makes_no_room(tmp_path):
+    path = write_lobe_exr(tmp_path / "a.exr", [even(1.0)])
+    content = path.read_bytes()
+    place = content.index(b"dataWindow\0box2i\0") + 21
+    path.write_bytes(content[:place] + struct.pack("<4i", 0, 0, 65535, 65535) + content[place + 16 :])
+    with pytest.raises(InputError, match="is no table"):
+        read_lobe_exr(path)
+    path.write_bytes(content[:30])
+    with pytest.raises(InputError, match="no picture of OpenEXR"):
+        read_lobe_file(path)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda picture: picture[:-1], "is no table"),
+        (lambda picture: picture[1:], "is no table"),
+        (lambda picture: -picture, "has values"),
+        (lambda picture: picture * np.nan, "has values"),
+        (lambda picture: np.roll(picture, 1, axis=1), "is no table"),
+        (lambda picture: np.concatenate([picture[:1, ::-1], picture[1:]]), "is no table"),
+        (lambda picture: picture * [[[2.0, 1.0, 1.0]]], "has values"),
+    ],
+)
+def test_pictures_that_are_no_whole_tables_are_refused(spoil, message):
+    picture = table_picture(tabulated(Ggx(0.3, 0.3), incoming_directions(4, 1), 16))
+    with pytest.raises(InputError, match=message):
+        table_of_picture(spoil(picture), "a.lobes.exr")
+
+
+@given(st.integers(1, 64), st.integers(2, 8100))
+def test_the_size_of_a_picture_says_how_many_directions_there_are(half_rows, count):
+    rows = 2 * half_rows
+    height = count * rows + math.ceil(count / (4 * rows))
+    assert _directions_of(4 * rows, height) == count
 
 
 def test_a_path_goes_through_all_materials():

@@ -104,10 +104,10 @@ def test_the_table_is_written_and_can_be_imported(tmp_path):
     assert len(read_lobe_exr(tmp_path / "a.exr")) == 3
     blend(table=str(tmp_path / "b.npz"), blend="WEIGHTS", output="FITTED")
     assert read_table(tmp_path / "b.npz").rows == ROWS
-    for name in "ab":
-        kind = {"a": "exr", "b": "npz"}[name]
-        assert bpy.ops.convwass.import_lobes(filepath=str(tmp_path / f"{name}.{kind}")) == {"FINISHED"}
-        assert GROUP in bpy.data.materials[name].node_tree.nodes
+    blend(table=str(tmp_path / "d.lobes.exr"), blend="WEIGHTS", output="FITTED")
+    for name in ("a.exr", "b.npz", "d.lobes.exr"):
+        assert bpy.ops.convwass.import_lobes(filepath=str(tmp_path / name)) == {"FINISHED"}
+        assert GROUP in bpy.data.materials[name.rpartition(".")[0]].node_tree.nodes
     with pytest.raises(RuntimeError, match="There is no file"):
         bpy.ops.convwass.import_lobes(filepath=str(tmp_path / "c.exr"))
 
@@ -120,9 +120,11 @@ def test_the_table_is_written_and_can_be_imported(tmp_path):
         ({"materials": "A, C"}, "There is no material C"),
         ({"blend": "WEIGHTS", "weights": "1"}, "one weight for each"),
         ({"blend": "WEIGHTS", "weights": "1, x"}, "Weights are numbers"),
+        ({"blend": "WEIGHTS", "weights": "1, 0; 0, 1"}, "Weights are numbers"),
         ({"frame_start": 5, "frame_end": 5}, "must come after"),
         ({"table": "/tmp/x.png"}, "neither"),
         ({"table": "/tmp/x.npz"}, "one blend"),
+        ({"table": "/tmp/x.lobes.exr"}, "one blend"),
     ],
 )
 def test_what_makes_no_sense_is_refused_and_changes_nothing(arguments, message):
@@ -142,3 +144,52 @@ def test_escape_leaves_nothing():
     assert result == {"CANCELLED"}
     assert pressed.reports[-1] == ("INFO", "Stopped; nothing was changed")
     assert sorted(block.name for block in bpy.data.materials) == ["A", "B"]
+
+
+@pytest.fixture
+def three(metals, empty_scene):
+    own = empty_scene.convwass_reflectance
+    third = principled("C", 0.5, base_color=(0, 1, 0, 1))
+    own.material, own.material_2, own.material_3 = *metals, third
+    return own
+
+
+def test_keyed_weights_are_followed(three):
+    for frame, weights in ((1, (1, 0, 0)), (11, (0, 0, 1)), (21, (0, 1, 0))):
+        for name, weight in zip(("weight", "weight_2", "weight_3"), weights, strict=True):
+            setattr(three, name, weight)
+            three.id_data.keyframe_insert(f"convwass_reflectance.{name}", frame=frame)
+    arguments = {"materials": "", "blend": "KEYED", "frame_start": 1, "frame_end": 21}
+    assert blend(**arguments, output="FITTED") == {"FINISHED"}
+    fitted = bpy.data.materials["Blend A-B-C fitted"]
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.context.object.data.materials.append(fitted)
+    for frame, color in ((1, (1, 0, 0)), (11, (0, 1, 0)), (16, (0, 0.5, 0.5)), (21, (0, 0, 1))):
+        bpy.context.scene.frame_set(frame)
+        found = list(only(fitted, "BSDF_PRINCIPLED").inputs["Base Color"].default_value)[:3]
+        np.testing.assert_allclose(found, color, atol=1e-6)
+
+
+@pytest.mark.usefixtures("three")
+def test_a_way_of_weights_needs_no_keys():
+    assert blend(materials="", blend="KEYED", weights="1,0,0; 0,1,1", output="FITTED") == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="No weight is keyed"):
+        blend(materials="", blend="KEYED")
+    with pytest.raises(RuntimeError, match="two stops"):
+        blend(materials="", blend="KEYED", weights="1,0,0")
+    with pytest.raises(RuntimeError, match="same number"):
+        blend(materials="", blend="KEYED", weights="1,0,0; 1,0")
+
+
+@pytest.mark.usefixtures("three")
+def test_a_pad_drives_both_materials():
+    assert blend(materials="", blend="PAD", blends=2) == {"FINISHED"}
+    for material in ("Blend A-B-C on a pad", "Blend A-B-C on a pad fitted"):
+        assert len(bpy.data.materials[material].node_tree.animation_data.drivers) == 2
+    before = sorted(block.name for block in (*bpy.data.objects, *bpy.data.images, *bpy.data.node_groups))
+    assert blend(materials="", blend="PAD", blends=2) == {"FINISHED"}
+    assert sorted(block.name for block in (*bpy.data.objects, *bpy.data.images, *bpy.data.node_groups)) == before
+    with pytest.raises(RuntimeError, match="three or four materials, not 2"):
+        blend(materials="A, B", blend="PAD")
+    with pytest.raises(RuntimeError, match="2 to 16"):
+        blend(materials="", blend="PAD", blends=17)

@@ -17,7 +17,10 @@ from ...errors import InputError
 from .lobe_table import LobeTable
 
 _NAMES = ("theta_in", "phi_in", "lobes", "albedo")
-_MOST_DIRECTIONS, _FEWEST_ROWS, _MOST_ROWS = 8100, 4, 256
+MOST_DIRECTIONS, MOST_ROWS = 8100, 256
+"""Incoming directions, and rows of a lobe, that a table that is read may have."""
+
+_FEWEST_ROWS = 4
 _MOST_BYTES = 4 << 30
 # Lobes are stored in single precision, in which a mass of 1 is this near to it.
 _MASS_TOLERANCE = 1e-3
@@ -65,7 +68,7 @@ def read_table(path: Path) -> LobeTable:
         if type(problem).__module__ not in ("zlib", "_lzma", "lzma"):
             raise
         raise InputError("{name} is no table of lobes.", name=path.name) from problem
-    return _checked(arrays, path)
+    return checked_table(*(arrays[name] for name in _NAMES), path.name)
 
 
 def _array(archive: zipfile.ZipFile, name: str, path: Path) -> NDArray[np.float64]:
@@ -90,27 +93,40 @@ def _array(archive: zipfile.ZipFile, name: str, path: Path) -> NDArray[np.float6
     return np.frombuffer(content, dtype).reshape(shape).astype(np.float64)
 
 
-def _checked(arrays: dict[str, NDArray[np.float64]], path: Path) -> LobeTable:
-    theta, phi, lobes, albedo = (arrays[name] for name in _NAMES)
+def checked_table(
+    theta: NDArray[np.float64],
+    phi: NDArray[np.float64],
+    lobes: NDArray[np.float64],
+    albedo: NDArray[np.float64],
+    name: str,
+) -> LobeTable:
+    """Make a table of what a file of this name holds, if it can be one.
+
+    Raises
+    ------
+    InputError
+        Sizes that do not go together, or values that no table has.
+    """
     fits = (
         theta.ndim == 1
-        and 2 <= len(theta) <= _MOST_DIRECTIONS
+        and 2 <= len(theta) <= MOST_DIRECTIONS
         and phi.shape == theta.shape
         and lobes.ndim == 3
         and len(lobes) == len(theta)
-        and _FEWEST_ROWS <= lobes.shape[1] <= _MOST_ROWS
+        and _FEWEST_ROWS <= lobes.shape[1] <= MOST_ROWS
         and lobes.shape[1] % 2 == 0
         and lobes.shape[2] == 4 * lobes.shape[1]
         and albedo.shape == (len(theta), 3)
     )
     if not fits:
-        raise InputError("{name} is no table of lobes.", name=path.name)
-    if not all(np.isfinite(array).all() for array in arrays.values()) or min(lobes.min(), albedo.min()) < 0:
-        raise InputError("{name} has values that no table of lobes has.", name=path.name)
+        raise InputError("{name} is no table of lobes.", name=name)
+    finite = all(np.isfinite(array).all() for array in (theta, phi, lobes, albedo))
+    if not finite or min(lobes.min(), albedo.min()) < 0:
+        raise InputError("{name} has values that no table of lobes has.", name=name)
     if theta.min() < 0 or theta.max() >= np.pi / 2 or (not phi.any() and (np.diff(theta) <= 0).any()):
-        raise InputError("{name} has values that no table of lobes has.", name=path.name)
+        raise InputError("{name} has values that no table of lobes has.", name=name)
     table = LobeTable(theta, phi, lobes, albedo)
     masses = (lobes * table.cells).sum(axis=(1, 2))
     if np.abs(masses - 1.0).max() > _MASS_TOLERANCE:
-        raise InputError("{name} has values that no table of lobes has.", name=path.name)
+        raise InputError("{name} has values that no table of lobes has.", name=name)
     return LobeTable(theta, phi, lobes / masses[:, None, None], albedo)

@@ -59,10 +59,11 @@ def read_glossy(material: bpy.types.Material) -> GlossyMaterial:
     node = _shader(material)
     if node.type == "BSDF_GLOSSY":
         return _read_glossy(material, node)
-    values = {name: _value(material, node, name) for name in ("Roughness", "Anisotropic", "Metallic")}
+    means: list[Sentence] = []
+    values = {name: _value(material, node, name, means) for name in ("Roughness", "Anisotropic", "Metallic")}
     base, notices = _color(material, node, "Base Color")
-    level = _value(material, node, "Specular IOR Level")
-    ior = _value(material, node, "IOR")
+    level = _value(material, node, "Specular IOR Level", means)
+    ior = _value(material, node, "IOR", means)
     dielectric = min(2.0 * level * ((ior - 1.0) / (ior + 1.0)) ** 2, 1.0)
     tint, more = _color(material, node, "Specular Tint")
     metallic = values["Metallic"]
@@ -73,19 +74,21 @@ def read_glossy(material: bpy.types.Material) -> GlossyMaterial:
     lobe = Ggx.principled(values["Roughness"], values["Anisotropic"], color)
     if _is_turned(material, node, "Anisotropic Rotation", lobe):
         lobe = Ggx(lobe.alpha_y, lobe.alpha_x, color)
-    return GlossyMaterial(material.name, lobe, base, metallic, (*notices, *more))
+    return GlossyMaterial(material.name, lobe, base, metallic, (*means, *notices, *more))
 
 
 def _read_glossy(material: bpy.types.Material, node: bpy.types.Node) -> GlossyMaterial:
     color, notices = _color(material, node, "Color")
+    means: list[Sentence] = []
     # The sign says along which axis; Cycles divides by what the other one is multiplied with.
-    anisotropy = float(np.clip(_value(material, node, "Anisotropy"), -_MOST_GLOSSY_ANISOTROPY, _MOST_GLOSSY_ANISOTROPY))
-    alpha, aspect = max(_value(material, node, "Roughness") ** 2, 1e-3), 1.0 - abs(anisotropy)
+    given = _value(material, node, "Anisotropy", means)
+    anisotropy = float(np.clip(given, -_MOST_GLOSSY_ANISOTROPY, _MOST_GLOSSY_ANISOTROPY))
+    alpha, aspect = max(_value(material, node, "Roughness", means) ** 2, 1e-3), 1.0 - abs(anisotropy)
     small, large = alpha * aspect, min(alpha / aspect, 1.0)
     lobe = Ggx(max(small, 1e-3), large, color) if anisotropy > 0 else Ggx(large, max(small, 1e-3), color)
     if _is_turned(material, node, "Rotation", lobe):
         lobe = Ggx(lobe.alpha_y, lobe.alpha_x, color)
-    return GlossyMaterial(material.name, lobe, color, 1.0, notices)
+    return GlossyMaterial(material.name, lobe, color, 1.0, (*means, *notices))
 
 
 def _shader(material: bpy.types.Material) -> bpy.types.Node:
@@ -102,15 +105,34 @@ def _shader(material: bpy.types.Material) -> bpy.types.Node:
     return node
 
 
-def _value(material: bpy.types.Material, node: bpy.types.Node, name: str) -> float:
+def _value(material: bpy.types.Material, node: bpy.types.Node, name: str, means: list[Sentence]) -> float:
+    """Return the value of an input; of an image right before it the mean, which is told."""
     socket = node.inputs[name]
-    if socket.is_linked:
+    if not socket.is_linked:
+        return float(socket.default_value)
+    mean = _mean_of(socket.links[0])
+    if mean is None:
         raise InputError(
             "{name} of {material} comes from another node; unlink it and give it one value.",
             name=name,
             material=material.name,
         )
-    return float(socket.default_value)
+    values = {"name": name, "material": material.name, "mean": mean}
+    means.append(Sentence("{name} of {material} is an image; its mean, {mean:.2f}, counts everywhere.", values))
+    return mean
+
+
+def _mean_of(link: bpy.types.NodeLink) -> float | None:
+    """Return the mean of an image whose plain numbers a link takes; None for anything else."""
+    node = link.from_node
+    image = node.image if node.type == "TEX_IMAGE" and link.from_socket.name == "Color" else None
+    # Asking for a pixel loads the file.
+    if image is None or not image.colorspace_settings.is_data or not len(image.pixels) or image.channels < 3:
+        return None
+    values = np.empty(len(image.pixels), dtype=np.float32)
+    image.pixels.foreach_get(values)
+    mean = float(values.reshape(-1, image.channels)[:, :3].mean())
+    return min(max(mean, 0.0), 1.0) if np.isfinite(mean) else None
 
 
 def _color(
@@ -128,7 +150,11 @@ def _is_turned(material: bpy.types.Material, node: bpy.types.Node, name: str, lo
     """Tell whether the grain runs across the tangent instead of along it."""
     if lobe.is_isotropic:
         return False
-    quarters = 4.0 * _value(material, node, name)
+    if node.inputs[name].is_linked:
+        raise InputError(
+            "The grain of {material} runs aslant; set its rotation to 0 or a quarter.", material=material.name
+        )
+    quarters = 4.0 * float(node.inputs[name].default_value)
     if abs(quarters - round(quarters)) > _QUARTER_TOLERANCE:
         raise InputError(
             "The grain of {material} runs aslant; set its rotation to 0 or a quarter.", material=material.name

@@ -10,12 +10,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.reflectance.lobe_lookup import half_angle_table
-from ...applications.reflectance.lobe_table import incoming_directions, tabulated
+from ...applications.reflectance.lobe_table import LobeTable, incoming_directions, tabulated
 from ...applications.reflectance.merl import read_merl
 from ...applications.reflectance.reflectance_settings import ReflectanceSettings
-from ...applications.reflectance.table_files import read_table
+from ...applications.reflectance.table_files import read_table, write_table
 from ...errors import InputError
-from .lobe_images import HEIGHT, WIDTH, read_lobe_exr
+from .lobe_images import HEIGHT, WIDTH, holds_whole_table, read_lobe_exr, read_table_exr, write_table_exr
+
+WHOLE = (".npz", ".lobes.exr")
+"""How names of files end that hold whole tables."""
+
+
+def is_whole(path: Path) -> bool:
+    """Whether a file is called as one that holds a whole table, with all directions of one blend."""
+    return path.name.lower().endswith(WHOLE)
+
+
+def write_whole_table(path: Path, table: LobeTable) -> None:
+    """Write a whole table, as its name says; raises InputError or ConvwassError where that does not go."""
+    if path.suffix.lower() == ".npz":
+        write_table(path, table)
+    else:
+        write_table_exr(path, table)
+
+
+def read_whole_table(path: Path) -> LobeTable:
+    """Read a file .npz, or .exr, as a whole table; raises InputError where it is none."""
+    return read_table(path) if path.suffix.lower() == ".npz" else read_table_exr(path)
 
 
 def read_lobe_file(path: Path) -> list[NDArray[np.float32]]:
@@ -27,10 +48,10 @@ def read_lobe_file(path: Path) -> list[NDArray[np.float32]]:
         The name ends otherwise, the file holds something else, or a material with a grain.
     """
     kind = path.suffix.lower()
-    if kind == ".exr":
+    if kind == ".exr" and not holds_whole_table(path):
         return read_lobe_exr(path)
-    if kind == ".npz":
-        return [half_angle_table(read_table(path), HEIGHT, WIDTH)]
+    if kind in (".npz", ".exr"):
+        return [half_angle_table(read_whole_table(path), HEIGHT, WIDTH)]
     if kind == ".binary":
         default = ReflectanceSettings()
         table = tabulated(read_merl(path), incoming_directions(default.incoming, 1), default.rows)

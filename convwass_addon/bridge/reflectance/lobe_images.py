@@ -13,8 +13,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...applications.reflectance.lobe_table import LobeTable
+from ...applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
 from ...errors import ConvwassError, InputError
 from ..files import checked_target
+from .exr_header import exr_size
 
 WIDTH, HEIGHT = 256, 64
 """Texels of one table: half angles along X, difference angles along Y."""
@@ -59,10 +62,22 @@ def write_lobe_exr(path: Path, tables: Sequence[NDArray[np.float32]]) -> Path:
     ConvwassError
         The file could not be written.
     """
+    return _write_exr(path, np.concatenate(tables))
+
+
+def write_table_exr(path: Path, table: LobeTable) -> Path:
+    """Write a whole table in the same way; see :func:`...applications.reflectance.table_pictures.table_picture`."""
+    return _write_exr(path, table_picture(table)[::-1])
+
+
+def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
+    """Write values, (height, width, 3), the lowest row first."""
     target = checked_target(path)
     draft = target.with_name(f".{uuid.uuid4().hex}.exr")
-    image = lobe_image("Lobes", tables)
+    height, width = values.shape[:2]
+    image = bpy.data.images.new("Lobes", width, height, alpha=False, float_buffer=True, is_data=True)
     try:
+        fill_image(image, values)
         image.file_format = "OPEN_EXR"
         image.filepath_raw = str(draft)
         image.save()
@@ -76,6 +91,26 @@ def write_lobe_exr(path: Path, tables: Sequence[NDArray[np.float32]]) -> Path:
     return target
 
 
+def holds_whole_table(path: Path) -> bool:
+    """Whether a file of OpenEXR has the size of a whole table; raises InputError where it is none."""
+    size = exr_size(Path(path).expanduser().absolute())
+    return has_table_size(size.width, size.height)
+
+
+def read_table_exr(path: Path) -> LobeTable:
+    """Read what :func:`write_table_exr` has written.
+
+    Raises
+    ------
+    InputError
+        No such file, none that Blender reads, another size, or values that no table has.
+    """
+    file = Path(path).expanduser().absolute()
+    if not holds_whole_table(file):
+        raise InputError("{name} is no table of lobes.", name=file.name)
+    return table_of_picture(_read_exr(file)[::-1], file.name)
+
+
 def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
     """Read what :func:`write_lobe_exr` has written.
 
@@ -85,8 +120,18 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
         No such file, none that Blender reads, another size, or values that no material has.
     """
     file = Path(path).expanduser().absolute()
-    if not file.is_file():
-        raise InputError("There is no file {file}.", file=str(file))
+    size = exr_size(file)
+    steps = size.height // HEIGHT
+    if size.width != WIDTH or size.height != steps * HEIGHT or not 1 <= steps <= _MOST_STEPS:
+        raise InputError("{name} is no table of lobes.", name=file.name)
+    values = _read_exr(file).reshape(steps, HEIGHT, WIDTH, 3)
+    if not np.isfinite(values).all() or values.min() < 0 or values.max() > _LARGEST:
+        raise InputError("{name} has values that no table of lobes has.", name=file.name)
+    return list(values)
+
+
+def _read_exr(file: Path) -> NDArray[np.float32]:
+    """Read a file, (height, width, 3), the lowest row first, whose size has been looked at."""
     try:
         image = bpy.data.images.load(str(file))
     except RuntimeError as error:
@@ -94,15 +139,10 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
     try:
         image.colorspace_settings.name = "Non-Color"
         width, height = image.size
-        steps = height // HEIGHT
-        fits = width == WIDTH and height == steps * HEIGHT and 1 <= steps <= _MOST_STEPS and image.is_float
-        if not fits or len(image.pixels) != width * height * image.channels or image.channels < 3:
+        if not image.is_float or len(image.pixels) != width * height * image.channels or image.channels < 3:
             raise InputError("{name} is no table of lobes.", name=file.name)
         values = np.empty(width * height * image.channels, dtype=np.float32)
         image.pixels.foreach_get(values)
+        return values.reshape(height, width, -1)[..., :3]
     finally:
         bpy.data.images.remove(image)
-    values = values.reshape(steps, HEIGHT, WIDTH, -1)[..., :3]
-    if not np.isfinite(values).all() or values.min() < 0 or values.max() > _LARGEST:
-        raise InputError("{name} has values that no table of lobes has.", name=file.name)
-    return list(values)

@@ -81,7 +81,7 @@ def lobe_material(
     frames : Frames, optional
         Where the slider is keyed from 0 to 1.
     """
-    material, tree = _emptied(name, "LOBES")
+    material, tree = emptied(name, "LOBES")
     node = tree.nodes.new("ShaderNodeGroup")
     node.name = node.label = GROUP
     node.node_tree = lobe_group(lobe_image(name, tables))
@@ -90,7 +90,7 @@ def lobe_material(
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
     if sun is not None:
-        _follow(node, sun)
+        follow(node, sun)
     node.inputs[DIFFUSE].default_value = (*diffuse[len(diffuse) // 2], 1.0)
     if len(tables) > 1 and frames is not None:
         _key(node.inputs[BLEND], frames.of(2), [0.0, 1.0])
@@ -101,12 +101,12 @@ def lobe_material(
 
 def fitted_material(name: str, looks: Sequence[FittedLook], frames: Frames | None = None) -> bpy.types.Material:
     """Make a material with a Principled BSDF, keyed where there are several steps and frames; see `lobe_material`."""
-    material, tree = _emptied(name, "FITTED")
+    material, tree = emptied(name, "FITTED")
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
     node.location = (-300.0, 0.0)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    steps = {name: [_settings(look)[name] for look in looks] for name in _settings(looks[0])}
+    steps = {name: [principled_values(look)[name] for look in looks] for name in principled_values(looks[0])}
     for name, values in steps.items():
         if len(looks) > 1 and frames is not None:
             _key(node.inputs[name], frames.of(len(looks)), values)
@@ -118,7 +118,8 @@ def fitted_material(name: str, looks: Sequence[FittedLook], frames: Frames | Non
     return material
 
 
-def _settings(look: FittedLook) -> dict[str, object]:
+def principled_values(look: FittedLook) -> dict[str, object]:
+    """Return the inputs of a Principled BSDF."""
     lobe = look.lobe
     return {
         "Base Color": (*look.base_color, 1.0),
@@ -129,7 +130,7 @@ def _settings(look: FittedLook) -> dict[str, object]:
     }
 
 
-def _emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTree]:
+def emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTree]:
     """Return the material of a former result, emptied, or a new one: what wears it goes on doing so."""
     own = f"{kind} {name}"
     found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None)
@@ -139,24 +140,28 @@ def _emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTr
         material.use_nodes = True
     tree = material.node_tree
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
+    images = _images_of(tree)
     tree.animation_data_clear()
     tree.nodes.clear()
     for group in groups:
-        _remove_unused(group)
+        images |= _images_of(group)
+        if not group.users:
+            bpy.data.node_groups.remove(group)
+    _remove_unused(images)
     return material, tree
 
 
-def _remove_unused(group: bpy.types.NodeTree) -> None:
-    if group.users:
-        return
-    images = {node.image for node in group.nodes if node.type == "TEX_IMAGE" and node.image is not None}
-    bpy.data.node_groups.remove(group)
+def _images_of(tree: bpy.types.NodeTree) -> set[bpy.types.Image]:
+    return {node.image for node in tree.nodes if node.type == "TEX_IMAGE" and node.image is not None}
+
+
+def _remove_unused(images: set[bpy.types.Image]) -> None:
     for image in images:
         if not image.users:
             bpy.data.images.remove(image)
 
 
-def _follow(node: bpy.types.Node, sun: bpy.types.Object) -> None:
+def follow(node: bpy.types.Node, sun: bpy.types.Object) -> None:
     """Let a node go by a sun: its direction by drivers, its color and strength too."""
     for axis, expression in enumerate(_Z_AXIS):
         driver = node.inputs[DIRECTION].driver_add("default_value", axis).driver

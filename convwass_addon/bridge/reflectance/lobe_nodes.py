@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import bpy
 
@@ -16,6 +17,9 @@ GROUP = "Interpolated Lobe"
 
 BLEND, DIRECTION, LIGHT, STRENGTH, DIFFUSE = "Blend", "Light Direction", "Light Color", "Light Strength", "Diffuse"
 """Its inputs; the blend is not there where the image holds one table."""
+
+ACROSS, UP = "Across", "Up"
+"""Inputs that the node group of a pad has instead of the blend."""
 
 _RIGHT_ANGLE = math.pi / 2
 
@@ -32,21 +36,53 @@ def lobe_group(image: bpy.types.Image) -> bpy.types.NodeTree:
     image : bpy.types.Image
         As :func:`.lobe_images.lobe_image` makes it.
     """
-    tree = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
     steps = image.size[1] // HEIGHT
-    _add_sockets(tree, steps)
-    inputs = tree.nodes.new("NodeGroupInput").outputs
-    geometry = tree.nodes.new("ShaderNodeNewGeometry").outputs
-    normal, view = geometry["Normal"], geometry["Incoming"]
-    light = _vector(tree, "NORMALIZE", inputs[DIRECTION])
-    half = _vector(tree, "NORMALIZE", _vector(tree, "ADD", view, light))
-    across = math_node(tree, "SQRT", _angle(tree, normal, half))
-    up = _clamped(tree, _angle(tree, light, half))
-    lobe = _looked_up(tree, image, across, up, inputs[BLEND] if steps > 1 else None)
-    matte = _scaled(tree, inputs[DIFFUSE], 1.0 / math.pi)
-    cosine = math_node(tree, "MAXIMUM", _dot(tree, normal, light), 0.0)
-    brightness = math_node(tree, "MULTIPLY", cosine, inputs[STRENGTH])
-    seen = _vector(tree, "MULTIPLY", _vector(tree, "ADD", lobe, matte), inputs[LIGHT])
+    tree = _new_group([BLEND] if steps > 1 else [])
+    at = _Angles(tree)
+    if steps == 1:
+        _shade(tree, at, stacked(tree, image, at.across, at.up, 0.0))
+        return tree
+    place = slider_place(tree, at.inputs[BLEND], steps)
+    after = math_node(tree, "ADD", place.first, 1.0)
+    tables = [stacked(tree, image, at.across, at.up, number) for number in (place.first, after)]
+    _shade(tree, at, mixed_vectors(tree, place.rest, *tables))
+    return tree
+
+
+def lobe_pad_group(image: bpy.types.Image, side: int) -> bpy.types.NodeTree:
+    """Make the same for an image of side x side tables, row by row, with two sliders: :data:`ACROSS` and :data:`UP`."""
+    tree = _new_group([ACROSS, UP])
+    at = _Angles(tree)
+    column, row = (slider_place(tree, at.inputs[name], side) for name in (ACROSS, UP))
+    number = math_node(tree, "MULTIPLY_ADD", row.first, float(side), column.first)
+    rows = []
+    for more in (0, side):
+        ends = [math_node(tree, "ADD", number, float(more + right)) for right in (0, 1)]
+        tables = [stacked(tree, image, at.across, at.up, end) for end in ends]
+        rows.append(mixed_vectors(tree, column.rest, *tables))
+    _shade(tree, at, mixed_vectors(tree, row.rest, *rows))
+    return tree
+
+
+class _Angles:
+    """What the light and the view are at a point of a surface, in the units of the tables."""
+
+    def __init__(self, tree: bpy.types.NodeTree) -> None:
+        self.inputs = tree.nodes.new("NodeGroupInput").outputs
+        geometry = tree.nodes.new("ShaderNodeNewGeometry").outputs
+        self.normal, view = geometry["Normal"], geometry["Incoming"]
+        self.light = _vector(tree, "NORMALIZE", self.inputs[DIRECTION])
+        half = _vector(tree, "NORMALIZE", _vector(tree, "ADD", view, self.light))
+        self.across = math_node(tree, "SQRT", _angle(tree, self.normal, half))
+        self.up = _clamped(tree, _angle(tree, self.light, half))
+
+
+def _shade(tree: bpy.types.NodeTree, at: _Angles, lobe: bpy.types.NodeSocket) -> None:
+    """Light the surface, and end the group."""
+    matte = _scaled(tree, at.inputs[DIFFUSE], 1.0 / math.pi)
+    cosine = math_node(tree, "MAXIMUM", _dot(tree, at.normal, at.light), 0.0)
+    brightness = math_node(tree, "MULTIPLY", cosine, at.inputs[STRENGTH])
+    seen = _vector(tree, "MULTIPLY", _vector(tree, "ADD", lobe, matte), at.inputs[LIGHT])
     shown = _scaled(tree, seen, brightness)
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(shown, glow.inputs["Color"])
@@ -54,15 +90,15 @@ def lobe_group(image: bpy.types.Image) -> bpy.types.NodeTree:
     tree.links.new(glow.outputs["Emission"], output.inputs["Shader"])
     tree.links.new(shown, output.inputs["Color"])
     _lay_out(tree)
-    return tree
 
 
-def _add_sockets(tree: bpy.types.NodeTree, steps: int) -> None:
+def _new_group(sliders: list[str]) -> bpy.types.NodeTree:
+    tree = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
     new = tree.interface.new_socket
-    if steps > 1:
-        blend = new(BLEND, in_out="INPUT", socket_type="NodeSocketFloat")
-        blend.min_value, blend.max_value, blend.default_value = 0.0, 1.0, 0.5
-        blend.subtype = "FACTOR"
+    for name in sliders:
+        slider = new(name, in_out="INPUT", socket_type="NodeSocketFloat")
+        slider.min_value, slider.max_value, slider.default_value = 0.0, 1.0, 0.5
+        slider.subtype = "FACTOR"
     direction = new(DIRECTION, in_out="INPUT", socket_type="NodeSocketVector")
     direction.default_value = (0.0, 0.0, 1.0)
     new(LIGHT, in_out="INPUT", socket_type="NodeSocketColor").default_value = (1.0, 1.0, 1.0, 1.0)
@@ -71,46 +107,52 @@ def _add_sockets(tree: bpy.types.NodeTree, steps: int) -> None:
     new(DIFFUSE, in_out="INPUT", socket_type="NodeSocketColor").default_value = (0.0, 0.0, 0.0, 1.0)
     new("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
     new("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    return tree
 
 
-def _looked_up(
+@dataclass(frozen=True)
+class SliderPlace:
+    """A slider over some values as the number of the one before it, and the share of the way to the next one."""
+
+    first: bpy.types.NodeSocket
+    rest: bpy.types.NodeSocket
+
+
+def slider_place(tree: bpy.types.NodeTree, slider: bpy.types.NodeSocket, count: int) -> SliderPlace:
+    """Find a slider from 0 to 1 among so many values, two at least."""
+    clamped = math_node(tree, "MINIMUM", math_node(tree, "MAXIMUM", slider, 0.0), 1.0)
+    place = math_node(tree, "MULTIPLY", clamped, float(count - 1))
+    first = math_node(tree, "MINIMUM", math_node(tree, "FLOOR", place), float(count - 2))
+    return SliderPlace(first, math_node(tree, "SUBTRACT", place, first))
+
+
+def stacked(
     tree: bpy.types.NodeTree,
     image: bpy.types.Image,
     across: bpy.types.NodeSocket,
     up: bpy.types.NodeSocket,
-    blend: bpy.types.NodeSocket | None,
+    number: bpy.types.NodeSocket | float,
 ) -> bpy.types.NodeSocket:
-    if blend is None:
-        return _texel(tree, image, across, up)
-    steps = image.size[1] // HEIGHT
-    clamped = math_node(tree, "MINIMUM", math_node(tree, "MAXIMUM", blend, 0.0), 1.0)
-    place = math_node(tree, "MULTIPLY", clamped, float(steps - 1))
-    before = math_node(tree, "MINIMUM", math_node(tree, "FLOOR", place), float(steps - 2))
-    rows = math_node(tree, "ADD", before, up)
-    first = _texel(tree, image, across, math_node(tree, "MULTIPLY", rows, 1.0 / steps))
-    second = _texel(tree, image, across, math_node(tree, "MULTIPLY_ADD", rows, 1.0 / steps, 1.0 / steps))
-    mix = tree.nodes.new("ShaderNodeMix")
-    mix.data_type = "VECTOR"
-    factor, a, b = (next(own for own in mix.inputs if own.identifier == name) for name in _MIX)
-    tree.links.new(math_node(tree, "SUBTRACT", place, before), factor)
-    tree.links.new(first, a)
-    tree.links.new(second, b)
-    return next(own for own in mix.outputs if own.identifier == "Result_Vector")
-
-
-_MIX = ("Factor_Float", "A_Vector", "B_Vector")
-
-
-def _texel(
-    tree: bpy.types.NodeTree, image: bpy.types.Image, across: bpy.types.NodeSocket, up: bpy.types.NodeSocket
-) -> bpy.types.NodeSocket:
+    """Look up the table of a number in a stack, at a place of it from 0 to 1."""
+    row = math_node(tree, "DIVIDE", math_node(tree, "ADD", up, number), float(image.size[1] // HEIGHT))
     place = tree.nodes.new("ShaderNodeCombineXYZ")
     tree.links.new(across, place.inputs["X"])
-    tree.links.new(up, place.inputs["Y"])
+    tree.links.new(row, place.inputs["Y"])
     texture = tree.nodes.new("ShaderNodeTexImage")
     texture.image, texture.interpolation, texture.extension = image, "Linear", "EXTEND"
     tree.links.new(place.outputs["Vector"], texture.inputs["Vector"])
     return texture.outputs["Color"]
+
+
+def mixed_vectors(
+    tree: bpy.types.NodeTree, share: bpy.types.NodeSocket, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """Mix two vectors or colors."""
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.data_type = "VECTOR"
+    for name, socket in zip(("Factor_Float", "A_Vector", "B_Vector"), (share, first, second), strict=True):
+        tree.links.new(socket, next(own for own in mix.inputs if own.identifier == name))
+    return next(own for own in mix.outputs if own.identifier == "Result_Vector")
 
 
 def _clamped(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pad for materials: an empty is dragged inside a square or a triangle, and drivers take its place to materials.
+
+The drivers are arithmetic that Blender does by itself: a file needs neither scripts nor the add-on, and keys on the
+empty animate the blend.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+PAD_OF = "convwass_material_pad"
+"""Custom property of the empty of a pad: which blend it drives."""
+
+SIDE = 2.0
+"""Length of a side of the pad."""
+
+# Height of the names at the corners, and size of the empty.
+_TEXT, _HANDLE = 0.2, 0.1
+# The line at the tip of a triangle has no length.
+_TIP = 1e-4
+
+
+@dataclass(frozen=True)
+class MaterialPad:
+    """A pad.
+
+    Attributes
+    ----------
+    handle : bpy.types.Object
+        The empty to drag; its parent is the drawn lattice.
+    count : int
+        How many materials there are, 3 or 4.
+    side : int
+        Blends along each side.
+    """
+
+    handle: bpy.types.Object
+    count: int
+    side: int
+
+    def drive(self, across: bpy.types.NodeSocket, up: bpy.types.NodeSocket) -> None:
+        """Let the place of the empty drive two sockets, from 0 to 1; see :func:`.weight_sheets.pad_weights`."""
+        height = SIDE * _rise(self.count)
+        rising = f"min(max(z/{height:.6f}+0.5,0),1)"
+        along = f"x/{SIDE:.6f}"
+        if self.count == 3:
+            along = f"{along}/max(1-{rising},{_TIP})"
+        for socket, expression in ((across, f"min(max({along}+0.5,0),1)"), (up, rising)):
+            driver = socket.driver_add("default_value").driver
+            for letter in "xz":
+                variable = driver.variables.new()
+                variable.name, variable.type = letter, "TRANSFORMS"
+                target = variable.targets[0]
+                target.id, target.transform_type = self.handle, f"LOC_{letter.upper()}"
+                target.transform_space = "LOCAL_SPACE"
+            driver.expression = expression
+
+
+def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], side: int) -> MaterialPad:
+    """Make a pad at the 3D cursor, upright, or take the one that drives the last result of that name.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        Where it goes.
+    name : str
+        Of the result.
+    materials : sequence of str
+        Names of three (left below, right below, above) or four (left above, right above, left below, right below).
+    side : int
+        Blends along each side.
+    """
+    own = (obj for obj in scene.objects if obj.get(PAD_OF) == name and obj.library is None)
+    found = next(own, None)
+    if found is not None:
+        return MaterialPad(found, len(materials), side)
+    home = bpy.data.collections.new(f"{name} Pad")
+    scene.collection.children.link(home)
+    corners = _corners(len(materials))
+    lattice = _lattice(corners)
+    lattice.location = scene.cursor.location
+    home.objects.link(lattice)
+    handle = _handle(corners, lattice)
+    handle[PAD_OF] = name
+    home.objects.link(handle)
+    for material, corner in zip(materials, corners, strict=True):
+        home.objects.link(_label(material, corner, lattice))
+    return MaterialPad(handle, len(materials), side)
+
+
+def _rise(count: int) -> float:
+    return math.sqrt(0.75) if count == 3 else 1.0
+
+
+def _corners(count: int) -> np.ndarray:
+    """Return where each material is, local space of the lattice, (count, 3); its middle height is 0."""
+    high = 0.5 * _rise(count)
+    places = [(-0.5, -high), (0.5, -high), (0.0, high)]
+    if count == 4:
+        places = [(-0.5, high), (0.5, high), (-0.5, -high), (0.5, -high)]
+    return SIDE * np.array([(x, 0.0, z) for x, z in places])
+
+
+def _lattice(corners: np.ndarray) -> bpy.types.Object:
+    """Draw the outline."""
+    mesh = bpy.data.meshes.new("Material Pad")
+    round_about = [0, 1, 2] if len(corners) == 3 else [0, 1, 3, 2]
+    edges = [(a, b) for a, b in zip(round_about, [*round_about[1:], round_about[0]], strict=True)]
+    mesh.from_pydata(corners.tolist(), edges, [])
+    lattice = bpy.data.objects.new(mesh.name, mesh)
+    lattice.hide_render = True
+    return lattice
+
+
+def _handle(corners: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
+    """Make the empty, in the middle of the corners; it cannot be dragged out of the pad's bounds."""
+    handle = bpy.data.objects.new("Material Handle", None)
+    handle.empty_display_type, handle.empty_display_size = "SPHERE", _HANDLE
+    handle.show_in_front, handle.parent = True, lattice
+    handle.location = corners.mean(axis=0)
+    handle.lock_location[1] = True
+    limit = handle.constraints.new("LIMIT_LOCATION")
+    limit.owner_space, limit.use_transform_limit = "LOCAL", True
+    for axis, low, high in zip("xyz", corners.min(axis=0), corners.max(axis=0), strict=True):
+        for end, value in (("min", low), ("max", high)):
+            setattr(limit, f"use_{end}_{axis}", True)
+            setattr(limit, f"{end}_{axis}", value)
+    return handle
+
+
+def _label(name: str, corner: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
+    """Write the name of a material at its corner: above the upper ones, below the lower ones."""
+    font = bpy.data.curves.new(name, "FONT")
+    font.body, font.size, font.align_x = name, _TEXT, "CENTER"
+    font.offset_x, font.offset_y = corner[0], corner[2] + (0.6 if corner[2] > 0 else -1.4) * _TEXT
+    label = bpy.data.objects.new(f"{name} Label", font)
+    label.rotation_euler.x = math.pi / 2.0
+    label.parent, label.hide_render, label.hide_select = lattice, True, True
+    return label

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that an empty on a pad drives: values of all blends lie in images, and nodes read them at its place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..node_math import math_node
+from .lobe_images import fill_image, lobe_image
+from .lobe_materials import FittedLook, emptied, follow, principled_values
+from .lobe_nodes import ACROSS, DIFFUSE, GROUP, UP, lobe_pad_group
+from .material_pad import MaterialPad
+
+PLACE = "Place on the Pad"
+"""Name of the node whose X and Y the pad drives, from 0 to 1."""
+
+
+def pad_lobe_material(
+    name: str,
+    tables: Sequence[NDArray[np.float32]],
+    diffuse: Sequence[tuple[float, float, float]],
+    sun: bpy.types.Object | None,
+    pad: MaterialPad,
+) -> bpy.types.Material:
+    """Make a material that shows tables on a pad, or fill the one that shows the last result of that name.
+
+    Parameters
+    ----------
+    name : str
+        Of the material.
+    tables : sequence of (64, 256, 3) float32
+        Those of all places of the pad, row by row from below.
+    diffuse : sequence of (3,) float
+        Matte colors of the same.
+    sun : bpy.types.Object or None
+        A sun that it follows.
+    pad : MaterialPad
+        Drives it.
+    """
+    material, tree = emptied(name, "PAD LOBES")
+    place = _driven_place(tree, pad)
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.name = node.label = GROUP
+    node.node_tree = lobe_pad_group(lobe_image(name, tables), pad.side)
+    node.width = 200.0
+    for slider, socket in zip((ACROSS, UP), place, strict=True):
+        tree.links.new(socket, node.inputs[slider])
+    tree.links.new(_read(tree, pad.side, f"{name} Matte", diffuse, place), node.inputs[DIFFUSE])
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
+    if sun is not None:
+        follow(node, sun)
+    _lay_out(tree)
+    return material
+
+
+def pad_fitted_material(name: str, looks: Sequence[FittedLook], pad: MaterialPad) -> bpy.types.Material:
+    """Make a material with a Principled BSDF whose values are those at a place of a pad; see `pad_lobe_material`."""
+    material, tree = emptied(name, "PAD FITTED")
+    place = _driven_place(tree, pad)
+    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    values = [principled_values(look) for look in looks]
+    colors = [own["Base Color"][:3] for own in values]
+    tree.links.new(_read(tree, pad.side, f"{name} Color", colors, place), node.inputs["Base Color"])
+    names = ("Roughness", "Anisotropic", "Metallic")
+    numbers = [tuple(own[name] for name in names) for own in values]
+    parts = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(_read(tree, pad.side, f"{name} Values", numbers, place), parts.inputs[0])
+    for name_of, socket in zip(names, parts.outputs, strict=True):
+        tree.links.new(socket, node.inputs[name_of])
+    turns = [own["Anisotropic Rotation"] for own in values]
+    if any(turns):
+        # A grain runs along or across: what lies between would turn it.
+        turned = _read(tree, pad.side, f"{name} Grain", [(turn, turn, turn) for turn in turns], place, "Closest")
+        tree.links.new(turned, node.inputs["Anisotropic Rotation"])
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
+    _lay_out(tree)
+    return material
+
+
+def _driven_place(tree: bpy.types.NodeTree, pad: MaterialPad) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
+    """Make a node that the empty drives, and return its place across and up."""
+    node = tree.nodes.new("ShaderNodeCombineXYZ")
+    node.name = node.label = PLACE
+    pad.drive(node.inputs["X"], node.inputs["Y"])
+    parts = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(node.outputs["Vector"], parts.inputs["Vector"])
+    return parts.outputs["X"], parts.outputs["Y"]
+
+
+def _read(
+    tree: bpy.types.NodeTree,
+    side: int,
+    name: str,
+    values: Sequence[Sequence[float]],
+    place: tuple[bpy.types.NodeSocket, bpy.types.NodeSocket],
+    interpolation: str = "Linear",
+) -> bpy.types.NodeSocket:
+    """Write the values of all places into an image, and read it at one: a place is the middle of its pixel."""
+    image = bpy.data.images.new(name, side, side, alpha=False, float_buffer=True, is_data=True)
+    fill_image(image, np.asarray(values, dtype=np.float32).reshape(side, side, 3))
+    at = tree.nodes.new("ShaderNodeCombineXYZ")
+    for socket, target in zip(place, ("X", "Y"), strict=True):
+        tree.links.new(math_node(tree, "MULTIPLY_ADD", socket, (side - 1) / side, 0.5 / side), at.inputs[target])
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image, texture.interpolation, texture.extension = image, interpolation, "EXTEND"
+    tree.links.new(at.outputs["Vector"], texture.inputs["Vector"])
+    return texture.outputs["Color"]
+
+
+def _lay_out(tree: bpy.types.NodeTree) -> None:
+    """Put the nodes side by side in the order of the work."""
+    for number, node in enumerate(tree.nodes):
+        node.location = (220.0 * (number // 3 - len(tree.nodes) // 3), -260.0 * (number % 3))
