@@ -7,11 +7,11 @@ As :mod:`.mending` does it with solids, in a plane, where regions and holes are 
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, label, minimum
 
 from .bumps import Bump
 from .contours import LevelOutline, outline_enclosing
@@ -21,7 +21,8 @@ from .handles import RAISED
 # Regions of a smaller share of the area are crumbs; those of less than the other are strays where no narrow gap leads
 # to them, and are dropped as well.
 _CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
-# A gap is narrow where the density in it does not fall below this share of the level.
+# A gap is narrow where the density in it does not fall below this share of the level. Of holes those are false, besides
+# those as small as strays: what is deep and wide belongs to the blend.
 _DEEPEST_GAP = 0.3
 # Radius of a neck in cells, and of the widest.
 _NECK, _WIDEST_NECK = 2.0, 4.0
@@ -70,11 +71,14 @@ class FlatMending:
     ----------
     drawn : LevelOutline
         Encloses the area.
+    density : (nx, ny)
+        What it was drawn of.
     crumbs, filled, bridged : int
         Regions too small to matter that were dropped, holes that were filled, gaps that were bridged.
     """
 
     drawn: LevelOutline
+    density: NDArray[np.floating] = field(compare=False)
     crumbs: int = 0
     filled: int = 0
     bridged: int = 0
@@ -109,7 +113,7 @@ def mended_outline(density: NDArray[np.floating], area: float, most: FlatConnect
     InputError
         As :func:`.outline_enclosing` does.
     """
-    best = mending = FlatMending(outline_enclosing(density, area))
+    best = mending = FlatMending(outline_enclosing(density, area), density)
     work = None
     for _ in range(_ROUNDS):
         if best.found.beyond(most) == 0:
@@ -122,7 +126,7 @@ def mended_outline(density: NDArray[np.floating], area: float, most: FlatConnect
             break
         mending = replace(mending, drawn=outline_enclosing(work, area))
         if mending.found.beyond(most) < best.found.beyond(most):
-            best = mending
+            best = replace(mending, density=work.copy())
     return best
 
 
@@ -145,10 +149,13 @@ def _mended(density: NDArray[np.float64], mending: FlatMending, area: float, mos
     labels, count = holes_below(density, level)
     excess = count - most.holes
     if excess > 0:
-        smallest = 1 + np.argsort(np.bincount(labels.ravel(), minlength=count + 1)[1:], kind="stable")[:excess]
-        filled = binary_dilation(np.isin(labels, smallest))
+        sizes = np.bincount(labels.ravel(), minlength=count + 1)[1:]
+        depths = minimum(density, labels, np.arange(1, count + 1))
+        false = np.flatnonzero((sizes < _STRAY_SHARE * area) | (depths > _DEEPEST_GAP * level))
+        smallest = false[np.argsort(sizes[false], kind="stable")[:excess]]
+        filled = binary_dilation(np.isin(labels, 1 + smallest))
         density[filled] = np.maximum(density[filled], RAISED * level)
-        mending = replace(mending, filled=mending.filled + excess)
+        mending = replace(mending, filled=mending.filled + len(smallest))
     return mending
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .outlines import ring_area
+from .ring_nesting import is_within
 
 # Spread along two axes that differ by less than this share has no long side.
 _ROUND = 0.02
@@ -78,15 +79,6 @@ def directed(rings: Sequence[NDArray[np.float64]], groups: Sequence[int]) -> tup
     found = []
     for ring, group in zip(rings, groups, strict=True):
         others = (other for other, own in zip(rings, groups, strict=True) if own == group and other is not ring)
-        is_hole = sum(_is_within(ring[0], other) for other in others) % 2 == 1
+        is_hole = sum(is_within(ring[0], other) for other in others) % 2 == 1
         found.append(ring if (ring_area(ring) < 0) == is_hole else ring[::-1])
     return tuple(found)
-
-
-def _is_within(point: NDArray[np.float64], ring: NDArray[np.float64]) -> bool:
-    """Tell whether a point lies within a polygon, by how often a ray to the right meets it."""
-    starts, ends = ring, np.roll(ring, -1, axis=0)
-    crossed = (starts[:, 1] <= point[1]) != (ends[:, 1] <= point[1])
-    a, b = starts[crossed], ends[crossed]
-    places = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-    return bool((places > point[0]).sum() % 2)

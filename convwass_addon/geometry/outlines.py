@@ -35,6 +35,10 @@ class FlatRegion:
         """All of them, the outer one first."""
         return (self.outer, *self.holes)
 
+    def without_holes_below(self, area: float) -> FlatRegion:
+        """Return the region with all holes of less than an area filled."""
+        return FlatRegion(self.outer, tuple(hole for hole in self.holes if -ring_area(hole) >= area))
+
 
 @dataclass(frozen=True)
 class Outline:

@@ -21,6 +21,7 @@ from ..morphs.merging import merged_parts, typical_density
 from ..morphs.morph_problem import MorphFrame
 from .flat_frames import FlatDensity, FlatFrame
 from .flat_origins import FlatOrigins
+from .flat_regions import colored_regions
 
 if TYPE_CHECKING:
     from .flat_problem import FlatProblem
@@ -87,7 +88,8 @@ def flat_frame(problem: FlatProblem, blend: Blend, solved: Sequence[Barycenter],
         cells = sum(part.density * (share / part.density.size) for part, share in zip(solved, shares, strict=True))
         density = _image(problem, blend, cells)
     origins = FlatOrigins.of(problem, blend, solved, sigmas, shares) if problem.settings.carry else None
-    return FlatFrame(blend, outline, record, density, origins)
+    regions = colored_regions(problem, blend, mending, origins) if problem.layers and origins is not None else ()
+    return FlatFrame(blend, outline, record, density, origins, regions)
 
 
 def _filled(density: NDArray[np.float64]) -> float:
@@ -113,10 +115,10 @@ def _read(
 ) -> FlatMending:
     settings = problem.settings
     if settings.level == "half-max":
-        return FlatMending(outline_at_level(density, float(density.max()) / 2))
+        return FlatMending(outline_at_level(density, float(density.max()) / 2), density)
     prepared = gaussian_filter(density / density.max(), _READING_BLUR)
     if not settings.mend:
-        return FlatMending(outline_enclosing(prepared, area))
+        return FlatMending(outline_enclosing(prepared, area), prepared)
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rings of a boundary, which holes belong to which region, and regions as single rings."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .outlines import FlatRegion, Outline, ring_area
+from .planar_fill import Boundary
+
+
+def outline_of(boundary: Boundary) -> Outline:
+    """Chain the edges of a boundary to rings, and give every hole to the smallest region around it.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        Directed edges with what is filled on their left, in no order.
+
+    Returns
+    -------
+    Outline
+        The largest region first.
+    """
+    rings = _chained(boundary)
+    outers = sorted((ring for ring in rings if ring_area(ring) > 0), key=ring_area, reverse=True)
+    holes: list[list[NDArray[np.float64]]] = [[] for _ in outers]
+    for hole in (ring for ring in rings if ring_area(ring) < 0):
+        around = [index for index, outer in enumerate(outers) if is_within(_inner_point(hole), outer)]
+        if around:
+            holes[around[-1]].append(hole)
+    return Outline(tuple(FlatRegion(outer, tuple(own)) for outer, own in zip(outers, holes, strict=True)))
+
+
+def keyholed(region: FlatRegion) -> NDArray[np.float64]:
+    """Join a region and its holes to one closed polygon, (n, 2), by cuts that are walked along in both directions.
+
+    Every cut is the shortest that there is, so that it crosses no ring.
+    """
+    ring = region.outer
+    waiting = list(region.holes)
+    while waiting:
+        found = [cKDTree(ring).query(hole) for hole in waiting]
+        chosen = int(np.argmin([distances.min() for distances, _ in found]))
+        distances, places = found[chosen]
+        start = int(np.argmin(distances))
+        hole = np.roll(waiting.pop(chosen), -start, axis=0)
+        place = int(places[start])
+        ring = np.concatenate([ring[: place + 1], hole, hole[:1], ring[place:]])
+    return ring
+
+
+def is_within(point: NDArray[np.float64], ring: NDArray[np.float64]) -> bool:
+    """Tell whether a point lies within a polygon, (n, 2), by how often a ray to the right meets it."""
+    starts, ends = ring, np.roll(ring, -1, axis=0)
+    crossed = (starts[:, 1] <= point[1]) != (ends[:, 1] <= point[1])
+    a, b = starts[crossed], ends[crossed]
+    places = a[:, 0] + (point[1] - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
+    return bool((places > point[0]).sum() % 2)
+
+
+def _inner_point(ring: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a point just inside of a ring, from the middle of its longest edge."""
+    along = np.roll(ring, -1, axis=0) - ring
+    longest = int(np.argmax((along**2).sum(axis=1)))
+    away = np.array([-along[longest, 1], along[longest, 0]]) * np.sign(ring_area(ring))
+    return ring[longest] + 0.5 * along[longest] + 1e-6 * away
+
+
+def _chained(boundary: Boundary) -> list[NDArray[np.float64]]:
+    """Walk along directed edges until all are used."""
+    corners, numbers = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
+    first, second = numbers.ravel().reshape(2, -1)
+    leaving: dict[int, list[int]] = {}
+    for start, end in zip(first.tolist(), second.tolist(), strict=True):
+        leaving.setdefault(start, []).append(end)
+    rings = []
+    for start, following in leaving.items():
+        while following:
+            chain, place = [start], following.pop()
+            while place != start:
+                chain.append(place)
+                place = leaving[place].pop()
+            if len(chain) >= 3:
+                rings.append(corners[chain])
+    return rings

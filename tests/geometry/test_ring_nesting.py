@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rings that are chained, nested and joined by cuts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.outlines import FlatRegion, ring_area
+from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.ring_nesting import is_within, keyholed, outline_of
+from tests.flat_shapes import ellipse, rectangle
+
+
+def test_holes_go_to_the_smallest_region_around_them():
+    rings = [ellipse(radii=(4, 4)), ellipse(radii=(3, 3)), ellipse(radii=(2, 2)), ellipse(radii=(1, 1))]
+    outline = outline_of(filled_boundary([*rings, ellipse((9, 0))], "even-odd"))
+    assert [len(region.holes) for region in outline.regions] == [1, 1, 0]
+    areas = [ring_area(region.outer) + sum(map(ring_area, region.holes)) for region in outline.regions]
+    np.testing.assert_allclose(areas, np.pi * np.array([7, 3, 1]), rtol=1e-6)
+
+
+def test_crossing_rings_become_one():
+    outline = outline_of(filled_boundary([rectangle((0, 0), (2, 2)), rectangle((1, 1), (3, 3))], "non-zero"))
+    assert [len(region.rings) for region in outline.regions] == [1]
+    assert outline.area == pytest.approx(7.0)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5])
+def test_a_region_with_cuts_fills_what_it_filled_with_holes(count):
+    outer = ellipse(radii=(6, 4))
+    angles = 2 * np.pi * np.arange(count) / max(count, 1)
+    holes = tuple(ellipse((3 * np.cos(a), 2 * np.sin(a)), (0.7, 0.7))[::-1] for a in angles)
+    ring = keyholed(FlatRegion(outer, holes))
+    assert len(ring) == len(outer) + sum(len(hole) + 2 for hole in holes)
+    expected = filled_boundary([outer, *holes], "non-zero")
+    for rule in ("non-zero", "even-odd"):
+        found = filled_boundary([ring], rule)
+        assert found.area == pytest.approx(expected.area, rel=1e-6)
+        np.testing.assert_allclose(found.center, expected.center, atol=1e-6)
+
+
+def test_points_are_told_inside_of_a_ring():
+    ring = ellipse(radii=(2, 1))
+    assert is_within(np.array([1.9, 0.1]), ring)
+    assert not is_within(np.array([1.9, 0.9]), ring)
