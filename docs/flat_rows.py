@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw a word that becomes another, and Fig. 13 of Solomon et al. 2015: ``PYTHONPATH=. python docs/flat_rows.py``.
+
+Writes docs/pictures/flat_words.png, letter by letter above and as one mass below, and docs/pictures/flat_grays.png: two
+gray images by a linear fade, by transport as it comes out, then with the grays of the images, and with a threshold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from flat import frames_of, lettered, pixels, save
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from convwass_addon.applications.flat.flat_frames import FlatFrame
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
+from convwass_addon.applications.flat.gray_pictures import PictureMaker
+from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.geometry.coverage import coverage
+from convwass_addon.geometry.planar_fill import filled_boundary
+
+_PAPER = np.array([0.985, 0.98, 0.965])
+_WORDS = ("MILK", "TOAST")
+_INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
+_WIDE, _HIGH = 300, 110
+_SCALE = 270.0
+# Signs of the gray images, and the pixels about them.
+_SIGNS, _MARGIN = "69", 24
+
+
+def main() -> None:
+    """Draw both pictures."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    draw_words()
+    draw_grays()
+
+
+def draw_words() -> None:
+    """Draw two words: letters travel to letters, or all of a word as one mass."""
+    words = [_inked(lettered(word), ink) for word, ink in zip(_WORDS, _INKS, strict=True)]
+    rows = []
+    for how in ("letters", "mass"):
+        frames = frames_of(words, path_blends(2, 5), FlatSettings(resolution=512, words=how))
+        rows.append(np.concatenate([_drawn(frame, words) for frame in frames], axis=1))
+    save(np.concatenate(rows, axis=0), "flat_words.png")
+
+
+def _inked(shape: FlatShape, ink: Sequence[float]) -> FlatShape:
+    return FlatShape(shape.rings, shape.rule, np.tile([*ink, 1.0], (len(shape.rings), 1)))
+
+
+def _drawn(frame: FlatFrame, words: Sequence[FlatShape]) -> NDArray[np.float64]:
+    """Draw a blend of the words on a tile, (h, w, 3)."""
+    source = words[frame.blend.source] if frame.outline is None else None
+    rings, rule = (frame.outline.rings, "non-zero") if source is None else (source.rings, source.rule)
+    boundary = filled_boundary(list(rings), rule).moved([_WIDE / 2, _HIGH / 2], _SCALE)
+    ink = sum(weight * np.array(own) for weight, own in zip(frame.blend.weights, _INKS, strict=True))
+    return _PAPER + coverage(boundary, (_WIDE, _HIGH)).T[::-1, :, None] * (ink - _PAPER)
+
+
+def draw_grays() -> None:
+    """Draw two gray images: signs with a shadow."""
+    images = [_image(sign, ink) for sign, ink in zip(_SIGNS, _INKS, strict=True)]
+    settings = FlatSettings(resolution=256, output="densities")
+    blends = path_blends(2, 6)
+    frames = frames_of(images, blends, settings)
+    ends = [frames[0].density, frames[-1].density]
+    grounds = np.tile([*_PAPER, 1.0], (2, 1))
+    rows = [np.concatenate([_faded(ends, blend) for blend in blends], axis=1)]
+    for grays in ("density", "images", "threshold"):
+        maker = PictureMaker(images, grounds, ends, grays)
+        rows.append(np.concatenate([maker.picture(frame)[::-1, :, :3] for frame in frames], axis=1))
+    save(np.concatenate(rows, axis=0), "flat_grays.png")
+
+
+def _image(sign: str, ink: Sequence[float]) -> FlatImage:
+    """Make a sign with a soft shadow, as a density with the color of its ink."""
+    full = pixels(lettered(sign).rings, "even-odd")
+    full = np.pad(full, _MARGIN)
+    shadow = 0.3 * gaussian_filter(np.roll(full, (10, 10), (0, 1)), 5.0)
+    values = np.maximum(full, shadow)[::-1].T
+    values[values < 0.02] = 0.0
+    colors = np.tile([*ink, 1.0], (*values.shape, 1))
+    return FlatImage(values, 1.0, (0.0, 0.0), "density", colors)
+
+
+def _faded(ends: Sequence, blend: Blend) -> NDArray[np.float64]:
+    """Draw the mean of the two images."""
+    mixed = sum(weight * end.values for weight, end in zip(blend.weights, ends, strict=True))
+    ink = sum(weight * np.array(own) for weight, own in zip(blend.weights, _INKS, strict=True))
+    return _PAPER + np.clip(mixed, 0.0, 1.0).T[::-1, :, None] * (ink - _PAPER)
+
+
+if __name__ == "__main__":
+    main()
