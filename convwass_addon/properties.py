@@ -70,6 +70,7 @@ STORED_OPTIONS = (
     "cache_format",
     "words",
     "flat_output",
+    "grays",
 )
 """Properties that are stored with a morph besides those of its solver."""
 
@@ -188,6 +189,21 @@ class MorphProperties:
         items=(
             ("CURVE", "Curves", "Curve objects with the bevel, the extrusion and the fill of the shapes"),
             ("MESH", "Meshes", "Meshes, filled, beveled and extruded as the curves would be"),
+            ("DRAWING", "Drawings", "One Grease Pencil object with a filled drawing on a keyframe per frame"),
+            (
+                "PICTURE",
+                "Pictures",
+                "A sequence of image files beside the .blend, and a plane that shows it; of images, grays travel too",
+            ),
+        ),
+    )
+    grays: EnumProperty(
+        name="Grays",
+        description="How pictures are made of what the transport leaves blurred",
+        items=(
+            ("IMAGES", "As in the Images", "Pixels get the grays of the images, from the darkest to the brightest"),
+            ("THRESHOLD", "Threshold", "What is dense enough is filled, with a sharp edge"),
+            ("DENSITY", "As Transported", "Densities as they are, blurred"),
         ),
     )
     use_custom_blur: BoolProperty(

@@ -18,6 +18,7 @@ from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_job import FlatJob
+from ..bridge.flat.picture_job import PictureJob
 from ..bridge.morphs.animation import render_animation
 from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
@@ -55,17 +56,21 @@ def baked(
 
 def prepared_job(
     inputs: list[bpy.types.Object], blends: list[Blend], settings: MorphSettings, stored: dict[str, object]
-) -> MorphJob | FlatJob:
+) -> MorphJob | FlatJob | PictureJob:
     """Return the job of a bake, its inputs colored where they bring no material."""
     for index, obj in enumerate(inputs):
         if not any(slot.material for slot in obj.material_slots):
             obj.color = _PALETTE[index % len(_PALETTE)]
     scene = bpy.context.scene
     kind = FlatJob if isinstance(settings, FlatSettings) else MorphJob
+    if stored.get("flat_output") == "PICTURE":
+        kind = PictureJob
     return kind(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
 
 
-def run_job(job: MorphJob | FlatJob, computing: Computing, take: Callable[[MorphStep | FlatStep], None]) -> None:
+def run_job(
+    job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Callable[[MorphStep | FlatStep], None]
+) -> None:
     """Do all steps of a job, wherever its frames are computed, and hand them on.
 
     Raises

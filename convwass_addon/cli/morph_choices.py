@@ -80,7 +80,7 @@ def flat_settings_of(options: Namespace) -> FlatSettings:
 
 
 def flat_output_of(options: Namespace) -> str:
-    """Return what frames of flat shapes are: "CURVE" or "MESH"."""
+    """Return what frames of flat shapes are: "CURVE", "MESH", "DRAWING" or "PICTURE"."""
     plain = options.output == "objects" and not (options.render or options.export)
     return options.flat_output.upper() if plain else "MESH"
 

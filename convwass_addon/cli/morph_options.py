@@ -176,10 +176,18 @@ def _add_output_options(parser: ArgumentParser) -> None:
     )
     group.add_argument(
         "--flat-output",
-        choices=("curve", "mesh"),
+        choices=("curve", "mesh", "drawing", "picture"),
         default="curve",
-        help="flat shapes: an object per frame is a curve with bevel and extrusion, or a mesh; anything else than "
-        "objects, --render and --export take meshes (%(default)s)",
+        help="flat shapes: an object per frame is a curve with bevel and extrusion, or a mesh; or all frames are the "
+        "drawings of one Grease Pencil object, or a sequence of PNG files beside the .blend and a plane that shows it; "
+        "anything else than objects, --render and --export take meshes (%(default)s)",
+    )
+    group.add_argument(
+        "--grays",
+        choices=("images", "threshold", "density"),
+        default="images",
+        help="pictures: pixels get the grays of the images, or are full or empty, or stay as blurred as they come "
+        "(%(default)s)",
     )
     group.add_argument(
         "--render",

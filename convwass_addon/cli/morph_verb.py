@@ -17,6 +17,7 @@ from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import asks_for_flat
 from ..bridge.flat.flat_imports import imported_shape
+from ..bridge.flat.picture_bake import pictures_of
 from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.outputs import save_as
 from .answer import Answer
@@ -63,6 +64,8 @@ def run_morph(options: Namespace) -> Answer:
     stored["alignment"], stored["scaling"] = (_as_enum(choice) for choice in (options.align, options.scale))
     if isinstance(settings, FlatSettings):
         stored["flat_output"] = flat_output_of(options)
+        if stored["flat_output"] == "PICTURE":
+            stored |= {"grays": options.grays.upper(), "output_folder": str(target.parent / f"{target.stem} files")}
     if between is not None:
         stored["at"] = between.numbers
     if computing.wanted is not None:
@@ -71,7 +74,7 @@ def run_morph(options: Namespace) -> Answer:
     besides = rendered(collection, target, animated=blends[0].frame is not None) if options.render else []
     if exported:
         besides += export_frames(collection, options.export, exported)
-    written = save_as(collection, options.output, target) + besides
+    written = save_as(collection, options.output, target) + pictures_of(collection) + besides
     return report(collection.name, settings, records, written)
 
 

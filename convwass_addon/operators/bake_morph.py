@@ -15,6 +15,7 @@ from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from ..applications.morphs.morph import MorphStep
 from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
 from ..bridge.flat.flat_job import FlatJob
+from ..bridge.flat.picture_job import PictureJob
 from ..bridge.morphs.disk_output import packed_bytes
 from ..bridge.morphs.job import MorphJob
 from ..bridge.morphs.replace import replace_bake
@@ -71,7 +72,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         options={"SKIP_SAVE"},
     )
 
-    _job: MorphJob | FlatJob
+    _job: MorphJob | FlatJob | PictureJob
     _computing: dict[str, object]
 
     @classmethod
@@ -84,7 +85,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return False
         return True
 
-    def _begin(self, context: bpy.types.Context) -> MorphJob | FlatJob:
+    def _begin(self, context: bpy.types.Context) -> MorphJob | FlatJob | PictureJob:
         """Read the inputs; everything that can be refused is refused here or before the first frame."""
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
@@ -98,7 +99,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             refuse_volumes(self.output == "VOLUME")
             options["flat_output"] = kind
             settings = self.flat_settings()
-            return FlatJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+            flat_job = PictureJob if kind == "PICTURE" else FlatJob
+            return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
 
@@ -163,9 +165,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def _summary(self, name: str, count: int) -> str:
         cache = self._computing["cache"]
         if cache is None or not cache.reused:
-            if isinstance(self._job, FlatJob) and self._job.kind == "CURVE":
-                return rpt_("{:s}: {:d} curves").format(name, count)
-            return rpt_("{:s}: {:d} meshes").format(name, count)
+            made = {
+                "CURVE": rpt_("{:s}: {:d} curves"),
+                "DRAWING": rpt_("{:s}: {:d} drawings"),
+                "PICTURE": rpt_("{:s}: {:d} pictures"),
+            }
+            return made.get(getattr(self._job, "kind", ""), rpt_("{:s}: {:d} meshes")).format(name, count)
         return rpt_("{:s}: {:d} meshes, {:d} of them finished before").format(name, count, cache.reused)
 
     def _hand_over(self, morph: bpy.types.Collection) -> None:

@@ -10,8 +10,8 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
-from ..bridge.morphs.bake import remove_bake
 from ..bridge.morphs.changes import changed_inputs
+from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import MORPH_KEY, stored_inputs, stored_morph, stored_settings
 from ..errors import ConvwassError

@@ -10,9 +10,9 @@ from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.flat.frames_as_meshes import turn_into_meshes
-from ..bridge.morphs.bake import remove_frames
 from ..bridge.morphs.cache_output import as_cache
 from ..bridge.morphs.disk_output import DiskOutput, output_folder
+from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
 from ..bridge.morphs.volume_output import as_volume

@@ -9,7 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.player import is_player, morph_value, playback
-from ..bridge.morphs.stored import WEIGHTS_KEY, stored_health
+from ..bridge.morphs.stored import ALONE_KEY, WEIGHTS_KEY, stored_health
 from ..operators.manage_morph import active_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
@@ -45,16 +45,9 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             column = layout.column(align=True)
             for value, name in ((morph_value(context.object), "Morph"), (playback(context.object), "Playback")):
                 column.prop(value.owner, value.path, text=iface_(name))
-        column = layout.column(align=True)
-        # Its own objects are hidden while something else shows it.
-        if morph.hide_viewport:
-            column.operator("convwass.remove_player", icon="LOOP_BACK")
-        else:
-            name, icon = ("player", "PLAY") if _is_animation(morph) else ("blend_pad", "EMPTY_AXIS")
-            column.operator(f"convwass.make_{name}", icon=icon)
-        column = layout.column(align=True)
-        for name, icon in _WRITING:
-            column.operator(name, icon=icon)
+        # What shows all frames by itself can be shown by nothing else.
+        if not any(ALONE_KEY in obj for obj in morph.objects):
+            _draw_outputs(layout, morph)
         column = layout.column(align=True)
         row = column.row(align=True)
         row.operator("convwass.rebake_morph", icon="FILE_REFRESH")
@@ -77,6 +70,20 @@ class CONVWASS_PT_morph_health(Sidebar, bpy.types.Panel):
         for note in notes:
             icon = "CHECKMARK" if note.kind == "GOOD" else _ICONS[note.severity]
             draw_wrapped(self.layout, context, translated(note.sentence), icon)
+
+
+def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> None:
+    """Draw what else can be made of a morph."""
+    column = layout.column(align=True)
+    # Its own objects are hidden while something else shows it.
+    if morph.hide_viewport:
+        column.operator("convwass.remove_player", icon="LOOP_BACK")
+    else:
+        name, icon = ("player", "PLAY") if _is_animation(morph) else ("blend_pad", "EMPTY_AXIS")
+        column.operator(f"convwass.make_{name}", icon=icon)
+    column = layout.column(align=True)
+    for name, icon in _WRITING:
+        column.operator(name, icon=icon)
 
 
 def _is_animation(morph: bpy.types.Collection) -> bool:

@@ -196,7 +196,10 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         layout.prop(settings, "output", text="Type")
         if settings.output == "OBJECTS":
             layout.prop(settings, "flat_output")
-        if settings.output in ("VOLUME", "CACHE"):
+        pictures = settings.output == "OBJECTS" and settings.flat_output == "PICTURE"
+        if pictures:
+            layout.prop(settings, "grays")
+        if pictures or settings.output in ("VOLUME", "CACHE"):
             layout.prop(settings, "output_folder")
         if settings.output == "CACHE":
             layout.prop(settings, "cache_format")

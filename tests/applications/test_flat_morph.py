@@ -274,3 +274,18 @@ def test_a_job_can_be_cancelled():
     with pytest.raises(Cancelled):
         frames_of([shape(ellipse()), shape(rectangle())], path_blends(2, 24), check=check)
     assert len(calls) < 60
+
+
+def test_holes_that_belong_to_a_blend_are_not_filled():
+    # A strip tears off the ring above and below: between them there is a third hole, as deep as the others.
+    ring = shape(ellipse(radii=(1.4, 1.4)), ellipse(radii=(0.9, 0.9)), rule="even-odd")
+    holes = [ellipse((0, y), (0.6, 0.5)) for y in (0.7, -0.7)]
+    eight = shape(ellipse(radii=(1.4, 1.8)), *holes, rule="even-odd")
+    (frame,) = frames_of([ring, eight], single_blend([1, 1], 2), FlatSettings(resolution=256))
+    assert frame.record["found"] == {"regions": 1, "holes": 3}
+    assert frame.record["mended"] == {"crumbs": 0, "filled": 0, "bridged": 0}
+    for mirror in ([-1, 1], [1, -1]):
+        mirrored = filled_boundary([ring * mirror for ring in frame.outline.rings], "non-zero")
+        own = filled_boundary(list(frame.outline.rings), "non-zero")
+        one, other = (coverage(each.moved([200, 200], 100), (400, 400)) for each in (own, mirrored))
+        assert np.abs(one - other).sum() < 0.01 * one.sum()

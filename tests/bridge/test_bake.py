@@ -15,8 +15,9 @@ from convwass_addon.applications.morphs.layouts import grid_blends, path_blends,
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.keyframes import is_shown
-from convwass_addon.bridge.morphs.bake import MorphBake, remove_bake
+from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.materials import MATERIAL_NAME
+from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import (
     MORPH_KEY,
     WEIGHTS_KEY,

@@ -13,9 +13,10 @@ import pytest
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.bridge.morphs.bake import MorphBake, remove_bake, remove_frames
+from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.cache_output import as_cache
 from convwass_addon.bridge.morphs.disk_output import disk_outputs, for_blender, output_folder, packed_bytes
+from convwass_addon.bridge.morphs.removal import remove_bake, remove_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.volume_output import as_volume
 from convwass_addon.bridge.objects import triangle_mesh

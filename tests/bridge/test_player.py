@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.bridge.morphs.bake import MorphBake, remove_bake
+from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.frame_colors import COLOR
 from convwass_addon.bridge.morphs.player import (
     MATERIAL,
@@ -27,6 +27,7 @@ from convwass_addon.bridge.morphs.player import (
     morph_value,
     refresh_player,
 )
+from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input

@@ -8,6 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.flat.flat_pieces import filled_by
+from convwass_addon.bridge.flat.flat_objects import flat_objects
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.player import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
@@ -235,3 +237,129 @@ def test_curves_become_meshes_for_a_player_and_stay_so():
     bpy.context.view_layer.objects.active = frames[0]
     with pytest.raises(RuntimeError, match="Flat shapes have no volume"):
         bpy.ops.convwass.make_volume()
+
+
+def colored(obj, *colors):
+    """Give an object materials of plain colors."""
+    for number, color in enumerate(colors):
+        material = bpy.data.materials.new(f"{obj.name} {number}")
+        if material.node_tree is None:
+            material.use_nodes = True
+        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
+        obj.data.materials.append(material)
+    return obj
+
+
+def two_letters(body, x, first, second):
+    obj = colored(text(body, x), first, second)
+    obj.data.body_format[1].material_index = 1
+    return obj
+
+
+RED, GREEN, BLUE = (1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1)
+
+
+def region(obj, number):
+    return tuple(obj[f"convwass_region_{number}"])
+
+
+def test_letters_keep_their_colors_and_share_materials():
+    choose(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
+    bpy.ops.convwass.bake_morph(words="LETTERS", **QUICK)
+    first, *between, _ = frame_objects(morph())
+    assert [slot.material.name for slot in first.material_slots] == ["IO 0", "IO 1"]
+    for share, obj in zip((1 / 3, 2 / 3), between, strict=True):
+        names = [slot.material.name for slot in obj.material_slots]
+        assert names == ["Convwass Region 1", "Convwass Region 2"]
+        colors = {region(obj, 1), region(obj, 2)}
+        wanted = {(1 - share, 0, share, 1), (0, 1 - share, share, 1)}
+        np.testing.assert_allclose(sorted(colors), sorted(wanted), atol=1e-6)
+        assert {spline.material_index for spline in obj.data.splines} == {0, 1}
+
+
+def test_a_player_of_curves_shows_the_colors_of_regions():
+    choose(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
+    bpy.ops.convwass.bake_morph(words="LETTERS", **QUICK)
+    bpy.ops.convwass.make_player()
+    painted = frame_objects(morph())[1].data
+    assert [material.name for material in painted.materials] == ["Convwass Regions"]
+    colors = np.array([tuple(point.color) for point in painted.color_attributes["Color"].data])
+    # 8 bits, and no point between two regions.
+    np.testing.assert_allclose(np.unique(colors.round(2), axis=0), [(0, 0.67, 0.33, 1), (0.67, 0, 0.33, 1)], atol=0.02)
+
+
+def test_colored_frames_are_deleted_with_their_materials():
+    letters = two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE)
+    before = census()
+    for kind in ("CURVE", "MESH", "DRAWING"):
+        choose(*letters)
+        for obj in letters:
+            obj.hide_set(False)
+        bpy.ops.convwass.bake_morph(inputs="IO,OI", flat_output=kind, **QUICK)
+        bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+        assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+        after = census()
+        shared = [name for name in after["materials"] if name.startswith("Convwass")]
+        after["materials"] = [name for name in after["materials"] if name not in shared]
+        assert after == before
+
+
+def drawings(obj):
+    return {frame.frame_number: frame.drawing for frame in obj.data.layers[0].frames}
+
+
+def filled(obj, number):
+    """What a drawing fills at a frame of the scene."""
+    bpy.context.scene.frame_set(number)
+    (flat,) = flat_objects([obj], bpy.context.evaluated_depsgraph_get())
+    return filled_by(flat.shape, np.arange(len(flat.shape.rings)))
+
+
+def test_one_drawing_has_a_keyframe_per_frame():
+    first, last = colored(text("A"), RED), colored(text("B", 3.0), BLUE)
+    last.location.z = 2.0
+    choose(first, last)
+    assert bpy.ops.convwass.bake_morph(flat_output="DRAWING", **QUICK) == {"FINISHED"}
+    (obj,) = frame_objects(morph())
+    assert obj.type == "GREASEPENCIL"
+    assert not obj.hide_render
+    assert obj.animation_data is None
+    assert list(drawings(obj)) == [1, 2, 3, 4]
+    records = stored_morph(morph()).records
+    for number, record in enumerate(records, start=1):
+        found = filled(obj, number)
+        assert found.area == pytest.approx(record.get("area_wanted", record["area"]), rel=5e-3)
+    points = np.array([point.position[:] for stroke in drawings(obj)[3].strokes for point in stroke.points])
+    world = points @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
+    np.testing.assert_allclose(world[:, 2], 4 / 3, atol=1e-5)
+    # The originals wear colors as materials, blends have their own.
+    ends = [drawings(obj)[number].strokes[0] for number in (1, 4)]
+    inks = [obj.data.materials[stroke.material_index].grease_pencil.fill_color[:] for stroke in ends]
+    np.testing.assert_allclose(inks, [RED, BLUE])
+    np.testing.assert_allclose(drawings(obj)[2].strokes[0].fill_color, (2 / 3, 0, 1 / 3, 1), atol=1e-6)
+    assert ends[0].fill_color[3] == 0.0
+
+
+def test_drawings_of_a_sheet_are_objects_of_their_own():
+    choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
+    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, flat_resolution=256, flat_output="DRAWING")
+    frames = frame_objects(morph())
+    assert [obj.type for obj in frames] == ["GREASEPENCIL"] * 6
+    assert np.ptp([obj.matrix_world.translation.y for obj in frames]) > 1.0
+
+
+def test_what_shows_meshes_refuses_drawings():
+    choose(text("A"), text("B", 3.0))
+    bpy.ops.convwass.bake_morph(flat_output="DRAWING", **QUICK)
+    with pytest.raises(RuntimeError, match="bake it again with meshes"):
+        bpy.ops.convwass.make_player()
+
+
+def test_a_drawing_is_drawn_again_without_leaving_materials():
+    choose(colored(text("A"), RED), colored(text("B", 3.0), BLUE))
+    bpy.ops.convwass.bake_morph(flat_output="DRAWING", **QUICK)
+    before = len(bpy.data.materials)
+    bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert [obj.type for obj in frame_objects(morph())] == ["GREASEPENCIL"]
+    assert len(bpy.data.materials) == before

@@ -12,7 +12,7 @@ import bpy
 import pytest
 
 from convwass_addon.applications.morphs.health import HealthNote
-from convwass_addon.bridge.morphs.stored import store_health
+from convwass_addon.bridge.morphs.stored import frame_objects, store_health
 from convwass_addon.panels.sidebar import draw_wrapped
 
 from .fake_layout import FakeLayout
@@ -132,9 +132,24 @@ def test_every_setting_is_somewhere(shapes, layout):
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
     only |= dict.fromkeys(("frame_step", "start", "start_frame"), ("PATH",))
-    flat = {"flat_resolution", "words", "flat_output"}
+    flat = {"flat_resolution", "words", "flat_output", "grays"}
     expected = {name for name in MorphProperties.__annotations__ if layout in only.get(name, LAYOUTS)} - flat
     assert expected == drawn & set(MorphProperties.__annotations__)
+
+
+def test_pictures_ask_for_their_grays_and_their_folder(shapes):
+    settings().output, settings().flat_output = "OBJECTS", "CURVE"
+    assert not {("prop", "grays"), ("prop", "output_folder")} & set(draw_all())
+    settings().flat_output = "PICTURE"
+    assert {("prop", "grays"), ("prop", "output_folder")} <= set(draw_all())
+
+
+def test_what_shows_all_frames_by_itself_offers_nothing_else(baked):
+    frame_objects(baked)[0]["convwass_alone"] = True
+    drawn = draw_all()
+    assert ("operator", "convwass.make_player") not in drawn
+    assert ("operator", "convwass.make_cache") not in drawn
+    assert ("operator", "convwass.delete_morph") in drawn
 
 
 def test_a_running_bake_shows_its_bar_instead_of_the_button(shapes):

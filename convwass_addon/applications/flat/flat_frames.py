@@ -36,6 +36,25 @@ class FlatDensity:
 
 
 @dataclass(frozen=True)
+class ColoredOutline:
+    """What of a blend has one color.
+
+    Attributes
+    ----------
+    outline : Outline
+        Where, in the plane, scene units.
+    color : (float, float, float, float)
+        Red, green, blue, opacity, linear.
+    layers : dict of int to int
+        Number of the layer that it comes from, for every input of positive weight.
+    """
+
+    outline: Outline
+    color: tuple[float, float, float, float]
+    layers: dict[int, int]
+
+
+@dataclass(frozen=True)
 class FlatFrame:
     """A finished blend of flat shapes.
 
@@ -52,6 +71,8 @@ class FlatFrame:
         The solver's figures, the level, area wanted and reached, regions and holes; ready for JSON.
     origins : FlatOrigins or None
         Tells for any points of the blend where on every input their matter comes from.
+    regions : tuple of ColoredOutline
+        How colors divide the outline, the largest first; empty where all of it has one.
     """
 
     blend: Blend
@@ -59,6 +80,7 @@ class FlatFrame:
     record: dict[str, object]
     density: FlatDensity | None = None
     origins: FlatOrigins | None = None
+    regions: tuple[ColoredOutline, ...] = ()
 
 
 @dataclass(frozen=True)

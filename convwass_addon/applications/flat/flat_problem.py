@@ -18,6 +18,7 @@ from ..morphs.parts import SplitShapes
 from .flat_lattice import FlatLattice
 from .flat_pieces import flat_pieces
 from .flat_reading import flat_frame, flat_input_frame, own_outline
+from .flat_regions import InputLayers, input_layers
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatImage, FlatInput
 from .letters import matched_letters
@@ -40,9 +41,12 @@ class FlatProblem(MorphProblem):
         How every shape hangs together at this resolution.
     silhouettes : tuple of float
         Area in cells of what of every shape is at least half full.
+    layers : tuple of InputLayers
+        Where every shape has which color, where colors are carried and there are several.
     """
 
     silhouettes: tuple[float, ...] = ()
+    layers: tuple[InputLayers, ...] = ()
 
     def shape_connectivity(self, index: int) -> FlatConnectivity:
         """Read how shape `index` hangs together, from all of its parts."""
@@ -100,6 +104,7 @@ def flat_problem(shapes: Sequence[FlatInput], names: Sequence[str], settings: Fl
     problem = replace(
         problem,
         silhouettes=tuple(_silhouette(shape, sum(own)) for shape, own in zip(shapes, every, strict=True)),
+        layers=input_layers(shapes, lattice.centers, lattice) if settings.carry else (),
         reader=flat_frame,
         input_reader=flat_input_frame,
     )

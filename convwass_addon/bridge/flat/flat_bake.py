@@ -15,12 +15,17 @@ from mathutils import Matrix
 from ...applications.morphs.layouts import Blend
 from ...geometry.outlines import ring_area
 from ..handles import Handle, found
-from ..morphs.bake import SHEET_SPACING, FrozenInput, MorphBake, check_first_frame, wear_material
+from ..morphs.bake import SHEET_SPACING, MorphBake, check_first_frame, wear_material
+from ..morphs.frozen_inputs import FrozenInput
 from ..objects import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
+from .flat_paint import dress_curve, paint_mesh, unused_materials
 from .flat_rings import blended_look
 from .planes import blended_plane
+
+FlatKind = Literal["CURVE", "MESH", "DRAWING"]
+"""What frames of flat shapes are: curve objects, mesh objects, or drawings of a Grease Pencil object."""
 
 # Lists of Blender's data by the types of objects.
 _LISTS = {"FONT": "curves", "CURVE": "curves", "MESH": "meshes"}
@@ -38,7 +43,7 @@ class FlatBake(MorphBake):
         settings: dict[str, object],
         first_frame: int,
         flats: Sequence[MovedFlat],
-        kind: Literal["CURVE", "MESH"],
+        kind: FlatKind,
     ) -> Self:
         """Make the collection, and copies of the inputs as they are now.
 
@@ -48,8 +53,8 @@ class FlatBake(MorphBake):
             As for :meth:`.bake.MorphBake.begin`.
         flats : sequence of MovedFlat
             What was read of the inputs.
-        kind : "CURVE" or "MESH"
-            What objects of frames are.
+        kind : "CURVE", "MESH" or "DRAWING"
+            What frames are.
 
         Raises
         ------
@@ -68,7 +73,7 @@ class FlatBake(MorphBake):
 
     _copies: list[Handle]
     _flats: tuple[MovedFlat, ...]
-    _kind: Literal["CURVE", "MESH"]
+    _kind: FlatKind
     _material: Handle | None
 
     def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
@@ -84,16 +89,27 @@ class FlatBake(MorphBake):
         look = blended_look([flat.look for flat in self._flats], weights)
         if self._kind == "MESH" and look.fill_mode == "NONE":
             look = replace(look, fill_mode="BOTH")
-        write_curves(curve, frame.curves, look)
-        material = self._material.find() if self._material is not None else None
-        if material is not None:
-            curve.materials.append(material)
-        wear_material(curve)
         obj = bpy.data.objects.new(name, curve)
+        colors = [region.color for region in frame.regions]
+        # Splines take no material slot that is not there.
+        self._dress(obj, colors)
+        write_curves(curve, frame.curves, look, frame.owners)
         if self._kind == "MESH":
             obj = _as_mesh_object(obj)
+            if len(colors) > 1:
+                paint_mesh(obj.data, colors)
         obj.matrix_world = Matrix(blended_plane([flat.plane for flat in self._flats], weights).matrix)
         return obj
+
+    def _dress(self, obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
+        """Give a curve the colors of its regions, or the material that all inputs share, or that of all frames."""
+        if len(colors) > 1:
+            dress_curve(obj, colors)
+            return
+        material = self._material.find() if self._material is not None else None
+        if material is not None:
+            obj.data.materials.append(material)
+        wear_material(obj.data)
 
     def _sheet_location(self, blend: Blend) -> np.ndarray:
         """Return where a frame of a sheet goes, (3,): columns along the plane's X, rows against its Y."""
@@ -103,7 +119,7 @@ class FlatBake(MorphBake):
         middles = np.array([shape.foot for shape in self._inputs])
         x, y = planes[0].axes[:, 0], planes[0].axes[:, 1]
         away = middles[0] - np.asarray(blend.weights) @ middles + step * (column * x - row * y)
-        if blend.source is not None:
+        if blend.source is not None and self._kind != "DRAWING":
             return np.array(self._living(self._copies[blend.source]).location) + away
         return blended_plane(planes, blend.weights).origin + away
 
@@ -112,11 +128,10 @@ class FlatBake(MorphBake):
         # Before the material that they wear is looked at.
         bpy.data.batch_remove([data for data in found([shape.mesh for shape in self._inputs]) if data.users == 0])
         super()._drop_unused()
+        bpy.data.batch_remove(unused_materials())
 
 
-def _frozen(
-    obj: bpy.types.Object, flat: MovedFlat, kind: Literal["CURVE", "MESH"], depsgraph: bpy.types.Depsgraph
-) -> bpy.types.Object:
+def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object:
     """Copy an input as it stands in the scene: as an object of its own type, or as a mesh."""
     if obj.type == "EMPTY" or (obj.type == "GREASEPENCIL" and kind == "MESH"):
         copy = _of_rings(obj, flat)
@@ -154,7 +169,7 @@ def _of_rings(obj: bpy.types.Object, flat: MovedFlat) -> bpy.types.Object:
     write_rings(curve, flat.shape.rings, flat.look)
     copy = bpy.data.objects.new(obj.name, curve)
     copy.matrix_world = Matrix(flat.plane.matrix)
-    copy.color = _mean_color(flat)
+    copy.color = mean_color(flat)
     return copy
 
 
@@ -172,7 +187,7 @@ def _described(obj: bpy.types.Object, copy: bpy.types.Object, flat: MovedFlat) -
     low, high = points.min(axis=0), points.max(axis=0)
     middle = flat.plane.origin + flat.plane.axes[:, :2] @ ((low + high) / 2.0)
     data = Handle.of(_LISTS.get(copy.type, "") or _pencil_list(), copy.data)
-    return FrozenInput(Handle.of("objects", obj), obj.name, _mean_color(flat), data, float((high - low).max()), middle)
+    return FrozenInput(Handle.of("objects", obj), obj.name, mean_color(flat), data, float((high - low).max()), middle)
 
 
 def _pencil_list() -> str:
@@ -180,8 +195,8 @@ def _pencil_list() -> str:
     return "grease_pencils_v3" if hasattr(bpy.data, "grease_pencils_v3") else "grease_pencils"
 
 
-def _mean_color(flat: MovedFlat) -> tuple[float, ...]:
-    """Color of an input, by the areas of its rings."""
+def mean_color(flat: MovedFlat) -> tuple[float, ...]:
+    """Mean color of an input, by the areas of its rings."""
     areas = np.abs([ring_area(ring) for ring in flat.shape.rings])
     return tuple(float(value) for value in areas @ flat.shape.colors / areas.sum())
 

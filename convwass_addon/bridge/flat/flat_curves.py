@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_frames import FlatFrame
 from ...geometry.fitting import BezierRing, fitted_beziers
+from ...geometry.outlines import Outline
 from .flat_rings import CurveLook
 
 # Steps of a curve's piece in Blender: pieces are short.
 _STEPS = 8
+# Curves that border on each other are fitted so much better: what they leave between them would be seen.
+_BORDER = 1 / 3
 # Numbers of Blender's kinds of handles.
 _FREE, _ALIGNED = 0, 3
 
@@ -28,19 +31,35 @@ class FittedFrame(FlatFrame):
     Attributes
     ----------
     curves : tuple of BezierRing
-        In the plane of the blend.
+        In the plane of the blend: those of all regions of one color, or of the whole outline.
+    owners : tuple of int
+        Number of the region of every curve; 0 where there is one.
     """
 
     curves: tuple[BezierRing, ...] = ()
+    owners: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, frame: FlatFrame, error: float) -> FittedFrame:
         """Fit curves to the outline of a frame, within so many cells; it touches nothing of Blender."""
-        curves = () if frame.outline is None else fitted_beziers(frame.outline, error * frame.record["cell"])
-        return cls(**vars(frame), curves=curves)
+        outlines = [region.outline for region in frame.regions]
+        if outlines:
+            error *= _BORDER
+        elif frame.outline is not None:
+            outlines = [frame.outline]
+        fitted = [fitted_beziers(outline, error * frame.record["cell"]) for outline in outlines]
+        owners = tuple(number for number, own in enumerate(fitted) for _ in own)
+        return cls(**vars(frame), curves=tuple(ring for own in fitted for ring in own), owners=owners)
+
+    def grouped(self, outline: Outline, number: int) -> tuple[tuple[BezierRing, ...], ...]:
+        """Return the curves of region `number` by its parts, each an outer ring and its holes."""
+        own = iter(ring for ring, owner in zip(self.curves, self.owners, strict=True) if owner == number)
+        return tuple(tuple(next(own) for _ in region.rings) for region in outline.regions)
 
 
-def write_curves(curve: bpy.types.Curve, curves: Sequence[BezierRing], look: CurveLook) -> None:
+def write_curves(
+    curve: bpy.types.Curve, curves: Sequence[BezierRing], look: CurveLook, slots: Sequence[int] | None = None
+) -> None:
     """Replace the splines of a curve, whose materials stay.
 
     Parameters
@@ -51,10 +70,12 @@ def write_curves(curve: bpy.types.Curve, curves: Sequence[BezierRing], look: Cur
         An outline.
     look : CurveLook
         Depth and fill.
+    slots : sequence of int, optional
+        Material slot of every ring; what is in one slot is filled together.
     """
     _prepare(curve, look)
-    for ring in curves:
-        _add_spline(curve, ring)
+    for ring, slot in zip(curves, slots or [0] * len(curves), strict=True):
+        _add_spline(curve, ring).material_index = slot
 
 
 def write_rings(curve: bpy.types.Curve, rings: Sequence[NDArray[np.float64]], look: CurveLook) -> None:
@@ -77,7 +98,7 @@ def _prepare(curve: bpy.types.Curve, look: CurveLook) -> None:
     curve.resolution_u = _STEPS
 
 
-def _add_spline(curve: bpy.types.Curve, ring: BezierRing) -> None:
+def _add_spline(curve: bpy.types.Curve, ring: BezierRing) -> bpy.types.Spline:
     spline = curve.splines.new("BEZIER")
     points = spline.bezier_points
     points.add(len(ring.points) - 1)
@@ -87,6 +108,7 @@ def _add_spline(curve: bpy.types.Curve, ring: BezierRing) -> None:
     for name, places in (("co", ring.points), ("handle_left", ring.left), ("handle_right", ring.right)):
         points.foreach_set(name, np.pad(places, ((0, 0), (0, 1))).astype(np.float32).ravel())
     spline.use_cyclic_u = True
+    return spline
 
 
 def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:

@@ -58,35 +58,60 @@ def silhouette_of(image: bpy.types.Image) -> NDArray[np.float64]:
     InputError
         An image that cannot be read, or that is all of one tone.
     """
+    values = figure_of(pixels_of(image))
+    share = float((values > 0.5).mean())
+    if not _LEAST_SHARE <= share <= 1.0 - _LEAST_SHARE:
+        raise one_tone(image.name)
+    return values.T.astype(np.float64)
+
+
+def one_tone(name: str) -> InputError:
+    """Return what to say of an image in which nothing stands out."""
+    return InputError(
+        "The image {name} is all of one tone; choose a silhouette: black on white, or on a transparent ground.",
+        name=name,
+    )
+
+
+def pixels_of(image: bpy.types.Image) -> NDArray[np.float32]:
+    """Return the pixels of an image, (h, w, c), rows from the bottom up; of large ones, means of blocks.
+
+    Raises
+    ------
+    InputError
+        An image that cannot be read.
+    """
     wide, high = image.size
     if not (wide and high and image.channels):
         raise InputError("The image {name} could not be read; is its file still there?", name=image.name)
     pixels = np.empty(wide * high * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
     pixels = np.nan_to_num(pixels).reshape(high, wide, image.channels)
-    values = _figure(pixels)
     block = -(-max(wide, high) // _MOST_PIXELS)
     if block > 1:
-        padded = np.pad(values, ((0, -high % block), (0, -wide % block)), mode="edge")
-        rows, columns = (side // block for side in padded.shape)
-        values = padded.reshape(rows, block, columns, block).mean(axis=(1, 3))
-    share = float((values > 0.5).mean())
-    if not _LEAST_SHARE <= share <= 1.0 - _LEAST_SHARE:
-        raise InputError(
-            "The image {name} is all of one tone; choose a silhouette: black on white, or on a transparent ground.",
-            name=image.name,
-        )
-    return values.T.astype(np.float64)
+        padded = np.pad(pixels, ((0, -high % block), (0, -wide % block), (0, 0)), mode="edge")
+        rows, columns = (side // block for side in padded.shape[:2])
+        pixels = padded.reshape(rows, block, columns, block, -1).mean(axis=(1, 3))
+    return pixels
 
 
-def _figure(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+def has_ground(pixels: NDArray[np.float32]) -> bool:
+    """Tell whether the pixels of an image, (h, w, c), stand on a ground of a color, and are not cut out by opacity."""
+    return not (pixels.shape[2] == 4 and pixels[:, :, 3].min() < _OPAQUE)
+
+
+def border_of(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the pixels at the border of an image, (n, c)."""
+    return np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+
+
+def figure_of(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
     """How much of every pixel, (h, w, c), belongs to the figure."""
-    if pixels.shape[2] == 4 and pixels[:, :, 3].min() < _OPAQUE:
+    if not has_ground(pixels):
         return np.clip(pixels[:, :, 3], 0.0, 1.0)
     gray = pixels[:, :, :3] @ np.array([0.2126, 0.7152, 0.0722], np.float32) if pixels.shape[2] > 2 else pixels[:, :, 0]
     gray = np.clip(gray, 0.0, 1.0)
-    border = np.concatenate([gray[0], gray[-1], gray[:, 0], gray[:, -1]])
-    return 1.0 - gray if np.median(border) > 0.5 else gray
+    return 1.0 - gray if np.median(border_of(gray)) > 0.5 else gray
 
 
 def _outlines(silhouette: NDArray[np.float64]) -> list[NDArray[np.float64]]:

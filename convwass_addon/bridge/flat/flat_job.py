@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Literal
+from typing import get_args
 
 import bpy
 
@@ -18,10 +18,11 @@ from ...applications.morphs.frame_cache import FrameCache
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...sentence import Sentence
-from .flat_bake import FlatBake
+from .flat_bake import FlatBake, FlatKind
 from .flat_curves import FittedFrame
 from .flat_moves import moved_flats
 from .flat_objects import flat_objects
+from .pencil_bake import PencilBake
 
 
 class FlatJob:
@@ -30,7 +31,7 @@ class FlatJob:
     Parameters
     ----------
     scene, depsgraph, inputs, blends, options, first_frame
-        As for :class:`.job.MorphJob`; of the options also `flat_output`: "CURVE" or "MESH".
+        As for :class:`.job.MorphJob`; of the options also `flat_output`: "CURVE", "MESH" or "DRAWING".
     settings : FlatSettings
         How.
 
@@ -61,9 +62,11 @@ class FlatJob:
         self._shapes = [flat.shape for flat in flats]
         self._blends = blends
         self._settings = settings
-        self.kind: Literal["CURVE", "MESH"] = "MESH" if options.get("flat_output") == "MESH" else "CURVE"
+        chosen = options.get("flat_output")
+        self.kind: FlatKind = chosen if chosen in get_args(FlatKind) else "CURVE"
         stored = {**settings.as_dict(), **options, "flat": True}
-        self._bake = FlatBake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
+        bake = PencilBake if self.kind == "DRAWING" else FlatBake
+        self._bake = bake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
 
     def steps(
         self,

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .flat_rings import FlatRings
 
+# Number of Blender's kind of curve, and points of each of its pieces.
+_BEZIER, _STEPS = 2, 16
+
 
 def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
     """Read the filled strokes of a drawing, at the frame that the scene shows, as polygons of their points.
@@ -31,7 +34,7 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
             fill = _fill_of(obj, stroke, index)
             if fill is None or len(stroke.points) < 3:
                 continue
-            points = np.array([tuple(point.position) for point in stroke.points], dtype=np.float64)
+            points = _points_of(stroke)
             rings.append(points @ place[:3, :3].T + place[:3, 3])
             slots.append(stroke.material_index)
             fills.append(known.setdefault((number, fill), len(known)))
@@ -40,6 +43,21 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
             "{name} has no filled stroke at this frame; fill its strokes, or close and fill them anew.", name=obj.name
         )
     return FlatRings(rings, matrix, "non-zero", None, tuple(slots), fills=tuple(fills))
+
+
+def _points_of(stroke: object) -> NDArray[np.float64]:
+    """Points of a stroke, (n, 3); of a Bezier curve so many that the polygon of them is as good."""
+    points = np.array([tuple(point.position) for point in stroke.points], dtype=np.float64)
+    if stroke.curve_type != _BEZIER:
+        return points
+    left, right = (
+        np.array([tuple(getattr(point, name).position) for point in stroke.points], dtype=np.float64)
+        for name in ("handle_left", "handle_right")
+    )
+    t = (np.arange(_STEPS) / _STEPS)[:, None, None]
+    a, b, c, d = points, right, np.roll(left, -1, axis=0), np.roll(points, -1, axis=0)
+    curve = (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t * t * c + t**3 * d
+    return curve.swapaxes(0, 1).reshape(-1, 3)
 
 
 def _drawings(data: bpy.types.ID) -> Iterator[tuple[NDArray[np.float64], object]]:

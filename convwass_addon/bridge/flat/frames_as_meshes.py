@@ -12,6 +12,7 @@ from ...errors import InputError
 from ..morphs.bake import wear_material
 from ..morphs.stand_ins import stand_ins
 from ..morphs.stored import frame_objects, store, stored_morph
+from .flat_paint import paint_mesh, region_colors
 
 
 def turn_into_meshes(collection: bpy.types.Collection) -> None:
@@ -64,6 +65,9 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
         evaluated = copy.evaluated_get(depsgraph)
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         mesh.name = obj.name
+        colors = region_colors(obj)
+        if colors:
+            paint_mesh(mesh, colors)
         wear_material(mesh)
         meshes.append(mesh)
     bpy.data.batch_remove(copies)

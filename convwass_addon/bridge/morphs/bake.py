@@ -10,7 +10,6 @@ from typing import Self
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ...applications.morphs.health import health
 from ...applications.morphs.layouts import Blend
@@ -19,29 +18,15 @@ from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
-from ..objects import MESHED, frozen_copy, write_mesh
+from ..objects import write_mesh
 from .changes import signature, store_signatures
-from .disk_output import remove_disk_outputs
-from .materials import MATERIAL_NAME, input_color, is_carrying, morph_material
-from .stand_ins import remove_stand_ins
-from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, frame_objects, store, store_health, summary
+from .frozen_inputs import FrozenInput, frozen_inputs
+from .materials import MATERIAL_NAME, morph_material
+from .removal import remove_bake, remove_objects
+from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_health, summary
 
 SHEET_SPACING = 1.3
 """Distance between neighbors in a sheet, in sizes of the largest input."""
-
-
-@dataclass(frozen=True)
-class FrozenInput:
-    """What a bake keeps of an input, so that it may change or vanish while frames are being computed."""
-
-    obj: Handle
-    name: str
-    color: tuple[float, float, float, float]
-    mesh: Handle
-    """Its copy: a mesh, or what else the frames show of it."""
-    size: float
-    foot: np.ndarray
-    """Middle of the underside of its bounds, or of a flat shape, world space, (3,)."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +74,7 @@ class MorphBake:
             A first frame that Blender does not have, or an input without faces; nothing is left behind then.
         """
         check_first_frame(first_frame)
-        shapes = _frozen_inputs(inputs, moves or [None] * len(inputs))
+        shapes = frozen_inputs(inputs, moves or [None] * len(inputs))
         return cls._opened(scene, inputs, shapes, blends, settings, first_frame)
 
     @classmethod
@@ -222,8 +207,7 @@ class MorphBake:
             self.discard()
             raise ConvwassError("No frame was finished, so there is no morph to keep.")
         if self._blends[0].frame is not None:
-            for index, obj in frames.items():
-                key_visibility(obj, self._living_action(collection.name), [self._shown(index, frames)])
+            self._show_in_time(collection, frames)
             scene.frame_end = self._scene_frame(max(frames, key=self._scene_frame))
             scene.frame_start = self._stored.first_frame
             scene.frame_set(scene.frame_start)
@@ -243,13 +227,18 @@ class MorphBake:
             _hide(found([shape.obj for shape in self._inputs]), scene)
         return collection
 
+    def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
+        """Let every object of a path be visible until the next one that there is."""
+        for index, obj in frames.items():
+            key_visibility(obj, self._living_action(collection.name), [self._shown(index, frames)])
+
     def discard(self) -> None:
         """Remove all that this bake has made and that is still there."""
         collection = self._collection.find()
         if collection:
             remove_bake(collection)
         self._drop_previews()
-        _remove_objects(found([done.obj for done in self._finished.values()]))
+        remove_objects(found([done.obj for done in self._finished.values()]))
         self._drop_unused()
 
     def _living(self, handle: Handle) -> bpy.types.ID:
@@ -289,7 +278,7 @@ class MorphBake:
             if obj.animation_data and obj.animation_data.action:
                 # The action lives on with the frames that are finished.
                 obj.animation_data.action.slots.remove(obj.animation_data.action_slot)
-        _remove_objects(objects)
+        remove_objects(objects)
         self._previews.clear()
 
     def _drop_unused(self) -> None:
@@ -316,69 +305,6 @@ def wear_material(data: bpy.types.ID) -> None:
     if not any(data.materials):
         data.materials.clear()
         data.materials.append(morph_material())
-
-
-def remove_bake(collection: bpy.types.Collection) -> None:
-    """Remove a morph with its frames; whatever else was put into its collection moves up one level."""
-    remove_stand_ins(collection)
-    roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
-    parents = [parent for parent in roots if collection in set(parent.children)]
-    frames = frame_objects(collection)
-    worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
-    _remove_objects(frames)
-    remove_disk_outputs(collection)
-    bpy.data.batch_remove([material for material in worn if material.users == 0])
-    for parent in parents:
-        for obj in set(collection.objects) - set(parent.objects):
-            parent.objects.link(obj)
-        for child in set(collection.children) - set(parent.children):
-            parent.children.link(child)
-    bpy.data.collections.remove(collection)
-
-
-def remove_frames(collection: bpy.types.Collection) -> None:
-    """Remove a morph's frames and keep everything else of it: something other shows them now."""
-    _remove_objects(frame_objects(collection))
-
-
-def _remove_objects(objects: list[bpy.types.Object]) -> None:
-    """Remove frame objects, and their meshes and actions where nothing else uses them."""
-    data = {obj.data for obj in objects if obj.data}
-    data |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
-    bpy.data.batch_remove(objects)
-    bpy.data.batch_remove([block for block in data if block.users == 0])
-
-
-def _frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[FrozenInput]:
-    """Copy the inputs as they are; none where one of them cannot be copied."""
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    shapes, meshes = [], []
-    try:
-        for obj, move in zip(inputs, moves, strict=True):
-            meshes.append(frozen_copy(obj, depsgraph, MESHED))
-            if move is not None:
-                meshes[-1].transform(Matrix(move.matrix))
-            shapes.append(_described(obj, meshes[-1]))
-    except InputError:
-        bpy.data.batch_remove(meshes)
-        raise
-    return shapes
-
-
-def _described(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
-    """Note what a bake needs to know of an input and its world-space copy."""
-    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", points)
-    low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
-    middle = (low + high) / 2.0
-    return FrozenInput(
-        obj=Handle.of("objects", obj),
-        name=obj.name,
-        color=input_color(obj),
-        mesh=Handle.of("meshes", mesh),
-        size=float((high - low).max()),
-        foot=np.array([middle[0], middle[1], low[2]], dtype=np.float64),
-    )
 
 
 def _hide(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> None:

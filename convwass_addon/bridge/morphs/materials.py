@@ -106,7 +106,7 @@ def carrying_material(
     tree = material.node_tree
     principled = _principled(material)
     _take_color_from(material, color)
-    material[_CARRIES_KEY] = True
+    mark_as_frames(material)
     shares = []
     for index in range(1, len(materials) + 1):
         share = tree.nodes.new("ShaderNodeAttribute")
@@ -129,8 +129,13 @@ def carrying_material(
     return material
 
 
+def mark_as_frames(material: bpy.types.Material) -> None:
+    """Note that a material was made for the frames of one morph, and goes with them."""
+    material[_CARRIES_KEY] = True
+
+
 def is_carrying(material: bpy.types.Material | None) -> bool:
-    """Tell whether a material was made by :func:`carrying_material`, for the frames of one morph."""
+    """Tell whether a material was made for the frames of one morph."""
     return material is not None and _CARRIES_KEY in material
 
 
@@ -141,6 +146,22 @@ def attribute_material(name: str, color: str) -> bpy.types.Material:
         material = bpy.data.materials.new(name)
         _wire(material)
         _take_color_from(material, color)
+    return material
+
+
+def object_property_material(name: str, key: str) -> bpy.types.Material:
+    """Return the material whose base color is a custom property of the object that wears it; made if there is none."""
+    material = bpy.data.materials.get(name)
+    if material is None:
+        material = bpy.data.materials.new(name)
+        _wire(material)
+        tree = material.node_tree
+        (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
+        tree.nodes.remove(source)
+        colors = tree.nodes.new("ShaderNodeAttribute")
+        colors.attribute_type, colors.attribute_name = "OBJECT", key
+        colors.location = (-500.0, 0.0)
+        tree.links.new(colors.outputs["Color"], _principled(material).inputs["Base Color"])
     return material
 
 

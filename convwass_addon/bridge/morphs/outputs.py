@@ -12,11 +12,11 @@ import bpy
 from ...errors import ConvwassError
 from ..files import save_blend
 from ..workshop import reason
-from .bake import remove_frames
 from .blend_pad import make_blend_pad
 from .cache_output import as_cache
 from .disk_output import DiskOutput, output_folder
 from .player import make_player
+from .removal import remove_frames
 from .volume_output import as_volume
 
 # Beside the .blend, in a folder named after it.

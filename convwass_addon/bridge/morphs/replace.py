@@ -6,11 +6,11 @@ from __future__ import annotations
 
 import bpy
 
-from .bake import remove_frames
 from .blend_pad import make_blend_pad
 from .changes import SIGNATURES_KEY
 from .disk_output import remove_disk_outputs
 from .player import is_player, refresh_player
+from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
 from .stored import HEALTH_KEY, MORPH_KEY, frame_objects
 

@@ -25,6 +25,9 @@ WEIGHTS_KEY = "convwass_weights"
 INDEX_KEY = "convwass_index"
 """Custom property of a frame object: its place in the order of frames, from 0."""
 
+ALONE_KEY = "convwass_alone"
+"""Custom property of a frame object that shows all frames of its morph by itself."""
+
 HEALTH_KEY = "convwass_health"
 """Custom property of a morph's collection: JSON of what to know about the bake, kinds of notes and their values."""
 

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The colors of regions on frames of flat morphs: on curves by material slots, on meshes by a color attribute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ..morphs.looks import COLOR
+from ..morphs.materials import attribute_material, object_property_material
+
+REGION_KEY = "convwass_region_{}"
+"""Custom property of a curve object: the color of the region that wears its material of this number, from 1."""
+
+_CURVE_NAME, _MESH_NAME = "Convwass Region {}", "Convwass Regions"
+
+
+def dress_curve(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
+    """Give a curve object a material per region, each of which shows a color that is kept on the object.
+
+    So frames share materials, whatever their colors are.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        Its splines have the numbers of their regions as material slots.
+    colors : sequence of (r, g, b, a)
+        Of the regions.
+    """
+    obj.data.materials.clear()
+    for number, color in enumerate(colors, start=1):
+        key = REGION_KEY.format(number)
+        obj[key] = [float(value) for value in color]
+        obj.data.materials.append(object_property_material(_CURVE_NAME.format(number), key))
+
+
+def region_colors(obj: bpy.types.Object) -> list[tuple[float, ...]]:
+    """Return the colors that `dress_curve` has put on an object; none where it has one color."""
+    colors: list[tuple[float, ...]] = []
+    while (color := obj.get(REGION_KEY.format(len(colors) + 1))) is not None:
+        colors.append(tuple(color))
+    return colors
+
+
+def paint_mesh(mesh: bpy.types.Mesh, colors: Sequence[Sequence[float]]) -> None:
+    """Write the colors of regions to the points of a mesh, and give it the one material that shows them.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        Its faces have the numbers of their regions as material slots; faces of two regions share no points.
+    colors : sequence of (r, g, b, a)
+        Of the regions.
+    """
+    slots = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", slots)
+    totals = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    table = np.array(colors, dtype=np.float32)
+    points = np.repeat(table[:1], len(mesh.vertices), axis=0)
+    points[corners] = table[np.minimum(np.repeat(slots, totals), len(table) - 1)]
+    if COLOR in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[COLOR])
+    mesh.attributes.new(COLOR, "BYTE_COLOR", "POINT").data.foreach_set("color", points.ravel())
+    mesh.color_attributes.active_color_name = COLOR
+    mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
+    mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))
+    mesh.materials.clear()
+    mesh.materials.append(attribute_material(_MESH_NAME, COLOR))
+
+
+def unused_materials() -> list[bpy.types.Material]:
+    """Return the materials of this room that nothing wears."""
+    names = (_MESH_NAME, _CURVE_NAME.partition("{")[0])
+    return [one for one in bpy.data.materials if not one.users and one.name.startswith(names)]

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat objects as what pictures are made of: images with their grays, and everything else as it is filled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.flat.flat_shapes import FlatImage, FlatInput
+from ...errors import InputError
+from ..objects import evaluated_object
+from .flat_images import border_of, figure_of, has_ground, is_image, one_tone, pixels_of
+from .flat_objects import flat_objects
+from .planes import Plane, plane_of
+
+# Two scales of an image that differ by more are not the same.
+_UNEVEN = 1e-2
+# Pixels that are less full say little about the color of ink.
+_INKED = 0.1
+# Fullness that is noise.
+_FAINT = 0.02
+_NO_GROUND = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class GrayInput:
+    """A flat object that becomes a part of pictures.
+
+    Attributes
+    ----------
+    shape : FlatShape or FlatImage
+        In coordinates of its plane; colors are encoded for a screen, as those of image files are.
+    plane : Plane
+        Where it lies.
+    ground : (4,) float64
+        Red, green, blue, opacity of what it stands on, encoded too.
+    """
+
+    shape: FlatInput
+    plane: Plane
+    ground: NDArray[np.float64]
+
+
+def gray_inputs(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[GrayInput]:
+    """Read flat objects as they stand in the scene.
+
+    Raises
+    ------
+    InputError
+        What cannot be read; the message names the object and says what to do.
+    """
+    return [_image(obj, depsgraph) if is_image(obj) else _shape(obj, depsgraph) for obj in objects]
+
+
+def _shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
+    (flat,) = flat_objects([obj], depsgraph)
+    colors = flat.shape.colors.copy()
+    colors[:, :3] = _encoded(colors[:, :3])
+    return GrayInput(replace(flat.shape, colors=colors), flat.plane, np.array(_NO_GROUND))
+
+
+def _image(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
+    pixels = pixels_of(obj.data)
+    with evaluated_object(obj, depsgraph) as evaluated:
+        matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    high, wide = pixels.shape[:2]
+    local = obj.empty_display_size / max(wide, high)
+    scales = np.linalg.norm(matrix[:3, :2], axis=0) * local
+    if not np.isfinite(scales).all() or scales.min() <= 0 or np.ptp(scales) > _UNEVEN * scales.max():
+        raise InputError(
+            "{name} is scaled unevenly, and pictures have square pixels; give X and Y one scale in Item > Transform.",
+            name=obj.name,
+        )
+    size, offset = np.array([wide, high]) * local, np.array(obj.empty_image_offset)
+    corners = (np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) + offset) * size
+    pixel = float(scales.mean())
+    plane = plane_of(corners @ matrix[:3, :2].T + matrix[:3, 3], matrix)
+    full = _fullness(obj.data.name, figure_of(pixels))
+    colors = _rgb(pixels)
+    opaque = has_ground(pixels)
+    ground = np.median(border_of(colors), axis=0) if opaque else np.zeros(3)
+    if opaque:
+        # What is half full shows half of the ground, and ink of its own color in the other half.
+        colors = ground + (colors - ground) / np.maximum(full, _INKED)[..., None]
+    elif obj.data.alpha_mode == "PREMUL":
+        colors = colors / np.maximum(full, _INKED)[..., None]
+    # Where there is ink, opacity says it.
+    inked = np.dstack([np.clip(colors, 0.0, 1.0), full > _INKED]).swapaxes(0, 1)
+    corner = -0.5 * pixel * np.array([wide, high])
+    image = FlatImage(full.T.astype(np.float64), pixel, (float(corner[0]), float(corner[1])), "density", inked)
+    return GrayInput(image, plane, np.append(ground, float(opaque)))
+
+
+def _fullness(name: str, figure: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Bring how much pixels belong to a figure, (h, w), to nothing on the ground and one where it is densest."""
+    base, top = float(np.median(border_of(figure))), float(figure.max())
+    if top - base < _FAINT:
+        raise one_tone(name)
+    full = np.clip((figure - base) / (top - base), 0.0, 1.0)
+    # What is as faint is noise, and would be mass all over the picture.
+    return np.where(full < _FAINT, 0.0, full)
+
+
+def _rgb(pixels: NDArray[np.float32]) -> NDArray[np.float64]:
+    colors = pixels[:, :, :3] if pixels.shape[2] > 2 else np.repeat(pixels[:, :, :1], 3, axis=2)
+    return np.clip(colors.astype(np.float64), 0.0, 1.0)
+
+
+def _encoded(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encode colors for a screen (sRGB)."""
+    values = np.clip(linear, 0.0, 1.0)
+    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)

@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a flat morph into the scene as one Grease Pencil object with a drawing per frame."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...applications.flat.flat_pieces import filled_by, layers_of
+from ...geometry.fitting import fitted_polygons
+from ...geometry.ring_nesting import outline_of
+from ..handles import Handle, found
+from ..morphs.materials import mark_as_frames
+from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY
+from .flat_bake import FlatBake, mean_color
+from .flat_curves import FittedFrame
+from .flat_strokes import Fill, fill_material, new_drawing_data, polygon_ring, write_fills
+from .planes import blended_plane
+
+_LAYER = "Morph"
+# How far the drawing of an input may leave its outline, as a share of its extent.
+_ERROR = 1e-4
+
+
+class PencilBake(FlatBake):
+    """A flat morph that is being drawn: one object with a keyframe per blend of a path, else an object per blend."""
+
+    _drawing: Handle | None = None
+    _inks: list[list[Handle]] | None = None
+
+    def _shown_object(self, frame: FittedFrame, index: int) -> bpy.types.Object:
+        """Draw a frame of a path, on an object that the first one of them makes."""
+        if frame.blend.frame is None:
+            return super()._shown_object(frame, index)
+        collection = self._living(self._collection)
+        if self._drawing is None:
+            obj = self._new_object(collection.name, self._flats[0].plane.matrix)
+            collection.objects.link(obj)
+            obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
+            obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
+            self._drawing = Handle.of("objects", obj)
+        obj = self._living(self._drawing)
+        self._draw(obj, frame, self._scene_frame(index))
+        return obj
+
+    def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
+        """Make an object with one drawing, where the blend lies."""
+        obj = self._new_object(name, blended_plane([flat.plane for flat in self._flats], frame.blend.weights).matrix)
+        self._draw(obj, frame, self._stored.first_frame)
+        return obj
+
+    def _new_object(self, name: str, place: np.ndarray) -> bpy.types.Object:
+        data = new_drawing_data(name)
+        # Fills are flat: what lights a drawing would only tint it.
+        data.layers.new(_LAYER).use_lights = False
+        for material in (self._living(ink) for inks in self._materials() for ink in inks):
+            data.materials.append(material)
+        obj = bpy.data.objects.new(name, data)
+        obj.matrix_world = Matrix(place)
+        return obj
+
+    def _materials(self) -> list[list[Handle]]:
+        """Return a material for every color of every input; made at the first call."""
+        if self._inks is None:
+            self._inks = []
+            for shape, flat in zip(self._inputs, self._flats, strict=True):
+                layers = layers_of(flat.shape, np.arange(len(flat.shape.rings)))
+                made = [fill_material(shape.name, flat.shape.colors[layer[0]]) for layer in layers]
+                for material in made:
+                    mark_as_frames(material)
+                self._inks.append([Handle.of("materials", material) for material in made])
+        return self._inks
+
+    def _draw(self, obj: bpy.types.Object, frame: FittedFrame, number: int) -> None:
+        plane = blended_plane([flat.plane for flat in self._flats], frame.blend.weights)
+        place = np.linalg.inv(np.array(obj.matrix_basis, dtype=np.float64)) @ plane.matrix
+        drawing = obj.data.layers[_LAYER].frames.new(number).drawing
+        fills = self._fills_of_input(frame.blend.source) if frame.outline is None else self._fills_of_blend(frame)
+        write_fills(drawing, fills, place)
+
+    def _fills_of_input(self, source: int) -> list[Fill]:
+        """Layers of an input in their own materials, the later over the earlier ones."""
+        shape, first = self._flats[source].shape, self._first_slot(source)
+        error = _ERROR * float(np.ptp(np.concatenate(shape.rings), axis=0).max())
+        fills = []
+        for number, layer in enumerate(layers_of(shape, np.arange(len(shape.rings)))):
+            outline = fitted_polygons(outline_of(filled_by(shape, layer)), error)
+            regions = tuple(tuple(polygon_ring(ring) for ring in region.rings) for region in outline.regions)
+            fills.append(Fill(regions, first + number))
+        return fills
+
+    def _fills_of_blend(self, frame: FittedFrame) -> list[Fill]:
+        """Regions of a blend, in materials of the nearest input and in colors of their own.
+
+        Viewports in Solid mode show the materials, everything else the colors.
+        """
+        weights = np.asarray(frame.blend.weights)
+        nearest = int(np.argmax(weights))
+        slot = self._first_slot(nearest)
+        if not frame.regions:
+            color = tuple(float(value) for value in weights @ np.array([mean_color(flat) for flat in self._flats]))
+            return [Fill(frame.grouped(frame.outline, 0), slot, color)]
+        return [
+            Fill(frame.grouped(region.outline, number), slot + region.layers[nearest], region.color)
+            for number, region in enumerate(frame.regions)
+        ]
+
+    def _first_slot(self, source: int) -> int:
+        return sum(len(inks) for inks in self._materials()[:source])
+
+    def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
+        """Keyframes show drawings as it is."""
+
+    def _drop_unused(self) -> None:
+        super()._drop_unused()
+        inks = found([ink for inks in self._inks or [] for ink in inks])
+        bpy.data.batch_remove([material for material in inks if not material.users])

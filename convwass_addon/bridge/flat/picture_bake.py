@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a morph of gray images: a sequence of picture files, and one plane that shows it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ...applications.flat.flat_frames import FlatFrame
+from ...applications.morphs.layouts import Blend
+from ...errors import InputError
+from ..handles import Handle, found
+from ..morphs.bake import MorphBake, check_first_frame
+from ..morphs.disk_output import for_blender, output_folder
+from ..morphs.frozen_inputs import FrozenInput
+from ..morphs.materials import input_color, is_carrying, mark_as_frames
+from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
+from ..palettes.image_files import save_pixels
+from .gray_inputs import GrayInput
+
+
+@dataclass(frozen=True)
+class PictureFrame(FlatFrame):
+    """A finished blend with its picture, (height, width, 4), rows from the bottom up."""
+
+    pixels: NDArray[np.float32] | None = None
+
+
+class PictureBake(MorphBake):
+    """A morph that is being written as pictures; files that are not finished with are removed again."""
+
+    @classmethod
+    def begin_pictures(
+        cls,
+        scene: bpy.types.Scene,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: dict[str, object],
+        first_frame: int,
+        grays: Sequence[GrayInput],
+    ) -> Self:
+        """Make the collection, and the folder of the files, which `settings` name as `output_folder`.
+
+        Raises
+        ------
+        InputError
+            A first frame that Blender does not have, a layout of several blends without times, or a folder that cannot
+            be used; nothing is left behind then.
+        """
+        check_first_frame(first_frame)
+        if blends[0].frame is None and len(blends) > 1:
+            raise InputError("Pictures show an animation or a single blend; choose another layout, or other frames.")
+        shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]
+        bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
+        bake._grays, bake._files = tuple(grays), []
+        try:
+            folder = str(settings.get("output_folder") or "//")
+            bake._folder = output_folder(folder, bake._living(bake._collection))
+        except InputError:
+            bake.discard()
+            raise
+        return bake
+
+    _grays: tuple[GrayInput, ...]
+    _folder: Path
+    _files: list[Path]
+    _plane: Handle | None = None
+
+    def _shown_object(self, frame: PictureFrame, index: int) -> bpy.types.Object:
+        """Write the picture of a frame, and make the plane with the first one."""
+        collection = self._living(self._collection)
+        numbers = self._numbers(index)
+        stem = bpy.path.clean_name(collection.name)
+        paths = [self._folder / f"{stem}_{number:04d}.png" for number in numbers]
+        _save(frame.pixels, paths[0])
+        self._files.append(paths[0])
+        for path in paths[1:]:
+            shutil.copyfile(paths[0], path)
+            self._files.append(path)
+        if self._plane is None:
+            obj = _plane_object(collection.name, frame, self._grays[0].plane.matrix)
+            obj.data.materials.append(_picture_material(collection.name, paths[0]))
+            collection.objects.link(obj)
+            obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
+            obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
+            self._plane = Handle.of("objects", obj)
+        return self._living(self._plane)
+
+    def _numbers(self, index: int) -> range:
+        """Return the scene frames that show a blend: until the next one."""
+        if self._blends[index].frame is None:
+            return range(self._stored.first_frame, self._stored.first_frame + 1)
+        own = self._scene_frame(index)
+        return range(own, self._scene_frame(index + 1) if index + 1 < len(self._blends) else own + 1)
+
+    def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
+        """Let the plane show the files as a sequence, whose ends stay beyond its ends."""
+        node = next(
+            node
+            for node in self._living(self._plane).data.materials[0].node_tree.nodes
+            if node.bl_idname == "ShaderNodeTexImage"
+        )
+        node.image.source = "SEQUENCE"
+        user, first = node.image_user, self._stored.first_frame
+        user.frame_start, user.frame_offset, user.frame_duration = first, first - 1, len(self._files)
+        user.use_auto_refresh, user.use_cyclic = True, False
+
+    def discard(self) -> None:
+        """Remove all that this bake has made and that is still there, files too."""
+        super().discard()
+        for path in self._files:
+            path.unlink(missing_ok=True)
+        self._files = []
+
+    def _drop_unused(self) -> None:
+        super()._drop_unused()
+        bpy.data.batch_remove([data for data in found([shape.mesh for shape in self._inputs]) if not data.users])
+
+
+def pictures_of(collection: bpy.types.Collection) -> list[Path]:
+    """Return the files that the pictures of a morph are in; none where it has no pictures."""
+    materials = [one for obj in frame_objects(collection) if obj.data for one in obj.data.materials if is_carrying(one)]
+    nodes = [node for one in materials if one.node_tree for node in one.node_tree.nodes if node.type == "TEX_IMAGE"]
+    first = [Path(bpy.path.abspath(node.image.filepath)) for node in nodes if node.image]
+    return sorted(path for one in first for path in one.parent.glob(f"{one.stem[:-4]}[0-9][0-9][0-9][0-9]{one.suffix}"))
+
+
+def _described(obj: bpy.types.Object, gray: GrayInput) -> FrozenInput:
+    """Note what a bake needs to know of an input, of which it keeps no copy."""
+    mesh = Handle.of("meshes", bpy.data.meshes.new(obj.name))
+    return FrozenInput(Handle.of("objects", obj), obj.name, input_color(obj), mesh, 1.0, gray.plane.origin)
+
+
+def _save(pixels: NDArray[np.float32], path: Path) -> None:
+    like = bpy.data.images.new("Picture", 1, 1, alpha=True)
+    try:
+        save_pixels(pixels, like, path)
+    finally:
+        bpy.data.images.remove(like)
+
+
+def _plane_object(name: str, frame: PictureFrame, place: NDArray[np.float64]) -> bpy.types.Object:
+    """Make a rectangle as large as the pictures are, with texture coordinates."""
+    density = frame.density
+    low = np.asarray(density.corner)
+    high = low + density.pixel * np.array(density.values.shape)
+    mesh = bpy.data.meshes.new(name)
+    corners = [(low[0], low[1], 0.0), (high[0], low[1], 0.0), (high[0], high[1], 0.0), (low[0], high[1], 0.0)]
+    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    mesh.uv_layers.new().uv.foreach_set("vector", [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0])
+    obj = bpy.data.objects.new(name, mesh)
+    obj.matrix_world = Matrix(place)
+    return obj
+
+
+def _picture_material(name: str, file: Path) -> bpy.types.Material:
+    """Make a material that shines as a picture does, and is clear where that is."""
+    material = bpy.data.materials.new(name)
+    mark_as_frames(material)
+    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    kinds = ("OutputMaterial", "MixShader", "BsdfTransparent", "Emission", "TexImage")
+    output, mixed, clear, shine, picture = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+    for place, node in enumerate((output, mixed, clear, shine, picture)):
+        node.location = (-220.0 * place, 0.0)
+    picture.image = bpy.data.images.load(str(file))
+    picture.image.filepath = for_blender(file)
+    picture.extension = "CLIP"
+    tree.links.new(picture.outputs["Color"], shine.inputs["Color"])
+    tree.links.new(picture.outputs["Alpha"], mixed.inputs[0])
+    tree.links.new(clear.outputs[0], mixed.inputs[1])
+    tree.links.new(shine.outputs[0], mixed.inputs[2])
+    tree.links.new(mixed.outputs[0], output.inputs["Surface"])
+    return material

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A morph from flat objects of the scene to pictures; see :mod:`.morphs.job`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...applications.flat.flat_frames import FlatStep
+from ...applications.flat.flat_morph import flat_morph
+from ...applications.flat.flat_settings import FlatSettings
+from ...applications.flat.gray_pictures import PictureMaker
+from ...applications.morphs.frame_cache import FrameCache
+from ...applications.morphs.layouts import Blend
+from ...errors import InputError
+from ...sentence import Sentence
+from .gray_inputs import gray_inputs
+from .picture_bake import PictureBake, PictureFrame
+
+
+class PictureJob:
+    """One bake of flat shapes to pictures. Everything but :meth:`steps` belongs on the main thread.
+
+    Pictures stand where the first shape does, center of mass on center of mass.
+
+    Parameters
+    ----------
+    scene, depsgraph, inputs, blends, settings, options, first_frame
+        As for :class:`.flat_job.FlatJob`; of the options also `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
+        `output_folder`.
+
+    Raises
+    ------
+    InputError
+        Inputs that cannot be read or are empty, letters of images, or a folder that cannot be used.
+    """
+
+    kind = "PICTURE"
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        depsgraph: bpy.types.Depsgraph,
+        inputs: Sequence[bpy.types.Object],
+        blends: Sequence[Blend],
+        settings: FlatSettings,
+        options: dict[str, object],
+        first_frame: int,
+    ) -> None:
+        if len(inputs) < 2:
+            raise InputError("A morph needs at least two shapes; select or name one more.")
+        self.records: list[dict[str, object]] = []
+        self.notices: list[Sentence] = []
+        self._names = [obj.name for obj in inputs]
+        self._inputs = gray_inputs(inputs, depsgraph)
+        self._blends = blends
+        # Ink comes from where matter does.
+        self._settings = replace(settings, output="densities", carry=True)
+        self._grays = str(options.get("grays") or "IMAGES").lower()
+        stored = {**settings.as_dict(), **options, "flat": True}
+        self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs)
+
+    def steps(
+        self,
+        check: Callable[[], None] | None = None,
+        *,
+        workers: int | None = None,
+        executor: Executor | None = None,
+        cache: FrameCache | None = None,
+        wanted: range | None = None,
+        previews: bool = False,
+    ) -> Iterator[FlatStep]:
+        """Compute, and touch nothing of Blender; see :meth:`.flat_job.FlatJob.steps`."""
+        shapes = [own.shape for own in self._inputs]
+        count = len(shapes)
+        alone = [Blend(tuple(float(other == own) for other in range(count))) for own in range(count)]
+        ends = [
+            step.frame.density
+            for step in flat_morph(shapes, self._names, alone, self._settings, check)
+            if step.frame is not None
+        ]
+        grounds = np.array([own.ground for own in self._inputs])
+        maker = PictureMaker(shapes, grounds, ends, self._grays)
+        for step in flat_morph(
+            shapes, self._names, self._blends, self._settings, check, workers=workers, wanted=wanted
+        ):
+            if step.frame is None:
+                yield step
+            else:
+                yield replace(step, frame=PictureFrame(**vars(step.frame), pixels=maker.picture(step.frame)))
+
+    def write(self, step: FlatStep) -> None:
+        """Write the picture of a finished frame."""
+        if step.frame is not None:
+            self._bake.add(step.frame)
+            self.records.append(step.frame.record)
+
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
+        return self._bake.finish(hide_inputs)
+
+    def discard(self) -> None:
+        """Remove everything that has been written."""
+        self._bake.discard()

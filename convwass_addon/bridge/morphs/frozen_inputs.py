@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake keeps of its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...errors import InputError
+from ...geometry.alignment import RigidMove
+from ..handles import Handle
+from ..objects import MESHED, frozen_copy
+from .materials import input_color
+
+
+@dataclass(frozen=True)
+class FrozenInput:
+    """What a bake keeps of an input, so that it may change or vanish while frames are being computed."""
+
+    obj: Handle
+    name: str
+    color: tuple[float, float, float, float]
+    mesh: Handle
+    """Its copy: a mesh, or what else the frames show of it."""
+    size: float
+    foot: np.ndarray
+    """Middle of the underside of its bounds, or of a flat shape, world space, (3,)."""
+
+
+def frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[FrozenInput]:
+    """Copy the inputs as they are; none where one of them cannot be copied."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shapes, meshes = [], []
+    try:
+        for obj, move in zip(inputs, moves, strict=True):
+            meshes.append(frozen_copy(obj, depsgraph, MESHED))
+            if move is not None:
+                meshes[-1].transform(Matrix(move.matrix))
+            shapes.append(_described(obj, meshes[-1]))
+    except InputError:
+        bpy.data.batch_remove(meshes)
+        raise
+    return shapes
+
+
+def _described(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
+    """Note what a bake needs to know of an input and its world-space copy."""
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
+    middle = (low + high) / 2.0
+    return FrozenInput(
+        obj=Handle.of("objects", obj),
+        name=obj.name,
+        color=input_color(obj),
+        mesh=Handle.of("meshes", mesh),
+        size=float((high - low).max()),
+        foot=np.array([middle[0], middle[1], low[2]], dtype=np.float64),
+    )

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Takes morphs, or their frames, out of the scene."""
+
+from __future__ import annotations
+
+import bpy
+
+from .disk_output import remove_disk_outputs
+from .materials import is_carrying
+from .stand_ins import remove_stand_ins
+from .stored import frame_objects
+
+
+def remove_bake(collection: bpy.types.Collection) -> None:
+    """Remove a morph with its frames; whatever else was put into its collection moves up one level."""
+    remove_stand_ins(collection)
+    roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
+    parents = [parent for parent in roots if collection in set(parent.children)]
+    remove_frames(collection)
+    remove_disk_outputs(collection)
+    for parent in parents:
+        for obj in set(collection.objects) - set(parent.objects):
+            parent.objects.link(obj)
+        for child in set(collection.children) - set(parent.children):
+            parent.children.link(child)
+    bpy.data.collections.remove(collection)
+
+
+def remove_frames(collection: bpy.types.Collection) -> None:
+    """Remove a morph's frames and keep everything else of it: something other shows them now."""
+    frames = frame_objects(collection)
+    worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
+    remove_objects(frames)
+    bpy.data.batch_remove([material for material in worn if material.users == 0])
+
+
+def remove_objects(objects: list[bpy.types.Object]) -> None:
+    """Remove frame objects, and their meshes and actions where nothing else uses them."""
+    data = {obj.data for obj in objects if obj.data}
+    data |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
+    bpy.data.batch_remove(objects)
+    bpy.data.batch_remove([block for block in data if block.users == 0])

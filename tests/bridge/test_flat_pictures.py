@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Gray images that become a sequence of pictures, by the operator and by the verb."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.flat.gray_inputs import gray_inputs
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.cli import main
+from convwass_addon.errors import InputError
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+PAPER, RED, BLUE = (1.0, 1.0, 0.9), (0.8, 0.0, 0.1), (0.0, 0.2, 0.6)
+
+
+def spot(x, y, radius, ink, size=64, paper=PAPER):
+    """A disc of ink on paper, (h, w, 4)."""
+    rows, columns = np.mgrid[:size, :size] + 0.5
+    full = np.clip(radius + 0.5 - np.hypot(columns - x, rows - y), 0.0, 1.0)[..., None]
+    pixels = np.ones((size, size, 4), np.float32)
+    pixels[..., :3] = np.asarray(paper) * (1 - full) + np.asarray(ink) * full
+    return pixels
+
+
+def picture(name, pixels, x=0.0):
+    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True)
+    image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
+    obj = bpy.data.objects.new(name, None)
+    obj.empty_display_type, obj.data, obj.location.x = "IMAGE", image, x
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def bake(folder, *objects, **options):
+    settings = {"frames": 4, "flat_resolution": 256, "flat_output": "PICTURE", "output_folder": str(folder)}
+    settings["inputs"] = ",".join(obj.name for obj in objects)
+    return bpy.ops.convwass.bake_morph(**{**settings, **options})
+
+
+def pixels_of(path):
+    image = bpy.data.images.load(str(path))
+    pixels = np.empty(image.size[0] * image.size[1] * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    found = pixels.reshape(image.size[1], image.size[0], 4)
+    bpy.data.images.remove(image)
+    return found
+
+
+def inked(pixels):
+    """Share of the picture that is not paper, in the middle of the two."""
+    return float((np.abs(pixels[..., :3] - pixels[0, 0, :3]).max(axis=2) > 0.3).mean())
+
+
+def test_an_image_is_read_with_its_grays_its_ink_and_its_ground():
+    gray = spot(32, 32, 20, RED)
+    gray[:, :, :3] = np.where(
+        np.arange(64)[:, None, None] < 32, gray[:, :, :3], 0.5 * gray[:, :, :3] + 0.5 * np.array(PAPER)
+    )
+    obj = picture("Half", gray)
+    obj.empty_display_size = 2.0
+    bpy.context.view_layer.update()
+    (found,) = gray_inputs([obj], bpy.context.evaluated_depsgraph_get())
+    np.testing.assert_allclose(found.ground, [*PAPER, 1.0], atol=0.01)
+    assert found.shape.pixel == pytest.approx(2.0 / 64)
+    values = found.shape.values
+    np.testing.assert_allclose([values[32, 20], values[32, 44], values[2, 2]], [1.0, 0.5, 0.0], atol=0.01)
+    # Ink is the same in both halves.
+    np.testing.assert_allclose(found.shape.colors[32, [20, 44], :3], [RED, RED], atol=0.02)
+
+
+@pytest.mark.parametrize("grays", ["IMAGES", "THRESHOLD"])
+def test_pictures_travel_and_mix_their_colors(tmp_path, grays):
+    first, last = picture("First", spot(32, 32, 14, RED)), picture("Last", spot(32, 32, 14, BLUE), x=5.0)
+    assert bake(tmp_path, first, last, grays=grays) == {"FINISHED"}
+    files = sorted(tmp_path.glob("*/*.png"))
+    assert [path.name[-8:] for path in files] == [f"000{number}.png" for number in range(1, 6)]
+    middle = pixels_of(files[2])
+    center = middle[middle.shape[0] // 2, middle.shape[1] // 2, :3]
+    np.testing.assert_allclose(center, 0.5 * (np.array(RED) + np.array(BLUE)), atol=0.02)
+    np.testing.assert_allclose(middle[0, 0], [*PAPER, 1.0], atol=0.01)
+    # A disc stays a disc of its size.
+    assert inked(middle) == pytest.approx(inked(pixels_of(files[0])), rel=0.03)
+    (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
+    (material,) = plane.data.materials
+    (node,) = (node for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
+    assert (node.image.source, node.image_user.frame_duration, node.image_user.use_auto_refresh) == (
+        "SEQUENCE",
+        5,
+        True,
+    )
+    assert plane.dimensions.x / plane.dimensions.y == pytest.approx(middle.shape[1] / middle.shape[0], rel=1e-3)
+
+
+def test_pictures_that_are_held_are_copied(tmp_path):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    bake(tmp_path, *objects, frame_step=2)
+    files = sorted(tmp_path.glob("*/*.png"))
+    assert len(files) == 5
+    assert files[0].read_bytes() == files[1].read_bytes() != files[2].read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "message"),
+    [
+        (lambda obj: setattr(obj, "scale", (1, 2, 1)), {}, "scaled unevenly"),
+        (lambda obj: obj.data.pixels.foreach_set(np.ones(4 * 64 * 64, np.float32)), {}, "all of one tone"),
+        (lambda obj: bpy.ops.object.text_add(), {"layout": "TRIANGLE", "inputs": "First,Last,Text"}, "another layout"),
+        (lambda obj: None, {"output_folder": "//convwass"}, "save that first"),
+        (lambda obj: None, {"words": "LETTERS"}, "has no letters"),
+    ],
+)
+def test_what_cannot_become_pictures_is_told_and_leaves_nothing(tmp_path, change, options, message):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    change(objects[1])
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match=message):
+        bake(tmp_path, *objects, **options)
+    assert not [collection for collection in bpy.data.collections if collection.name.startswith("Morph")]
+    assert not list(tmp_path.glob("*/*.png"))
+
+
+def test_an_image_of_one_tone_is_refused():
+    with pytest.raises(InputError, match="all of one tone"):
+        gray_inputs([picture("Gray", np.full((8, 8, 4), 0.5))], bpy.context.evaluated_depsgraph_get())
+
+
+def test_the_verb_writes_pictures_beside_the_blend(tmp_path, capsys):
+    sources = []
+    for name, ink in (("first", RED), ("last", BLUE)):
+        image = picture(name, spot(32, 32, 14, ink)).data
+        image.filepath_raw, image.file_format = str(tmp_path / f"{name}.png"), "PNG"
+        image.save()
+        sources.append(str(tmp_path / f"{name}.png"))
+    target = tmp_path / "out.blend"
+    options = ["--frames", "2", "--resolution", "256", "--flat-output", "picture", "--out", str(target)]
+    assert main(["morph", *sources, *options, "--grays", "threshold"]) == 0
+    capsys.readouterr()
+    files = sorted((tmp_path / "out files").glob("*/*.png"))
+    assert len(files) == 3
+    bpy.ops.wm.open_mainfile(filepath=str(target))
+    (image,) = (image for image in bpy.data.images if image.source == "SEQUENCE")
+    assert bpy.path.abspath(image.filepath) == str(files[0])
