@@ -8,6 +8,7 @@
     python3 run.py window --blender PATH    click, type and look in the window of a Blender (needs Linux and Xvfb)
     python3 run.py bench [ARGS]       measure the speed
     python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
+    python3 run.py fuzz [ARGS]        try to break the add-on, such as  --minutes 10
     python3 run.py lint               check the style of the code
     python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
 
@@ -39,6 +40,7 @@ COMMANDS = {
     "window": [["-m", "tests.window"]],
     "bench": [["-m", "benchmarks"]],
     "package": [["-m", "tools.package"]],
+    "fuzz": [["-m", "tests.fuzz"]],
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
     "python": [[]],
 }

@@ -8,6 +8,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from .applications.skeletons.skeleton_settings import SkeletonSettings
+from .bridge.active import active_object
 from .bridge.armatures.joint_dots import JointDots
 from .bridge.armatures.rigs import KINDS, register_pins, unregister_pins
 
@@ -172,7 +173,7 @@ def chosen_rig(context: bpy.types.Context) -> bpy.types.Object | None:
     own = context.scene.convwass_armature
     if own.rig is not None:
         return own.rig
-    active = context.object
+    active = active_object(context)
     return active if active is not None and active.type == "ARMATURE" else None
 
 

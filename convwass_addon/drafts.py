@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from .disk_room import require_whole
 from .errors import ConvwassError
 
 
@@ -46,6 +47,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     try:
         with draft_of(path) as draft:
             yield draft
+            require_whole(draft, path)
     except (RuntimeError, OSError) as error:
         reason = str(error).strip()
         raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
@@ -80,6 +82,8 @@ class DraftFiles:
         """
         done = []
         try:
+            for target, draft in self._drafts.items():
+                require_whole(draft, target)
             for target, draft in self._drafts.items():
                 os.replace(draft, target)
                 done.append(target)

@@ -107,7 +107,11 @@ class ReflectanceProperties:
     def reflectance_settings(self) -> ReflectanceSettings:
         """Return the settings of the application; raises InputError where they make no sense."""
         return ReflectanceSettings(
-            rows=self.detail, sigma=self.blur, sharpness=self.sharpness, entropy=self.entropy.lower()
+            # Pairs of rows are what the solver takes.
+            rows=self.detail + self.detail % 2,
+            sigma=self.blur,
+            sharpness=self.sharpness,
+            entropy=self.entropy.lower(),
         )
 
     def frame_span(self) -> Frames:

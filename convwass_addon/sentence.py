@@ -4,8 +4,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from string import Formatter
+
+# Alignment, sign, width, places and type, as the project's own messages have them.
+_SPECIFICATION = re.compile(r"[<>^]?[+,]?\d{0,2}(\.\d)?[a-z%]?")
 
 
 @dataclass(frozen=True)
@@ -22,6 +27,15 @@ class Sentence:
 
     template: str
     values: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the template takes values as they are: no parts of them, and no more room than a message has.
+
+        What comes from a file is asked this before it is filled in.
+        """
+        fields = [(name, form) for _, name, form, _ in Formatter().parse(self.template) if name is not None]
+        return all(name.isidentifier() and _SPECIFICATION.fullmatch(form or "") for name, form in fields)
 
     def __str__(self) -> str:
         return self.filled(self.template)

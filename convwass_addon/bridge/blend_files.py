@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 
+from ..applications.whole_paths import whole_path
 from ..errors import InputError
 from ..sentence import Sentence
 
@@ -24,7 +25,7 @@ def open_blend(path: Path) -> None:
     InputError
         Blender cannot read it.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     try:
         bpy.ops.wm.open_mainfile(filepath=str(file), load_ui=False, use_scripts=False)
     except RuntimeError as error:
@@ -51,7 +52,7 @@ def appended_objects(path: Path, names: Sequence[str] | None) -> dict[str, bpy.t
     InputError
         Blender cannot read the file, or it has no object of such a name.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     try:
         with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
             missing = [name for name in names or () if name not in available.objects]

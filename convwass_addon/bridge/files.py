@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 
+from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
 
@@ -21,7 +22,7 @@ def checked_target(path: Path) -> Path:
     InputError
         Its folder does not exist or cannot be written to, or the path is a folder.
     """
-    target = Path(path).expanduser().absolute()
+    target = whole_path(path)
     if target.is_dir():
         raise InputError("{target} is a folder; add a file name to it.", target=str(target))
     if not target.parent.is_dir():
@@ -49,7 +50,7 @@ def absolute_folder(folder: str | Path) -> Path:
     text = str(folder)
     if text.startswith("//") and not bpy.data.filepath:
         raise InputError("Save the file first: {folder} is relative to it. Or choose a whole path.", folder=text)
-    target = Path(bpy.path.abspath(text)).expanduser().absolute()
+    target = whole_path(bpy.path.abspath(text))
     if target.exists() and not target.is_dir():
         raise InputError("{folder} is a file; choose a folder.", folder=str(target))
     return target

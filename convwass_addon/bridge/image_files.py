@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
 
@@ -48,7 +49,7 @@ def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
     InputError
         No such file, or none that Blender reads.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     if not file.is_file():
         raise InputError("There is no file {file}.", file=str(file))
     try:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import bpy
 
+from ..applications.whole_paths import whole_path
 from ..errors import InputError
 from .blend_files import appended_objects, listed_names
 from .flat.flat_objects import is_drawn_flat
@@ -71,13 +73,13 @@ def parse_source(text: str) -> Source:
     InputError
         Nothing follows the colon.
     """
-    if Path(text).is_file():
+    if os.path.isfile(text):
         return Source(Path(text), None)
     # File and object may both have ".blend:" in their names; the shortest path that exists is meant.
     splits = [(text[: found.end()], text[found.end() + 1 :]) for found in re.finditer(r"(?i)\.blend(?=:)", text)]
     if not splits:
         return Source(Path(text), None)
-    path, name = next((split for split in splits if Path(split[0]).is_file()), splits[0])
+    path, name = next((split for split in splits if os.path.isfile(split[0])), splits[0])
     if not name:
         raise InputError("{text}: name an object after the colon, or leave the colon out.", text=text)
     return Source(Path(path), name)
@@ -119,7 +121,7 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
 
 def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) -> Path:
     """Return the absolute path of a file that can be tried; raises InputError otherwise."""
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     suffix = file.suffix.lower()
     if file.is_dir():
         raise InputError("{file} is a folder; name a file in it.", file=str(file))

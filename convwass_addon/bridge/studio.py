@@ -9,6 +9,7 @@ import shutil
 import signal
 import tempfile
 import threading
+import uuid
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -17,6 +18,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..disk_room import require_whole
 from ..errors import Cancelled, ConvwassError, InputError
 from .framing import Pose, View
 
@@ -230,14 +232,20 @@ def move_result(source: Path, target: Path) -> None:
         raise ConvwassError(
             "Blender's renderer did not write {name}; its messages in the console say why.", name=target.name
         )
+    require_whole(source, target)
+    # From another disk it is copied, which may fail half-way.
+    draft = target.with_name(f".{uuid.uuid4().hex}{target.suffix}")
     try:
-        shutil.move(source, target)
+        shutil.move(source, draft)
+        draft.replace(target)
     except OSError as error:
         raise ConvwassError(
             "{target} cannot be written ({reason}); close programs that show it, or choose another folder.",
             target=str(target),
             reason=error.strerror,
         ) from error
+    finally:
+        draft.unlink(missing_ok=True)
 
 
 def world_points(obj: bpy.types.Object) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from ..applications.skeletons.inner_points import InnerPointFinder
 from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
+from ..applications.whole_paths import path_with_suffix
 from ..bridge.armatures.auto_weights import bind_with_weights
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
@@ -33,7 +34,7 @@ def run_armature(options: Namespace) -> Answer:
     InputError, ResourceError
         A body, a rig, pins or options that cannot work.
     """
-    target = checked_target(options.out.with_suffix(".blend"))
+    target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
     settings = SkeletonSettings(
         gamma=options.blur,

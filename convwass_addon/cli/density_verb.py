@@ -17,6 +17,7 @@ from ..applications.densities.density_paths import blend_steps, path_steps
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import heat_map
 from ..applications.densities.vertex_distances import distances_from
+from ..applications.whole_paths import path_with_suffix
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_nodes import NAME
 from ..bridge.densities.density_player import DensityKey, animate_density
@@ -88,7 +89,7 @@ def _target(options: Namespace) -> Path | None:
         return None
     if options.out is not None and (options.measure or options.matrix):
         raise InputError("Distances between groups are printed and not written; leave --out out.")
-    return checked_target((options.out or Path("density.blend")).with_suffix(".blend"))
+    return checked_target(path_with_suffix(options.out or "density.blend", ".blend"))
 
 
 def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:

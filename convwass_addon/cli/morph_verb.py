@@ -14,6 +14,7 @@ from ..applications.morphs.between_frames import places_at
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
 from ..applications.morphs.morph_settings import MorphSettings
+from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import asks_for_flat
 from ..bridge.flat.flat_imports import imported_shape
@@ -49,7 +50,7 @@ def run_morph(options: Namespace) -> Answer:
         between = between_of(options, blends)
         blends = [place.blend for place in places_at(between.path, between.numbers)]
     # Everything that can be refused is refused before the work begins.
-    target = options.out.with_suffix(".blend")
+    target = path_with_suffix(options.out, ".blend")
     if options.frames_range is None:
         target = checked_target(target)
     exported = export_format(options.export) if options.export else None

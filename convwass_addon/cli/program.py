@@ -10,6 +10,7 @@ from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ..applications.system_errors import error_to_tell
 from ..console import own_stdout
 from ..errors import Cancelled, ConvwassError, InputError, ResourceError
 from .answer import Answer
@@ -86,7 +87,8 @@ def run(arguments: Sequence[str], program: str) -> int:
     except Cancelled as stop:
         print(f"convwass: {stop}", file=sys.stderr)
         return 130
-    except ConvwassError as error:
+    except (ConvwassError, OSError, MemoryError) as failure:
+        error = error_to_tell(failure)
         print(f"convwass: {error}", file=sys.stderr)
         return 4 if isinstance(error, ResourceError) else 3 if isinstance(error, InputError) else 1
     except KeyboardInterrupt:

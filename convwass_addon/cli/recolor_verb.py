@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,6 +20,7 @@ from ..applications.palettes.palette_statistics import pooled_palette
 from ..applications.palettes.pixel_blocks import recolored_blocks
 from ..applications.palettes.recolor_job import Picture
 from ..applications.palettes.recoloring import Recoloring, recoloring
+from ..applications.whole_paths import path_with_suffix, whole_path
 from ..bridge.files import checked_target
 from ..bridge.palettes.image_files import require_format, save_pixels
 from ..console import ProgressBar
@@ -45,7 +47,7 @@ def run_recolor(options: Namespace) -> Answer:
         gamut=options.gamut,
         edge_radius=options.edge_radius,
     )
-    cube = None if options.cube is None else checked_target(options.cube.with_suffix(".cube"))
+    cube = None if options.cube is None else checked_target(path_with_suffix(options.cube, ".cube"))
     with opened_frames(options.images, options.mask) as frames:
         targets = _targets(options, frames.names)
         change = read_cube(options.lut) if options.lut is not None else _solved(options, frames, settings)
@@ -85,11 +87,11 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
     if options.out is None:
         return []
     count = options.steps or len(names)
-    if count == 1 and not options.out.is_dir():
+    if count == 1 and not os.path.isdir(options.out):
         target = checked_target(options.out)
         require_format(target)
         return [target]
-    folder = options.out.expanduser().absolute()
+    folder = whole_path(options.out)
     if not folder.is_dir():
         checked_target(folder / "x" if folder.exists() else folder)
     if options.steps is not None:
@@ -97,7 +99,7 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
         targets = [folder / f"{stem}.{step:04d}{suffix}" for step in range(count)]
     else:
         targets = [folder / name for name in names]
-    sources = {path.expanduser().absolute() for path in options.images}
+    sources = {whole_path(path) for path in options.images}
     if len(set(targets)) < len(targets) or sources & set(targets):
         raise InputError("The results would replace each other, or the images; choose another folder with --out.")
     for target in targets:

@@ -18,6 +18,7 @@ from ..applications.soft_maps.map_solving import SoftMapStep, soft_map_steps
 from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
+from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target, save_blend
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
 from ..bridge.soft_maps.map_transfer import CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
@@ -68,7 +69,7 @@ def run_softmap(options: Namespace) -> Answer:
         Meshes, pairs or options that cannot work.
     """
     _check_options(options)
-    target = checked_target(options.out.with_suffix(".blend"))
+    target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
     settings = SoftMapSettings(
         vertices=options.vertices,

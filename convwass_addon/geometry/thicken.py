@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
 # Distance between the points that stand for the surface, in cells.
@@ -33,11 +34,8 @@ def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], t
     reach = int(np.ceil(thickness / 2 + 1))
     near = np.zeros(shape, bool)
     cells = np.unique(np.clip(np.floor(points).astype(np.int64), 0, np.array(shape) - 1), axis=0)
-    span = np.arange(-reach, reach + 1)
-    for step in np.stack(np.meshgrid(span, span, span, indexing="ij"), axis=-1).reshape(-1, 3):
-        moved = cells + step
-        moved = moved[((moved >= 0) & (moved < shape)).all(axis=1)]
-        near[tuple(moved.T)] = True
+    near[tuple(cells.T)] = True
+    near = maximum_filter(near.view(np.uint8), 2 * reach + 1, mode="constant").view(bool)
     index = np.argwhere(near)
     distance = cKDTree(points).query(index + 0.5)[0]
     filled = np.zeros(shape, np.float32)

@@ -16,7 +16,7 @@ from ..applications.background import BackgroundJob
 from ..errors import Cancelled, ConvwassError
 from ..sentence import Sentence
 from ..translations import translated
-from .reporting import refuse
+from .reporting import refuse_if_known
 
 _TIMER_SECONDS = 0.05
 # Editors whose sidebars show how far a job is.
@@ -66,8 +66,8 @@ class BackgroundOperator:
     def execute(self, context):
         try:
             self._job = self._begin(context)
-        except ConvwassError as error:
-            return refuse(self, error)
+        except (ConvwassError, OSError, MemoryError) as error:
+            return refuse_if_known(self, error)
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
@@ -77,9 +77,7 @@ class BackgroundOperator:
             return self._finish(context, self._job)
         except BaseException as error:
             self._job.discard()
-            if not isinstance(error, ConvwassError):
-                raise
-            return refuse(self, error)
+            return refuse_if_known(self, error)
         finally:
             manager.progress_end()
 
@@ -95,8 +93,8 @@ class BackgroundOperator:
         """Begin the work on its thread, for an operator that has a modal handler, or gets one."""
         try:
             self._job = self._begin(context)
-        except ConvwassError as error:
-            return refuse(self, error)
+        except (ConvwassError, OSError, MemoryError) as error:
+            return refuse_if_known(self, error)
         self._background = BackgroundJob(self._steps())
         self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         context.window_manager.convwass_progress.stopping = False
@@ -117,11 +115,12 @@ class BackgroundOperator:
             return {"PASS_THROUGH"}
         try:
             written = self._write(context, math.inf if stopping else _BUSY_SECONDS)
-        except ConvwassError as error:
+        except BaseException as error:
+            # Whatever it is, nothing may go on running behind the user's back.
             self._background.cancel()
             self._stop(context)
             self._job.discard()
-            return refuse(self, error)
+            return refuse_if_known(self, error)
         if not written:
             return {"PASS_THROUGH"}
         waiting = None if stopping else self._waits_for(context)
@@ -158,16 +157,13 @@ class BackgroundOperator:
                 return self._finish(context, self._job)
             if isinstance(error, Cancelled) and self._keep(context, self._job):
                 return {"FINISHED"}
-        except ConvwassError as failure:
+        except Exception as failure:
             error = failure
         self._job.discard()
         if isinstance(error, Cancelled):
             self.report({"INFO"}, self._nothing_kept())
-        elif isinstance(error, ConvwassError):
-            return refuse(self, error)
-        else:
-            raise error
-        return {"CANCELLED"}
+            return {"CANCELLED"}
+        return refuse_if_known(self, error)
 
     def _show(self, context: bpy.types.Context, fraction: float, sentence: Sentence) -> None:
         message = translated(sentence)

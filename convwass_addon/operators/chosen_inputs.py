@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..bridge.active import selected_objects
 from ..bridge.flat.flat_objects import is_shape
 from ..errors import InputError
 from ..properties import MorphProperties
@@ -60,7 +61,7 @@ def chosen_inputs(
                 raise InputError("A shape on the list of inputs has been deleted; remove it from the list.")
         objects, numbers = [item.object for item in listed], [item.weight for item in listed]
     else:
-        objects = settings.sorted_shapes([obj for obj in context.selected_objects if is_shape(obj)])
+        objects = settings.sorted_shapes([obj for obj in selected_objects(context) if is_shape(obj)])
         numbers = [1.0] * len(objects)
     if weights.strip():
         numbers = _numbers(weights)

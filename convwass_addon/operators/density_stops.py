@@ -95,9 +95,21 @@ def _numbers(text: str) -> list[float]:
         raise InputError("Frames and weights are numbers with commas between them, not {text!r}.", text=text) from error
 
 
-class _OnStops(OnMesh):
+class _OnOwnList(OnMesh):
     modes = frozenset(MODES)
 
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        # Blender lets nobody change lists of linked objects, nor of library overrides.
+        if context.object.library is not None or context.object.override_library is not None:
+            cls.poll_message_set("Make the object local first: Object > Relations > Make Local")
+            return False
+        return True
+
+
+class _OnStops(_OnOwnList):
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
@@ -115,7 +127,7 @@ class _OnStops(OnMesh):
         return index
 
 
-class CONVWASS_OT_add_density_stop(OnMesh, bpy.types.Operator):
+class CONVWASS_OT_add_density_stop(_OnOwnList, bpy.types.Operator):
     """Put vertex groups on the list of stops, each some frames after the one before"""
 
     bl_idname = "convwass.add_density_stop"

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from bpy.props import StringProperty
 
+from ..bridge.active import active_object
 from ..bridge.densities.density_player import played_densities
 from ..errors import InputError
 from ..sentence import Sentence
@@ -45,7 +46,8 @@ class OnMesh:
 
     @classmethod
     def poll(cls, context):
-        if context.object is None or context.object.type != "MESH":
+        active = active_object(context)
+        if active is None or active.type != "MESH":
             cls.poll_message_set("Make a mesh object active")
             return False
         if context.mode not in cls.modes:

@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
 from bpy.props import IntProperty
 
 from ..applications.morphs.shape_check import ShapeFindings, check_shape
+from ..bridge.active import selected_objects
 from ..bridge.flat.flat_objects import flat_objects, is_shape, looks_flat
 from ..bridge.objects import triangle_mesh
 from ..errors import ConvwassError, InputError
@@ -49,7 +50,7 @@ class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not any(is_shape(obj) for obj in context.selected_objects):
+        if not any(is_shape(obj) for obj in selected_objects(context)):
             cls.poll_message_set("Select meshes, texts, curves, drawings or images to add")
             return False
         return True
@@ -59,7 +60,7 @@ class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
         if not settings.inputs and is_untouched(settings):
             apply_preset(preferences(context).default_preset)
         known = {item.object for item in settings.inputs}
-        meshes = [obj for obj in context.selected_objects if is_shape(obj) and obj not in known]
+        meshes = [obj for obj in selected_objects(context) if is_shape(obj) and obj not in known]
         for obj in settings.sorted_shapes(meshes):
             item = settings.inputs.add()
             item.object = obj

@@ -10,6 +10,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
+from ..bridge.active import active_object, selected_objects
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
@@ -22,9 +23,10 @@ from .reporting import refuse
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
     """Return the morph that the active object shows or belongs to, or that is the active collection."""
+    active = active_object(context)
     candidates = [
-        shown_morph(context.object),
-        *(context.object.users_collection if context.object else ()),
+        shown_morph(active),
+        *(active.users_collection if active else ()),
         context.collection,
     ]
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
@@ -32,7 +34,7 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
 
 def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
     """Select these objects alone, and make the last one active; those that the view layer lacks are left out."""
-    for obj in context.selected_objects:
+    for obj in selected_objects(context):
         obj.select_set(False)
     for obj in objects:
         if obj.name in context.view_layer.objects:

@@ -19,7 +19,7 @@ from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
 from ..properties import CACHE_FORMATS, DEFAULT_FOLDER
 from .manage_morph import OnActiveMorph, active_morph, select_only
-from .reporting import refuse
+from .reporting import refuse_if_known
 
 
 class _OutputMorph(OnActiveMorph):
@@ -39,8 +39,8 @@ class _OutputMorph(OnActiveMorph):
         manager.progress_begin(0, 100)
         try:
             output = self._written(context, morph)
-        except ConvwassError as error:
-            return refuse(self, error)
+        except (ConvwassError, OSError, MemoryError) as error:
+            return refuse_if_known(self, error)
         finally:
             manager.progress_end()
         remove_stand_ins(morph)

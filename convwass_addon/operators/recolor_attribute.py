@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..bridge.active import active_object
 from ..bridge.handles import Handle
 from ..bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from ..errors import InputError
@@ -30,11 +31,11 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
 
     @classmethod
     def poll(cls, context):
-        obj, giver = context.object, context.scene.convwass_recolor.palette_object
+        obj, giver = active_object(context), context.scene.convwass_recolor.palette_object
         if obj is None or obj.type != "MESH" or obj.data.color_attributes.active_color is None:
             cls.poll_message_set("Select a mesh with a color attribute")
             return False
-        if giver is None or giver.data.color_attributes.active_color is None:
+        if giver is None or giver.type != "MESH" or giver.data.color_attributes.active_color is None:
             cls.poll_message_set("Choose an object whose color attribute gives the palette")
             return False
         return is_idle(cls, context)

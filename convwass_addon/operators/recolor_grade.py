@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
+from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
 from ..bridge.palettes.clip_frames import ClipFrames, is_clip
@@ -83,7 +82,7 @@ class CONVWASS_OT_write_lut(_MakesTable, bpy.types.Operator):
     def _begin(self, context):
         if not self.filepath:
             raise InputError("Choose a file to write.")
-        self._path = checked_target(Path(bpy.path.abspath(self.filepath)).with_suffix(".cube"))
+        self._path = checked_target(path_with_suffix(bpy.path.abspath(self.filepath), ".cube"))
         return super()._begin(context)
 
     def _use(self, context, table):

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import bpy
 
+from ..applications.system_errors import error_to_tell
 from ..errors import ConvwassError
 from ..translations import translated
 
@@ -19,6 +20,14 @@ def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
     """Report an error in the user's language; return what an operator returns that gives up."""
     operator.report({"ERROR"}, translated(error.sentence))
     return {"CANCELLED"}
+
+
+def refuse_if_known(operator: bpy.types.Operator, error: BaseException) -> set[str]:
+    """Report whatever the user can act on, full disks included; raise all else again."""
+    known = error_to_tell(error)
+    if known is None:
+        raise error
+    return refuse(operator, known)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..applications.soft_maps.surface_maps import PointMap
+from ..bridge.active import active_object
 from ..bridge.soft_maps.soft_map_bytes import MappedSide, StoredSoftMap
 from ..bridge.soft_maps.soft_map_store import MapState, has_soft_map, map_state, stored_soft_map
 from ..errors import InputError
@@ -29,7 +30,8 @@ class OnMapObjects:
     @classmethod
     def poll(cls, context):
         own = context.scene.convwass_soft_map
-        if own.source is None or own.target is None:
+        # The panel offers meshes only; scripts may set anything, and an object may get other data.
+        if not all(obj is not None and obj.type == "MESH" for obj in (own.source, own.target)):
             cls.poll_message_set("Choose a source and a target")
             return False
         if not (own.source.users_scene and own.target.users_scene):
@@ -135,4 +137,5 @@ def one_selected(obj: bpy.types.Object) -> int:
 
 def edit_mode_left(context: bpy.types.Context) -> AbstractContextManager[None]:
     """Leave Edit Mode for a moment, on all objects that are in it together."""
-    return nullcontext() if context.object is None else out_of_edit_mode(context, context.object)
+    active = active_object(context)
+    return nullcontext() if active is None else out_of_edit_mode(context, active)

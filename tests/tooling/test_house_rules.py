@@ -37,11 +37,12 @@ BLENDER = {
 MAY_IMPORT = {
     "sentence": set(),
     "errors": {"sentence"},
-    "drafts": {"errors", "sentence"},
+    "disk_room": {"errors", "sentence"},
+    "drafts": {"disk_room", "errors", "sentence"},
     "transport": {"errors", "sentence", "geometry"},
     "geometry": {"errors", "sentence"},
     "applications": {"drafts", "errors", "sentence", "transport", "geometry"},
-    "bridge": {"drafts", "errors", "sentence", "transport", "geometry", "applications"},
+    "bridge": {"disk_room", "drafts", "errors", "sentence", "transport", "geometry", "applications"},
     "properties": {"errors", "sentence", "applications", "bridge"},
     "density_properties": {"errors", "sentence", "applications", "bridge"},
     "soft_map_properties": {"errors", "sentence", "applications", "bridge"},
@@ -103,7 +104,7 @@ MAY_IMPORT = {
 }
 """Which rooms of the package each room may import from, besides itself."""
 
-WITHOUT_BLENDER = ("drafts", "errors", "sentence", "transport", "geometry", "applications", "console")
+WITHOUT_BLENDER = ("disk_room", "drafts", "errors", "sentence", "transport", "geometry", "applications", "console")
 
 
 def modules() -> list[str]:

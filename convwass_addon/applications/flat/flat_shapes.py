@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.outlines import Rule
 
+# Squares of lengths up to this are numbers in single precision too.
+_FARTHEST = 1e18
+
 
 @dataclass(frozen=True)
 class FlatShape:
@@ -51,6 +54,10 @@ class FlatShape:
             raise InputError("A closed curve needs three corners in the plane.")
         if not all(np.isfinite(ring).all() for ring in self.rings):
             raise InputError("Corners of closed curves must be finite numbers.")
+        if any(np.abs(ring).max() > _FARTHEST for ring in self.rings):
+            raise InputError(
+                "Corners of closed curves must not be farther away than {farthest:.0e}.", farthest=_FARTHEST
+            )
         if self.colors is not None and (
             self.colors.shape != (len(self.rings), 4) or not np.isfinite(self.colors).all()
         ):

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
@@ -17,12 +18,15 @@ import numpy as np
 from ...errors import ConvwassError, InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
+from ..whole_paths import whole_path
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .parts import FaceLabels
 
+# Seconds after which a draft is nobody's any more.
+_ABANDONED = 24 * 3600.0
 _ROOMS = ("transport", "geometry", "applications")
 
 
@@ -54,7 +58,7 @@ class FrameCache:
     """Whether blends between its frames can be had from them; that takes several times the room."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = Path(folder).expanduser().absolute()
+        self.folder = whole_path(folder)
         self.notices: list[Sentence] = []
         self.reused = 0
         try:
@@ -129,6 +133,12 @@ class SpareFrameCache(FrameCache):
 
 def _drop_oldest(folder: Path, most_bytes: int) -> None:
     """Delete the frames that were written first until the others fit; what another program holds open stays."""
+    long_ago = time.time() - _ABANDONED
+    # What a bake that was killed was about to write.
+    for path in folder.glob(".*.part"):
+        with suppress(OSError):
+            if path.lstat().st_mtime < long_ago:
+                path.unlink()
     found = []
     for path in folder.glob("*.frame"):
         with suppress(OSError):

@@ -117,7 +117,7 @@ def read_frame(path: Path, key: str) -> StoredFrame:
         content = memoryview(file.read(size))
     try:
         return _unpacked(content, key)
-    except (ValueError, TypeError, KeyError, RecursionError, InputError) as error:
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError, InputError) as error:
         raise DamagedFrameError(str(error) or type(error).__name__) from error
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
+from ..far_meshes import refuse_far
 from ..memory import fitting_beside
 from ..workers import frame_workers
 from .frame_cache import BakeCache, FrameCache
@@ -137,6 +138,10 @@ def morph(
     """
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
+    for shape, name in zip(shapes, names, strict=True):
+        if not len(shape.faces):
+            raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
+        refuse_far(shape)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     runs = runs_of(blends, wanted)
     store = None if cache is None else cache.of(shapes, names, labels, settings)

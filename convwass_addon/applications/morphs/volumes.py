@@ -107,6 +107,23 @@ class Lattice:
         of_worker = _BYTES_PER_WORKER + _BYTES_PER_WORKER_FILLED * filled + _BYTES_PER_WORKER_PART * (parts - 1)
         return int(cells * (len(shapes) * of_shape + workers * of_worker))
 
+    def shell_cells(self, thickness: float) -> float:
+        """Thickness in cells of a sheet that is given so much, scene units, and two cells at least.
+
+        Raises
+        ------
+        InputError
+            More than the whole grid is large.
+        """
+        most = max(self.shape) * self.spacing
+        if thickness > most:
+            raise InputError(
+                "A thickness of {thickness:.3g} is more than the shapes are large; take less than {most:.3g}.",
+                thickness=thickness,
+                most=most,
+            )
+        return max(thickness / self.spacing, _LEAST_THICKNESS)
+
     def to_cells(self, mesh: TriangleMesh, index: int) -> NDArray[np.float64]:
         """Triangles of input `index` in cells, (m, 3, 3)."""
         return (mesh.corners - self.centers[index] - self.origin) / self.spacing
@@ -156,7 +173,7 @@ def voxelized(shape: TriangleMesh, name: str, index: int, lattice: Lattice, thic
     corners = lattice.to_cells(orient_outward(shape), index)
     filled = occupancy(corners, lattice.shape)
     if filled.sum() < _LEAST_CELLS and thickness > 0:
-        cells = max(thickness / lattice.spacing, _LEAST_THICKNESS)
+        cells = lattice.shell_cells(thickness)
         filled = shell_occupancy(corners, lattice.shape, cells)
     if filled.sum() < _LEAST_CELLS:
         raise InputError(

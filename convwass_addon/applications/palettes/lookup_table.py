@@ -133,8 +133,9 @@ def read_cube(path: Path) -> LookupTable:
 
 def _table_of(lines: list[str], path: Path) -> LookupTable:
     words = [line.split() for line in lines if line.strip() and not line.lstrip().startswith("#")]
-    head = [line for line in words if line[0][0].isalpha() and line[0].lower() not in ("nan", "inf")]
-    rows = [line for line in words if line not in head] if head else words
+    named = [line[0][0].isalpha() and line[0].lower() not in ("nan", "inf") for line in words]
+    head = [line for line, is_named in zip(words, named, strict=True) if is_named]
+    rows = [line for line, is_named in zip(words, named, strict=True) if not is_named]
     sizes = [line[1] for line in head if line[0] == "LUT_3D_SIZE" and len(line) == 2]
     if len(sizes) != 1 or not (sizes[0].isascii() and sizes[0].isdigit() and len(sizes[0]) < 5):
         raise InputError("{file} holds no table of three dimensions (LUT_3D_SIZE).", file=str(path))

@@ -65,6 +65,12 @@ class ReflectanceSettings:
             raise InputError("There must be 1 to 90 directions around the normal.")
         if not (np.isfinite(self.sigma) and 0.5 <= self.sigma <= 20):
             raise InputError("The blur of a lobe must lie between 0.5 and 20 rows.")
+        if self.sigma > self.rows:
+            raise InputError(
+                "A blur of {sigma:g} rows is more than there are: {rows}.", sigma=self.sigma, rows=self.rows
+            )
+        if self.rows % 2:
+            raise InputError("The rows of a lobe must be an even number.")
         if not (np.isfinite(self.sharpness) and 0 <= self.sharpness <= 1):
             raise InputError("The sharpness must lie between 0 and 1.")
         if self.entropy not in ("free", "largest", "mean"):

@@ -13,6 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ...errors import InputError
+from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.coarsening import coarsened
 from ...geometry.edges import edge_use, topology, vertex_components
 from ...geometry.isosurface import surface_at_level
@@ -34,7 +35,7 @@ _MOST_FACES = 100_000
 # Cells along the longest side where the body is made of what the mesh encloses.
 _RESOLUTION = 128
 # Laying a thick shell takes the longer, the more cells it is thick.
-_THICK_RESOLUTION, _LEAST_THICKNESS = 80, 2.0
+_THICK_RESOLUTION = 80
 _SIGMA = 1.0
 
 
@@ -116,7 +117,7 @@ def _solid_body(mesh: TriangleMesh, pins: NDArray[np.float64], names: Sequence[s
     lattice = Lattice.around([mesh], _THICK_RESOLUTION if thickness > 0 else _RESOLUTION, _SIGMA)
     if thickness > 0:
         corners = lattice.to_cells(mesh, 0)
-        cells = max(thickness / lattice.spacing, _LEAST_THICKNESS)
+        cells = lattice.shell_cells(thickness)
         filled = np.maximum(occupancy(corners, lattice.shape), shell_occupancy(corners, lattice.shape, cells))
     else:
         filled = _enclosed(mesh, lattice)
@@ -146,10 +147,11 @@ def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequenc
     pieces = [piece for piece in pieces if piece.volume > 0]
     if len(pieces) == 1:
         return pieces[0]
-    holds = np.stack([winding_numbers(pins, piece) for piece in pieces])
-    away = np.stack([Inside(piece).distances(pins) for piece in pieces])
-    # A pin outside of all pieces belongs to the nearest.
-    owners = np.argmin(np.where(holds > 0.5, -1.0, away), axis=0)
+    holds = np.stack([winding_numbers(pins, piece) for piece in pieces]) > 0.5
+    # A pin outside of all pieces belongs to the nearest. There may be thousands of them, so they are asked together.
+    nearest = ClosestPointFinder(np.concatenate([piece.corners for piece in pieces])).find(pins).triangles
+    starts = np.cumsum([len(piece.faces) for piece in pieces])
+    owners = np.where(holds.any(axis=0), holds.argmax(axis=0), np.searchsorted(starts, nearest, side="right"))
     if (owners != owners[0]).any():
         other = int(np.flatnonzero(owners != owners[0])[0])
         raise InputError(

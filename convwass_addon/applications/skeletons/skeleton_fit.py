@@ -17,6 +17,7 @@ from ...geometry.inner_balls import inner_balls
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..densities.density_solving import Check
+from ..far_meshes import refuse_far
 from .skeleton_bodies import SkeletonBody, skeleton_body
 from .skeleton_carrying import between_pins, carried
 from .skeleton_checks import check_inside, check_loops, check_pins, named
@@ -108,6 +109,7 @@ def fit_steps(
         Before the work: a skeleton without bones or with too few pins, pins outside the body or in one place, a body
         that encloses nothing. The message says what to add.
     """
+    refuse_far(mesh)
     check_pins(graph)
     kept = between_pins(graph)
     core = graph.part(kept)

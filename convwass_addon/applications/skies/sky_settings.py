@@ -58,6 +58,10 @@ class SkySettings:
             raise InputError("The glow must travel on 16, 32, 64 or 128 rows.")
         if not (np.isfinite(self.sigma) and 0.5 <= self.sigma <= 20):
             raise InputError("The blur of the glow must lie between 0.5 and 20 rows.")
+        if self.sigma > self.rows:
+            raise InputError(
+                "A blur of {sigma:g} rows is more than there are: {rows}.", sigma=self.sigma, rows=self.rows
+            )
         if not (np.isfinite(self.sharpness) and 0 <= self.sharpness <= 1):
             raise InputError("The sharpness must lie between 0 and 1.")
         if not 0 < self.near < self.far <= 180:

@@ -231,7 +231,7 @@ def _extended(
 def _beyond(lengths: NDArray[np.floating], mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the squares of lengths in the size of a surface, less that of a coarse mesh's edges."""
     edges = np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2).mean()
-    return np.maximum(np.square(lengths) - edges**2, 0.0) / mesh.area
+    return np.maximum(np.square(lengths, dtype=np.float64) - edges**2, 0.0) / mesh.area
 
 
 def _scaled_to_share(rows: NDArray[np.float64], masses: NDArray[np.float64], share: float) -> csr_array:

@@ -19,6 +19,7 @@ from ...sentence import Sentence
 from ...transport import SoftMap, Surface
 from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
 from ..densities.density_solving import Check, monitor_of
+from ..far_meshes import refuse_far
 from ..workers import one_blas_thread
 from .coarse_sides import CoarseSide, coarse_side
 from .compatibility import comparison
@@ -112,6 +113,7 @@ def soft_map_steps(
 
 
 def _check_side(side: MapSide) -> None:
+    refuse_far(side.mesh)
     if not len(side.mesh.faces) or not side.mesh.area > 0:
         raise InputError("{name} has no faces with an area; choose an object with a surface.", name=side.name)
     for name, weights in side.groups.items():

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ...applications.whole_paths import whole_path
 from ...errors import InputError
 from ..blend_files import appended_objects, open_blend
 from ..imports import BLEND, READERS, Source, checked_file, import_objects
@@ -155,7 +156,7 @@ def _read(source: Source) -> list[bpy.types.Object]:
         )
     before = set(bpy.data.objects)
     try:
-        READERS[source.path.suffix.lower()](str(source.path.expanduser().absolute()))
+        READERS[source.path.suffix.lower()](str(whole_path(source.path)))
     except RuntimeError as error:
         raise InputError(
             "{file} could not be read; is it damaged? Blender says: {reason}",

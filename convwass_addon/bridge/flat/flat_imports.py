@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 import bpy
@@ -36,7 +37,7 @@ def imported_shape(text: str) -> list[bpy.types.Object]:
     InputError
         No word, or a file that cannot be used; the scene is as before then.
     """
-    if text.startswith(TEXT) and not Path(text).exists():
+    if text.startswith(TEXT) and not os.path.exists(text):
         return [_text_object(text.removeprefix(TEXT))]
     source = parse_source(text)
     suffix = source.path.suffix.lower()

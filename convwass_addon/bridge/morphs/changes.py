@@ -53,7 +53,7 @@ def changed_inputs(collection: bpy.types.Collection) -> list[str]:
     try:
         known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
         names = stored_morph(collection).inputs
-    except (ValueError, TypeError, ConvwassError):
+    except (ValueError, TypeError, RecursionError, ConvwassError):
         # A damaged description is told of where it is used.
         return []
     if not isinstance(known, list) or len(known) != len(names):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bpy
 
+from ...applications.whole_paths import whole_path
 from ...errors import InputError
 
 OUTPUT_KEY = "convwass_output"
@@ -65,7 +66,7 @@ def output_folder(path: str, morph: bpy.types.Collection) -> Path:
         raise InputError(
             "The folder {path} lies beside the .blend file: save that first, or give a whole path.", path=path
         )
-    folder = Path(bpy.path.abspath(path)).expanduser().absolute() / bpy.path.clean_name(morph.name)
+    folder = whole_path(bpy.path.abspath(path)) / bpy.path.clean_name(morph.name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

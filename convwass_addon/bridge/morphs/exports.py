@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import uuid
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...applications.whole_paths import whole_path
+from ...disk_room import require_room, require_whole
 from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import is_shown
@@ -20,6 +23,9 @@ from ..workshop import reason, workshop
 from .looks import VELOCITY, seen_colors, write_velocity
 from .materials import plain_copy, wears_color_attribute, wears_object_color
 from .stored import frame_objects
+
+# Bytes of an exported vertex, corner and face with colors, normals, UV maps and velocities, and of what comes first.
+_VERTEX, _CORNER, _FACE, _FILE = 48, 40, 8, 1 << 20
 
 COLORS = "displayColor"
 """Name of the colors in files that hold an animation: USD's own."""
@@ -90,7 +96,7 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
 
 def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
     """Return the path of a file with an ending that belongs to the format."""
-    target = Path(path).expanduser()
+    target = whole_path(path)
     if target.is_dir():
         target /= bpy.path.clean_name(name)
     if target.suffix.lower() in chosen.suffixes:
@@ -101,8 +107,17 @@ def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
     return target.with_name(stem + chosen.suffixes[0])
 
 
+def _exported_bytes(objects: Sequence[bpy.types.Object]) -> int:
+    """Estimate generously how large a file with the meshes of some objects may become."""
+    meshes = [obj.data for obj in objects if obj.type == "MESH"]
+    return _FILE + sum(
+        _VERTEX * len(own.vertices) + _CORNER * len(own.loops) + _FACE * len(own.polygons) for own in meshes
+    )
+
+
 def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
     """Write one frame object, whether or not it is visible now."""
+    require_room(file.parent, _exported_bytes([obj]))
     with workshop() as scene:
         # A stand-in, since the object itself is hidden in all frames but one.
         still = bpy.data.objects.new(file.stem, obj.data)
@@ -122,6 +137,7 @@ def _export_animation(frames: list[bpy.types.Object], file: Path, chosen: _Forma
     first, last = original.frame_start, original.frame_end
     if not any(obj.animation_data for obj in frames):
         first = last = original.frame_current
+    require_room(file.parent, _exported_bytes(frames))
     shown = [tuple(obj for obj in frames if is_shown(obj, frame)) for frame in range(first, last + 1)]
     with workshop() as scene, _colored_copies(frames, chosen.write_colors) as copies:
         scene.frame_start, scene.frame_end = first, last
@@ -169,12 +185,20 @@ def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
 
 
 def _write(file: Path, chosen: _Format) -> None:
+    """Write the context's scene; what is there of that name is replaced once all is written."""
+    # Only the material file of an OBJ is named in it.
+    draft = file if file.suffix.lower() == ".obj" else file.with_name(f".{uuid.uuid4().hex}{file.suffix}")
     try:
-        finished = "FINISHED" in chosen.write(str(file))
-    except RuntimeError as error:
+        finished = "FINISHED" in chosen.write(str(draft))
+        if not finished or not draft.is_file():
+            raise ConvwassError("{file} could not be written.", file=str(file))
+        require_whole(draft, file)
+        draft.replace(file)
+    except (RuntimeError, OSError) as error:
         raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
-    if not finished or not file.is_file():
-        raise ConvwassError("{file} could not be written.", file=str(file))
+    finally:
+        if draft != file:
+            draft.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -22,7 +22,8 @@ def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> N
 
 def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
     """Return the morph that an object stands in for, or None."""
-    return None if obj is None else obj.get(SHOWS_KEY)
+    shown = None if obj is None else obj.get(SHOWS_KEY)
+    return shown if isinstance(shown, bpy.types.Collection) else None
 
 
 def stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Object]:

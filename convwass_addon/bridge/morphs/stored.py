@@ -77,7 +77,7 @@ def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
         )
     try:
         return _checked(json.loads(text, parse_constant=_no_number))
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise InputError(
             "The settings stored on {name} are damaged ({reason}); bake the morph again from its inputs.",
             name=collection.name,
@@ -118,7 +118,19 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a morph in their order."""
-    return sorted((obj for obj in collection.objects if WEIGHTS_KEY in obj), key=lambda obj: obj.get(INDEX_KEY, 0))
+    frames = sorted((obj for obj in collection.objects if _weight_count(obj)), key=_place)
+    return [obj for obj in frames if _weight_count(obj) == _weight_count(frames[0])]
+
+
+def _weight_count(obj: bpy.types.Object) -> int:
+    """Return how many weights are stored on a frame object; 0 where there is something else."""
+    stored = obj.get(WEIGHTS_KEY)
+    return len(stored) if getattr(stored, "typecode", "") in ("f", "d") else 0
+
+
+def _place(obj: bpy.types.Object) -> float:
+    place = obj.get(INDEX_KEY, 0)
+    return place if isinstance(place, (int, float)) else 0
 
 
 def summary(record: dict[str, object]) -> dict[str, object]:
@@ -140,7 +152,7 @@ def stored_health(collection: bpy.types.Collection) -> list[HealthNote]:
     try:
         notes = [HealthNote(kind, values) for kind, values in json.loads(collection.get(HEALTH_KEY, "[]"))]
         return [note for note in notes if note.text]
-    except (ValueError, TypeError, KeyError, AttributeError):
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return []
 
 

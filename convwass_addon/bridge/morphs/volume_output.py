@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...errors import InputError
+from ...disk_room import require_whole
+from ...errors import ConvwassError, InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ..keyframes import is_shown
@@ -117,7 +118,12 @@ def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spac
     draft = file.with_suffix(".unfinished.vdb")
     try:
         openvdb.write(str(draft), grids=[grid])
+        require_whole(draft, file)
         draft.replace(file)
+    except (RuntimeError, OSError) as error:
+        raise ConvwassError(
+            "{file} could not be written: {reason}", file=str(file), reason=str(error).strip()
+        ) from error
     finally:
         draft.unlink(missing_ok=True)
 

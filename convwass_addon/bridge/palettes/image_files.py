@@ -14,6 +14,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...applications.whole_paths import whole_path
+from ...disk_room import require_whole
 from ...errors import ConvwassError, InputError
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF", ".exr": "OPEN_EXR"}
@@ -29,7 +31,7 @@ def opened_image(path: Path) -> Iterator[bpy.types.Image]:
     InputError
         No such file, or none that Blender reads.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     if not file.is_file():
         raise InputError("There is no file {file}.", file=str(file))
     try:
@@ -81,6 +83,7 @@ def save_pixels(pixels: NDArray[np.float32], like: bpy.types.Image, path: Path, 
         image.pixels.foreach_set(np.ascontiguousarray(pixels, dtype=np.float32).ravel())
         with _format_scene(kind, _depth(kind, depth, like.is_float), bool((pixels[..., 3] < 1.0).any())) as scene:
             image.save_render(str(draft), scene=scene)
+        require_whole(draft, path)
         os.replace(draft, path)
     except (RuntimeError, OSError) as error:
         reason = str(error).strip()

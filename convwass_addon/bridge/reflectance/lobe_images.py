@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from ...applications.reflectance.lobe_table import LobeTable
 from ...applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
+from ...applications.whole_paths import whole_path
+from ...disk_room import require_whole
 from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from .exr_header import exr_size
@@ -81,6 +83,7 @@ def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
         image.file_format = "OPEN_EXR"
         image.filepath_raw = str(draft)
         image.save()
+        require_whole(draft, target)
         os.replace(draft, target)
     except (RuntimeError, OSError) as error:
         reason = str(error).strip()
@@ -93,7 +96,7 @@ def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
 
 def holds_whole_table(path: Path) -> bool:
     """Whether a file of OpenEXR has the size of a whole table; raises InputError where it is none."""
-    size = exr_size(Path(path).expanduser().absolute())
+    size = exr_size(whole_path(path))
     return has_table_size(size.width, size.height)
 
 
@@ -105,7 +108,7 @@ def read_table_exr(path: Path) -> LobeTable:
     InputError
         No such file, none that Blender reads, another size, or values that no table has.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     if not holds_whole_table(file):
         raise InputError("{name} is no table of lobes.", name=file.name)
     return table_of_picture(_read_exr(file)[::-1], file.name)
@@ -119,7 +122,7 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
     InputError
         No such file, none that Blender reads, another size, or values that no material has.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     size = exr_size(file)
     steps = size.height // HEIGHT
     if size.width != WIDTH or size.height != steps * HEIGHT or not 1 <= steps <= _MOST_STEPS:

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
+from ...applications.whole_paths import whole_path
+from ...disk_room import require_whole
 from ...errors import ConvwassError, InputError
 from ...transport.sphere import solid_angles
 
@@ -60,7 +62,7 @@ def read_sky_file(path: Path) -> NDArray[np.float32]:
     InputError
         No such file, none that Blender reads, or no sky.
     """
-    file = Path(path).expanduser().absolute()
+    file = whole_path(path)
     if not file.is_file():
         raise InputError("There is no file {file}.", file=str(file))
     try:
@@ -126,6 +128,7 @@ def write_sky(path: Path, sky: NDArray[np.float32]) -> None:
         # Image.save would encode the values for a screen, and Cycles would mix neighbors as they are encoded.
         with _format_scene() as scene:
             image.save_render(str(draft), scene=scene)
+        require_whole(draft, path)
         os.replace(draft, path)
     except (RuntimeError, OSError) as error:
         reason = str(error).strip()

@@ -12,7 +12,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +19,7 @@ from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
 from ...errors import ConvwassError, InputError
 from ...sentence import Sentence
-from ..files import checked_target
+from ..files import checked_folder
 from .sky_pixels import write_sky
 
 # Share of the work that finding the suns takes.
@@ -87,13 +86,7 @@ class SkyFiles:
     def __init__(self, folder: str | Path, first_frame: int, count: int) -> None:
         if first_frame < 0:
             raise InputError("Frames before 0 cannot be numbered; start later.")
-        text = str(folder)
-        if text.startswith("//") and not bpy.data.filepath:
-            raise InputError("Save the file first: {folder} is relative to it. Or choose a whole path.", folder=text)
-        target = Path(bpy.path.abspath(text)).expanduser().absolute()
-        if target.exists() and not target.is_dir():
-            raise InputError("{folder} is a file; choose a folder.", folder=str(target))
-        checked_target(target / "x" if target.is_dir() else target)
+        target = checked_folder(folder)
         self.paths = [target / f"sky.{first_frame + place:04d}.exr" for place in range(count)]
         self._drafts: Path | None = None
         self._is_new = not target.exists()

@@ -185,6 +185,8 @@ def _sentence(plain: object) -> Sentence:
         raise TypeError("a notice is not a text with values")
     read = {name: _sentence(value["sentence"]) if isinstance(value, dict) else value for name, value in values.items()}
     made = Sentence(template, read)
+    if not made.is_plain:
+        raise ValueError("a notice asks for more than its values")
     str(made)
     return made
 

@@ -1,0 +1,23 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes that are too far away, or too large, to compute with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InputError
+from ..geometry.mesh import TriangleMesh
+
+# Squares of lengths up to this are numbers in single precision too.
+_FARTHEST = 1e18
+
+
+def refuse_far(mesh: TriangleMesh) -> None:
+    """Refuse coordinates whose squares and products are no numbers any more; raises InputError."""
+    if mesh.vertices.size and np.abs(mesh.vertices).max() > _FARTHEST:
+        raise InputError(
+            "Some vertices are farther away than {farthest:.0e}, where nothing can be computed; delete them, or apply "
+            "another scale.",
+            farthest=_FARTHEST,
+        )

@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake into a cache, in a process of its own that may be killed: python -m tests.fuzz.killed_bake FOLDER."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from tests.shapes import ball, box
+
+FRAMES = 12
+
+
+def bake(cache: FrameCache | None) -> list[MorphFrame]:
+    """Return all frames."""
+    settings = MorphSettings(resolution=16)
+    steps = morph([ball(points=200), box()], ["a", "b"], path_blends(2, FRAMES), settings, cache=cache, workers=1)
+    return [step.frame for step in steps if step.frame]
+
+
+if __name__ == "__main__":
+    bake(FrameCache(Path(sys.argv[1])))

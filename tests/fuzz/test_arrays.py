@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Broken meshes, curves and images through every application: what comes out is finite, or there is a message."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.errors import Cancelled, InputError
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.fuzz.array_cases import (
+    ON_MESHES,
+    ON_PIXELS,
+    ON_RINGS,
+    density_of,
+    flat_of,
+    gray_of,
+    morph_of,
+    outcome,
+    palette_of,
+    skeleton_of,
+    soft_map_of,
+)
+from tests.fuzz.corpus import broken_images, broken_meshes, broken_rings
+from tests.shapes import ball
+
+# What every application must refuse; others may do with a shape what they can.
+NEVER = {"nothing", "points", "one point thrice", "one vertex thrice", "NaN", "infinite", "beyond"}
+# The campaign of `python3 run.py fuzz` tries all; those that take long are tried on some here.
+_SOME = ("needle", "tiny", "flat", "moebius", "loose")
+TRIED = {kind: (*sorted(NEVER), *_SOME) for kind in ("armature", "soft map")}
+_SOME_PIXELS = ("one pixel", "nothing", "clear", "one color", "all NaN", "all infinite", "one NaN", "alpha infinite")
+
+
+@pytest.mark.parametrize("kind", ON_MESHES)
+def test_broken_meshes(kind):
+    for name, make in broken_meshes().items():
+        if name not in TRIED.get(kind, [name]):
+            continue
+        found = outcome(lambda make=make: ON_MESHES[kind](TriangleMesh.from_arrays(*make())))
+        assert found == "refused" or name not in NEVER, name
+
+
+def test_broken_rings():
+    for _, rings in broken_rings():
+        outcome(lambda rings=rings: ON_RINGS["flat"](rings))
+
+
+@pytest.mark.parametrize("kind", ON_PIXELS)
+def test_broken_images(kind):
+    tried = {name: pixels for name, pixels in broken_images() if kind != "recolor" or name in _SOME_PIXELS}
+    found = {name: outcome(lambda pixels=pixels: ON_PIXELS[kind](pixels)) for name, pixels in tried.items()}
+    assert found["nothing"] == found["all NaN"] == found["all infinite"] == "refused"
+
+
+@pytest.mark.parametrize("kind", ["morph", "soft map", "armature"])
+@pytest.mark.parametrize("name", ["huge", "largest", "beyond"])
+def test_coordinates_whose_squares_are_no_numbers_are_refused(kind, name):
+    mesh = TriangleMesh.from_arrays(*broken_meshes()[name]())
+    with pytest.raises(InputError, match=r"farther away than 1e\+18"):
+        ON_MESHES[kind](mesh)
+
+
+def pixels():
+    return np.random.default_rng(0).random((8, 9, 4))
+
+
+JOBS = {
+    "morph": lambda check: morph_of(ball(points=60), check),
+    "density": lambda check: density_of(ball(points=60), check),
+    "soft map": lambda check: soft_map_of(ball(points=60), check),
+    "armature": lambda check: skeleton_of(ball(points=60), check),
+    "flat": lambda check: flat_of([np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])], check),
+    "gray": lambda check: gray_of(pixels(), check),
+    "recolor": lambda check: palette_of(pixels(), check),
+}
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_jobs_end_at_every_check(name):
+    """Every check that a job makes ends it where the user has pressed Esc, and nothing swallows that."""
+    calls = []
+    JOBS[name](lambda: calls.append(1))
+    assert calls, "it never looks whether it should stop"
+    stops = sorted({0, 1, len(calls) // 3, len(calls) - 1} & set(range(len(calls))))
+    for stop in stops:
+        seen = []
+
+        def check(seen=seen, stop=stop):
+            seen.append(1)
+            if len(seen) > stop:
+                raise Cancelled("Cancelled.")
+
+        with pytest.raises(Cancelled):
+            JOBS[name](check)

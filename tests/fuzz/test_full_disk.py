@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Full disks, folders that are gone and paths that no system takes: a message, and nothing is lost."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections import namedtuple
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon import disk_room
+from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
+from convwass_addon.applications.system_errors import error_to_tell
+from convwass_addon.applications.whole_paths import path_with_suffix, whole_path
+from convwass_addon.bridge.files import checked_target, save_blend
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.palettes.image_files import save_pixels
+from convwass_addon.bridge.studio import move_result
+from convwass_addon.cli import main
+from convwass_addon.disk_room import require_room, require_whole
+from convwass_addon.errors import ConvwassError, InputError, ResourceError
+from tests.applications.test_frame_cache import assert_same
+from tests.fuzz.killed_bake import bake
+from tests.pictures import image_of
+
+_Usage = namedtuple("_Usage", "total used free")
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of 4 MB, and a function that fills it but for some bytes; only where one may mount disks."""
+    if not sys.platform.startswith("linux") or os.geteuid() or not shutil.which("mount"):
+        pytest.skip("disks are mounted by root on Linux only")
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(disk)], capture_output=True)
+    if done.returncode:
+        pytest.skip("this machine lets nobody mount disks")
+
+    def fill(left=0):
+        (disk / "fill").write_bytes(bytes(max(shutil.disk_usage(disk).free - left, 0)))
+        return disk
+
+    yield fill
+    subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+@pytest.fixture
+def morph(empty_scene):
+    """A baked morph, active."""
+    for place in (0, 3):
+        bpy.ops.mesh.primitive_cube_add(location=(place, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(frames=3, resolution=32)
+    return next(own for own in bpy.data.collections if own.name.startswith("Morph"))
+
+
+def test_a_cache_on_a_full_disk_says_so_and_goes_on_once_there_is_room(small_disk):
+    disk = small_disk(left=40_000)
+    with pytest.raises(ConvwassError, match="No space left"):
+        bake(FrameCache(disk))
+    assert not list(disk.glob("*.part"))
+    spare = SpareFrameCache(disk, 1 << 20)
+    frames = bake(spare)
+    assert "No space left" in str(spare.notices[0])
+    (disk / "fill").unlink()
+    assert_same(bake(FrameCache(disk)), frames)
+
+
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize("name", ["x.png", "x.jpg", "x.tif", "x.blend"])
+@pytest.mark.parametrize("left", [0, 4096])
+def test_old_files_stay_where_new_ones_do_not_fit(name, left, small_disk):
+    """Blender writes half a PNG and says nothing."""
+    path = small_disk() / name
+    path.with_name("fill").unlink()
+    path.write_bytes(b"old")
+    small_disk(left)
+    like = image_of("Like", np.random.default_rng(0).random((99, 99, 4)))
+    like.pack()
+    like.use_fake_user = True
+    with pytest.raises(ConvwassError, match=r"x\.|is full"):
+        save_blend(path) if name == "x.blend" else save_pixels(np.array(like.pixels).reshape(99, 99, 4), like, path)
+    assert path.read_bytes() == b"old"
+    assert sorted(own.name for own in path.parent.iterdir()) == ["fill", name]
+
+
+@pytest.mark.parametrize("output", ["make_volume", "make_cache", "make_cache usd"])
+def test_a_morph_stays_where_its_files_do_not_fit(output, morph, small_disk):
+    """Its meshes go once the files are there; Alembic's writer would end Blender."""
+    frames = frame_objects(morph)
+    name, *kind = output.split()
+    arguments = {"kind": kind[0]} if kind else {}
+    with pytest.raises(RuntimeError, match=r"Error: (?!Python)"):
+        getattr(bpy.ops.convwass, name)(folder=str(small_disk(8192)), **arguments)
+    assert frame_objects(morph) == frames
+
+
+def test_a_picture_from_elsewhere_is_there_whole_or_not_at_all(tmp_path, small_disk):
+    picture = tmp_path / "made.mp4"
+    picture.write_bytes(bytes(100_000))
+    target = small_disk() / "x.mp4"
+    (target.parent / "fill").unlink()
+    target.write_bytes(b"old")
+    small_disk(8192)
+    with pytest.raises(ConvwassError, match="No space left"):
+        move_result(picture, target)
+    assert target.read_bytes() == b"old"
+    assert sorted(own.name for own in target.parent.iterdir()) == ["fill", "x.mp4"]
+
+
+def test_room_is_asked_for_before(tmp_path, monkeypatch):
+    require_room(tmp_path, 1)
+    monkeypatch.setattr(disk_room.shutil, "disk_usage", lambda _: _Usage(9, 9, 5_000_000))
+    with pytest.raises(ConvwassError, match=r"has 5\.0 MB of room left, and this may take 6\.0 MB"):
+        require_room(tmp_path, 6_000_000)
+    (tmp_path / "a.abc").write_bytes(b"x")
+    require_whole(tmp_path / "a.abc", tmp_path / "b.abc")
+    monkeypatch.setattr(disk_room.shutil, "disk_usage", lambda _: _Usage(9, 9, 0))
+    with pytest.raises(ConvwassError, match="is full"):
+        require_whole(tmp_path / "a.abc", tmp_path / "b.abc")
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89PNG half", None])
+def test_half_files_are_noticed(content, tmp_path):
+    draft = tmp_path / "draft.png"
+    if content is not None:
+        draft.write_bytes(content)
+    with pytest.raises(ConvwassError, match=r"x\.png could not be written"):
+        require_whole(draft, tmp_path / "x.png")
+
+
+ODD_PATHS = ("x" * 300, "d/" * 3000, "~nobody_at_all/x", "\0")
+on_posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows takes other paths")
+
+
+@on_posix
+@pytest.mark.parametrize("path", ODD_PATHS)
+def test_paths_that_no_system_takes_are_refused(path, tmp_path):
+    for use in (whole_path, FrameCache, checked_target):
+        with pytest.raises(InputError, match="is no path of a file"):
+            use(path)
+    assert whole_path(tmp_path / "not there") == tmp_path / "not there"
+
+
+@pytest.mark.parametrize("path", [".", "/", ""])
+def test_folders_are_no_files(path):
+    with pytest.raises(InputError, match="is a folder"):
+        path_with_suffix(path, ".blend")
+
+
+@on_posix
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize("path", [*ODD_PATHS[:3], "/dev/null/x", "/proc/none/x", "//x"])
+def test_operators_and_verbs_say_what_is_wrong_with_a_path(path, morph, capsys):
+    for name in ("make_volume", "make_cache"):
+        with pytest.raises(RuntimeError, match=r"Error: (?!Python)"):
+            getattr(bpy.ops.convwass, name)(folder=path)
+    assert main(["morph", path, path, "--out", path]) in (2, 3)
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_errors_of_the_system_are_told():
+    told = error_to_tell(FileNotFoundError(2, "No such file or directory", "/a/b"))
+    assert str(told) == "/a/b cannot be read or written: No such file or directory."
+    assert str(error_to_tell(OSError(28, "No space left"))) == "The system refused to read or write: No space left."
+    assert isinstance(error_to_tell(MemoryError()), ResourceError)
+    same = InputError("x")
+    assert error_to_tell(same) is same
+    assert error_to_tell(ZeroDivisionError()) is None
+    assert error_to_tell(KeyboardInterrupt()) is None
+
+
+def test_verbs_tell_of_what_the_system_refuses(monkeypatch, capsys):
+    def fail(_):
+        raise OSError(28, "No space left on device", "/full/x")
+
+    monkeypatch.setattr("convwass_addon.cli.morph_verb.settings_of", fail)
+    assert main(["morph", "a", "b", "--out", "c"]) == 1
+    assert "convwass: /full/x cannot be read or written: No space left on device." in capsys.readouterr().err
