@@ -91,9 +91,9 @@ def test_home(tmp_path, monkeypatch):
 
 
 def test_drafts_take_their_places_together(tmp_path):
-    (tmp_path / "old.png").write_text("old")
+    (tmp_path / "old.cube").write_text("old")
     drafts = DraftFiles()
-    targets = [tmp_path / "old.png", tmp_path / "new" / "a.png"]
+    targets = [tmp_path / "old.cube", tmp_path / "new" / "a.cube"]
     for target in targets:
         drafts.draft_of(target).write_text("new")
     assert targets[0].read_text() == "old" and not targets[1].exists()
@@ -104,13 +104,25 @@ def test_drafts_take_their_places_together(tmp_path):
 
 
 def test_discarded_drafts_leave_nothing(tmp_path):
-    (tmp_path / "old.png").write_text("old")
+    (tmp_path / "old.cube").write_text("old")
     drafts = DraftFiles()
-    for target in (tmp_path / "old.png", tmp_path / "new" / "a.png"):
+    for target in (tmp_path / "old.cube", tmp_path / "new" / "a.cube"):
         drafts.draft_of(target).write_text("new")
-    drafts.draft_of(tmp_path / "never.png")
+    drafts.draft_of(tmp_path / "never.cube")
     drafts.discard()
-    assert list(tmp_path.iterdir()) == [tmp_path / "old.png"] and (tmp_path / "old.png").read_text() == "old"
+    assert list(tmp_path.iterdir()) == [tmp_path / "old.cube"] and (tmp_path / "old.cube").read_text() == "old"
+
+
+def test_drafts_that_were_cut_off_replace_nothing(tmp_path):
+    targets = [tmp_path / "a.cube", tmp_path / "b.png"]
+    drafts = DraftFiles()
+    for target in targets:
+        target.write_text("old")
+        drafts.draft_of(target).write_text("new")
+    with pytest.raises(ConvwassError, match="the disk may be full"):
+        drafts.keep()
+    drafts.discard()
+    assert sorted(tmp_path.iterdir()) == targets and targets[0].read_text() == "old"
 
 
 def test_a_draft_that_finds_no_place_says_so(tmp_path):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.palettes.png_bytes import png_bytes
+from convwass_addon.bridge.image_files import opened_image
 from convwass_addon.bridge.palettes import image_files, image_pixels
 from convwass_addon.bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from convwass_addon.errors import ConvwassError, InputError
@@ -102,7 +103,7 @@ def test_packed_files_hold_what_is_read(noise, tmp_path, space, alpha_mode):
 def test_bytes_are_written_as_they_are(tmp_path, name, depth, error):
     image = red_image()
     image_files.save_pixels(pixels_of(image), image, tmp_path / name, depth)
-    with image_files.opened_image(tmp_path / name) as found:
+    with opened_image(tmp_path / name) as found:
         assert tuple(found.size) == tuple(image.size)
         form = image_pixels.image_format(found)
         wanted = form.linear(pixels_of(found))
@@ -117,7 +118,7 @@ def test_scenes_are_written_as_they_are(tmp_path, noise):
     noise[..., :3] *= 50.0 * noise[..., 3:]
     image = image_of("A", noise, as_floats=True)
     image_files.save_pixels(noise, image, tmp_path / "a.exr")
-    with image_files.opened_image(tmp_path / "a.exr") as found:
+    with opened_image(tmp_path / "a.exr") as found:
         np.testing.assert_allclose(image_pixels.read_pixels(found), noise, rtol=1e-6)
 
 
@@ -130,7 +131,7 @@ def test_files_that_cannot_be(tmp_path, noise):
     (tmp_path / "taken.png").mkdir()
     with pytest.raises(ConvwassError, match="could not be written"):
         image_files.save_pixels(noise, image, tmp_path / "taken.png")
-    with pytest.raises(InputError, match="no file"), image_files.opened_image(tmp_path / "none.png"):
+    with pytest.raises(InputError, match="no file"), opened_image(tmp_path / "none.png"):
         pass
 
 

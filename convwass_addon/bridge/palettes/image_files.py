@@ -4,44 +4,17 @@
 
 from __future__ import annotations
 
-import os
-import uuid
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.whole_paths import whole_path
-from ...disk_room import require_whole
-from ...errors import ConvwassError, InputError
+from ...errors import InputError
+from ..image_files import ImageFormat, drawn_image, write_image
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF", ".exr": "OPEN_EXR"}
 """File formats by the end of the name."""
-
-
-@contextmanager
-def opened_image(path: Path) -> Iterator[bpy.types.Image]:
-    """Load an image, and remove it afterwards.
-
-    Raises
-    ------
-    InputError
-        No such file, or none that Blender reads.
-    """
-    file = whole_path(path)
-    if not file.is_file():
-        raise InputError("There is no file {file}.", file=str(file))
-    try:
-        image = bpy.data.images.load(str(file))
-    except RuntimeError as error:
-        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
-    try:
-        yield image
-    finally:
-        bpy.data.images.remove(image)
 
 
 def require_format(path: Path) -> str:
@@ -74,23 +47,10 @@ def save_pixels(pixels: NDArray[np.float32], like: bpy.types.Image, path: Path, 
         Blender or the system could not write the file.
     """
     kind = require_format(path)
-    height, width = pixels.shape[:2]
-    image = bpy.data.images.new("Recolored", width, height, alpha=True, float_buffer=like.is_float)
-    draft = path.with_name(f".{uuid.uuid4().hex}{path.suffix}")
-    try:
-        if not like.is_float:
-            image.colorspace_settings.name = like.colorspace_settings.name
-        image.pixels.foreach_set(np.ascontiguousarray(pixels, dtype=np.float32).ravel())
-        with _format_scene(kind, _depth(kind, depth, like.is_float), bool((pixels[..., 3] < 1.0).any())) as scene:
-            image.save_render(str(draft), scene=scene)
-        require_whole(draft, path)
-        os.replace(draft, path)
-    except (RuntimeError, OSError) as error:
-        reason = str(error).strip()
-        raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
-    finally:
-        draft.unlink(missing_ok=True)
-        bpy.data.images.remove(image)
+    mode = "RGBA" if kind != "JPEG" and (pixels[..., 3] < 1.0).any() else "RGB"
+    colorspace = None if like.is_float else like.colorspace_settings.name
+    with drawn_image(pixels, colorspace, is_float=like.is_float) as image:
+        write_image(image, path, ImageFormat(kind, mode, _depth(kind, depth, like.is_float)))
 
 
 def _depth(kind: str, depth: str, is_float: bool) -> str:
@@ -105,20 +65,3 @@ def _depth(kind: str, depth: str, is_float: bool) -> str:
             depth=depth,
         )
     return depth
-
-
-@contextmanager
-def _format_scene(kind: str, depth: str, has_alpha: bool) -> Iterator[bpy.types.Scene]:
-    """Give a scene whose settings say how to write the colors as they are."""
-    scene = bpy.data.scenes.new("Recolored")
-    try:
-        settings = scene.render.image_settings
-        settings.file_format = kind
-        settings.color_mode = "RGBA" if has_alpha and kind != "JPEG" else "RGB"
-        if kind != "JPEG":
-            settings.color_depth = depth
-        settings.quality = 95
-        scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
-        yield scene
-    finally:
-        bpy.data.scenes.remove(scene)

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import os
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,9 +14,10 @@ from numpy.typing import NDArray
 from ...applications.reflectance.lobe_table import LobeTable
 from ...applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
 from ...applications.whole_paths import whole_path
-from ...disk_room import require_whole
-from ...errors import ConvwassError, InputError
+from ...drafts import written_whole
+from ...errors import InputError
 from ..files import checked_target
+from ..image_files import opened_image
 from .exr_header import exr_size
 
 WIDTH, HEIGHT = 256, 64
@@ -75,21 +74,15 @@ def write_table_exr(path: Path, table: LobeTable) -> Path:
 def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
     """Write values, (height, width, 3), the lowest row first."""
     target = checked_target(path)
-    draft = target.with_name(f".{uuid.uuid4().hex}.exr")
     height, width = values.shape[:2]
     image = bpy.data.images.new("Lobes", width, height, alpha=False, float_buffer=True, is_data=True)
     try:
         fill_image(image, values)
         image.file_format = "OPEN_EXR"
-        image.filepath_raw = str(draft)
-        image.save()
-        require_whole(draft, target)
-        os.replace(draft, target)
-    except (RuntimeError, OSError) as error:
-        reason = str(error).strip()
-        raise ConvwassError("{file} could not be written: {reason}", file=str(target), reason=reason) from error
+        with written_whole(target) as draft:
+            image.filepath_raw = str(draft)
+            image.save()
     finally:
-        draft.unlink(missing_ok=True)
         bpy.data.images.remove(image)
     return target
 
@@ -135,11 +128,7 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
 
 def _read_exr(file: Path) -> NDArray[np.float32]:
     """Read a file, (height, width, 3), the lowest row first, whose size has been looked at."""
-    try:
-        image = bpy.data.images.load(str(file))
-    except RuntimeError as error:
-        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
-    try:
+    with opened_image(file) as image:
         image.colorspace_settings.name = "Non-Color"
         width, height = image.size
         if not image.is_float or len(image.pixels) != width * height * image.channels or image.channels < 3:
@@ -147,5 +136,3 @@ def _read_exr(file: Path) -> NDArray[np.float32]:
         values = np.empty(width * height * image.channels, dtype=np.float32)
         image.pixels.foreach_get(values)
         return values.reshape(height, width, -1)[..., :3]
-    finally:
-        bpy.data.images.remove(image)

@@ -4,10 +4,6 @@
 
 from __future__ import annotations
 
-import os
-import uuid
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
@@ -15,10 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
-from ...applications.whole_paths import whole_path
-from ...disk_room import require_whole
-from ...errors import ConvwassError, InputError
+from ...errors import InputError
 from ...transport.sphere import solid_angles
+from ..image_files import ImageFormat, drawn_image, opened_image, write_image
 
 
 def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
@@ -62,17 +57,8 @@ def read_sky_file(path: Path) -> NDArray[np.float32]:
     InputError
         No such file, none that Blender reads, or no sky.
     """
-    file = whole_path(path)
-    if not file.is_file():
-        raise InputError("There is no file {file}.", file=str(file))
-    try:
-        image = bpy.data.images.load(str(file))
-    except RuntimeError as error:
-        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
-    try:
+    with opened_image(path) as image:
         return read_sky(image)
-    finally:
-        bpy.data.images.remove(image)
 
 
 def turned(colors: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -118,34 +104,7 @@ def write_sky(path: Path, sky: NDArray[np.float32]) -> None:
     ConvwassError
         Blender or the system could not write the file.
     """
-    height, width = sky.shape[:2]
-    image = bpy.data.images.new("Sky", width, height, alpha=False, float_buffer=True)
-    draft = path.with_name(f".{uuid.uuid4().hex}.exr")
-    try:
-        rgba = np.ones((height, width, 4), dtype=np.float32)
-        rgba[..., :3] = turned(sky)[::-1]
-        image.pixels.foreach_set(rgba.ravel())
-        # Image.save would encode the values for a screen, and Cycles would mix neighbors as they are encoded.
-        with _format_scene() as scene:
-            image.save_render(str(draft), scene=scene)
-        require_whole(draft, path)
-        os.replace(draft, path)
-    except (RuntimeError, OSError) as error:
-        reason = str(error).strip()
-        raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
-    finally:
-        draft.unlink(missing_ok=True)
-        bpy.data.images.remove(image)
-
-
-@contextmanager
-def _format_scene() -> Iterator[bpy.types.Scene]:
-    """Give a scene whose render settings say how to write a sky."""
-    scene = bpy.data.scenes.new("Sky")
-    try:
-        settings = scene.render.image_settings
-        settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGB", "32"
-        settings.exr_codec = "ZIP"
-        yield scene
-    finally:
-        bpy.data.scenes.remove(scene)
+    rgba = np.ones((*sky.shape[:2], 4), dtype=np.float32)
+    rgba[..., :3] = turned(sky)[::-1]
+    with drawn_image(rgba) as image:
+        write_image(image, path, ImageFormat("OPEN_EXR", "RGB", "32"))
