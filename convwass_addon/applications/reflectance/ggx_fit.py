@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize, minimize_scalar
 
 from .lobe_table import IncomingDirections, LobeTable, reflected_light
 from .materials import Ggx
@@ -67,6 +66,9 @@ def fit_ggx(table: LobeTable) -> GgxFit:
     GgxFit
         Good for single highlights; a cross or two lobes of different width it cannot show.
     """
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    from scipy.optimize import minimize, minimize_scalar
+
     chosen = np.flatnonzero(table.theta_in <= _STEEPEST)
     chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, _MOST_DIRECTIONS).astype(int))]
     incoming = IncomingDirections(table.theta_in[chosen], table.phi_in[chosen])

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label, maximum_filter, median_filter
-from scipy.optimize import linprog
 
 from ...transport.sphere import directions, solid_angles
 from .sky_images import LUMINANCE, enlarged, light_of, padded, shrunk
@@ -112,6 +111,9 @@ def matched(first: list[Lamp], second: list[Lamp]) -> list[Move]:
     sums = np.concatenate(
         [np.kron(np.eye(len(own)), np.ones(len(their))), np.kron(np.ones(len(own)), np.eye(len(their)))]
     )
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    from scipy.optimize import linprog
+
     plan = linprog(cost.ravel(), A_eq=sums[:-1], b_eq=np.concatenate([own, their])[:-1], method="highs").x
     plan = plan.reshape(cost.shape)
     return [
