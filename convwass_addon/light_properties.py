@@ -14,6 +14,9 @@ from .bridge.reflectance.lobe_materials import Frames
 MATERIALS = ("material", "material_2", "material_3", "material_4")
 """Names of the properties of materials; their weights are called weight, weight_2 and so on."""
 
+WORLDS = ("world", "world_2", "world_3", "world_4")
+"""Names of the properties of worlds."""
+
 
 class ReflectanceProperties:
     """What a material between others is asked for."""
@@ -102,6 +105,7 @@ class ReflectanceProperties:
         description="File that the highlights go to as well; empty for none. Names that end in .npz or .lobes.exr hold "
         "all directions of one blend, other .exr what the node group looks up",
         subtype="FILE_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
 
     def reflectance_settings(self) -> ReflectanceSettings:
@@ -138,6 +142,7 @@ class SkyProperties:
         description="Where the images go, one for every frame; those that are there are replaced",
         default="//skies",
         subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     near: FloatProperty(
         name="Glow",
@@ -182,8 +187,8 @@ def _weight() -> object:
     return FloatProperty(name="Weight", description="How much this material counts", default=1.0, min=0.0, soft_max=1.0)
 
 
-def _world(name: str, description: str) -> object:
-    return PointerProperty(name=name, description=description, type=bpy.types.World)
+def _world() -> object:
+    return PointerProperty(name="World", description="World whose sky comes in its turn", type=bpy.types.World)
 
 
 def _is_sun(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
@@ -219,8 +224,15 @@ class CONVWASS_PG_reflectance(ReflectanceProperties, bpy.types.PropertyGroup):
 class CONVWASS_PG_sky(SkyProperties, bpy.types.PropertyGroup):
     """Settings of skies between others in a scene."""
 
-    first: _world("First", "World whose sky the first frame shows")
-    last: _world("Last", "World whose sky the last frame shows")
+    world: _world()
+    world_2: _world()
+    world_3: _world()
+    world_4: _world()
+
+    @property
+    def chosen_worlds(self) -> list[bpy.types.World]:
+        """The worlds that are chosen, in turn."""
+        return [world for name in WORLDS if (world := getattr(self, name)) is not None]
 
 
 def sun_of(context: bpy.types.Context) -> bpy.types.Object | None:

@@ -26,7 +26,12 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
     bl_label = "Import Highlights"
     bl_options = {"REGISTER", "UNDO"}
 
-    filepath: StringProperty(name="File", description="Table of highlights", subtype="FILE_PATH")
+    filepath: StringProperty(
+        name="File",
+        description="Table of highlights",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
     filter_glob: StringProperty(name="File Filter", default="*.exr;*.npz;*.binary", options={"HIDDEN"})
 
     @classmethod

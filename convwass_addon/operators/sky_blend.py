@@ -95,8 +95,7 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
         return SkyJob([world_sky(world, height) for world in worlds], files, settings)
 
     def _chosen(self, context: bpy.types.Context) -> list[bpy.types.World]:
-        own = context.scene.convwass_sky
-        worlds = [world for world in (own.first, own.last) if world is not None]
+        worlds = context.scene.convwass_sky.chosen_worlds
         if self.worlds.strip():
             worlds = [_named(name) for name in split_names(self.worlds)]
         if len(worlds) < 2:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..light_properties import MATERIALS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
+from ..light_properties import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
 from ..operators.background import CONVWASS_OT_stop_bake
 from ..operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
 from ..operators.reflectance_import import CONVWASS_OT_import_lobes
@@ -97,11 +97,11 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_sky
         column = layout.column(align=True)
-        column.prop(own, "first")
-        column.prop(own, "last")
+        for name in WORLDS[: max(2, len(own.chosen_worlds) + 1)]:
+            column.prop(own, name, text="")
         row = layout.row()
         row.scale_y = 1.6
-        row.enabled = own.first is not None and own.last is not None
+        row.enabled = len(own.chosen_worlds) > 1
         fill_operator(row.operator(CONVWASS_OT_interpolate_sky.bl_idname, icon="WORLD"), own, SkyProperties)
         layout.use_property_split = True
         layout.use_property_decorate = False

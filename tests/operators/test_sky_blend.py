@@ -55,7 +55,7 @@ def test_the_worlds_of_the_panel_count_where_none_is_named(worlds):
     own = bpy.context.scene.convwass_sky
     with pytest.raises(RuntimeError, match="Choose two worlds or more, not 0"):
         blend(worlds, worlds="")
-    own.first, own.last = bpy.data.worlds["0"], bpy.data.worlds["1"]
+    own.world, own.world_3 = bpy.data.worlds["0"], bpy.data.worlds["1"]
     assert blend(worlds, worlds="", frame_end=5) == {"FINISHED"}
 
 

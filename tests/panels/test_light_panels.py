@@ -33,7 +33,7 @@ def test_it_is_closed_at_first():
 
 def test_every_setting_and_every_operator_is_somewhere():
     expected = {*vars(ReflectanceProperties)["__annotations__"], *vars(SkyProperties)["__annotations__"]}
-    assert expected | {"sun", "first", "last", "material"} <= shown("prop")
+    assert expected | {"sun", "world", "world_2", "material"} <= shown("prop")
     assert {"convwass.interpolate_reflectance", "convwass.interpolate_sky", "convwass.import_lobes"} <= shown(
         "operator"
     )

@@ -133,7 +133,7 @@ def _goes_wrong(window: Window) -> Iterator[float]:
 
 def _bakes_skies(window: Window) -> Iterator[float]:
     own = bpy.context.scene.convwass_sky
-    own.first, own.last = _sky_world("Morning", 12.0, 200.0), _sky_world("Noon", 50.0, 290.0)
+    own.world, own.world_2 = _sky_world("Morning", 12.0, 200.0), _sky_world("Noon", 50.0, 290.0)
     own.width, own.frame_start, own.frame_end = 256, 1, 5
     own.folder = str(_folder(window))
     yield from window.open_panel("CONVWASS_PT_sky")

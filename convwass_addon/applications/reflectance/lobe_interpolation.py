@@ -146,6 +146,9 @@ class LobeBlend:
             solved.append(found)
             exponents.append(exponent)
             lobes.append(self._bounded(found.density, exponent) / self.domain.area)
+        if alphas.max() == 1.0:
+            # A material alone is itself, also in what the kernel blurs.
+            lobes = list(self.tables[int(alphas.argmax())].lobes)
         table = replace(self.tables[0], lobes=np.array(lobes), albedo=_mixed_albedo(self.tables, alphas))
         record = self._record(alphas, solved, exponents, table)
         yield LobeStep(
