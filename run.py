@@ -36,7 +36,8 @@ PROJECT = Path(__file__).resolve().parent
 
 COMMANDS = {
     "demo": [["-m", "convwass_addon", "demo"]],
-    "test": [["-m", "pytest"]],
+    # Side by side, a file of tests after the other in each process; -n 0 after the command stops that.
+    "test": [["-m", "pytest", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile"]],
     "window": [["-m", "tests.window"]],
     "bench": [["-m", "benchmarks"]],
     "package": [["-m", "tools.package"]],

@@ -19,6 +19,10 @@ for variable in [name for name in os.environ if name.startswith(("BLENDER_USER_"
 _USER_RESOURCES = tempfile.mkdtemp(prefix="convwass-tests-")
 os.environ["BLENDER_USER_RESOURCES"] = _USER_RESOURCES
 
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # Several processes share the machine; NumPy's BLAS reads this while it is being imported.
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 # Tests run on loaded machines too: no test fails for being slow.
 hypothesis.settings.register_profile("convwass", deadline=None)
 hypothesis.settings.load_profile("convwass")

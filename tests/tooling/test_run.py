@@ -49,7 +49,7 @@ def test_arguments_go_through_unchanged(started, project):
     assert run.main(["test", "-k", "grid and not slow", "--help"]) == 0
     assert started == [
         (".venv", "3.13", "3.11"),
-        (["-m", "pytest", "-k", "grid and not slow", "--help"], project),
+        ([*run.COMMANDS["test"][0], "-k", "grid and not slow", "--help"], project),
     ]
 
 
@@ -73,7 +73,7 @@ def test_version_without_blender_is_refused(arguments, started):
 def test_stated_blender_has_an_environment_of_its_own(started, blender, python):
     run.main(["test", "--blender", blender, "-k", "grid"])
     assert started[0] == (f".venv-blender-{blender}", python)
-    assert started[1][0] == ["-m", "pytest", "-k", "grid"]
+    assert started[1][0] == [*run.COMMANDS["test"][0], "-k", "grid"]
 
 
 @pytest.mark.parametrize("arguments", [["test", "--blender"], ["test", "--blender", "3.6"]])
