@@ -26,10 +26,7 @@ def flat(window: Window) -> Iterator[float]:
 
 
 def _types(window: Window) -> Iterator[float]:
-    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
-    yield 1.5
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    yield from window.empty_scene()
     for number, word in enumerate(_WORDS):
         with window.override():
             bpy.ops.object.select_all(action="DESELECT")

@@ -30,10 +30,7 @@ def light(window: Window) -> Iterator[float]:
 
 
 def _begins(window: Window) -> Iterator[float]:
-    bpy.ops.wm.read_homefile(use_empty=False, app_template="")
-    yield 1.5
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    yield from window.empty_scene()
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.data.energy, sun.data.angle = 3.0, 0.0
     sun.rotation_euler = (math.radians(50.0), 0.0, math.radians(-30.0))
