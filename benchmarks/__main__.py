@@ -12,9 +12,34 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import correspondences, flat, midpoints, morph, peers, quality, recolor, skeleton, sphere, surface, table1
+from . import (
+    correspondences,
+    flat,
+    midpoints,
+    morph,
+    peers,
+    quality,
+    recolor,
+    side_by_side,
+    skeleton,
+    sphere,
+    surface,
+    table1,
+)
 
-_ALL = ("morph", "flat", "quality", "table1", "surface", "skeleton", "softmap", "recolor", "sphere", "peers")
+_ALL = (
+    "morph",
+    "flat",
+    "quality",
+    "rivals",
+    "table1",
+    "surface",
+    "skeleton",
+    "softmap",
+    "recolor",
+    "sphere",
+    "peers",
+)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -22,11 +47,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
     names = parser.add_subparsers(
         title="benchmarks",
-        metavar="morph | flat | quality | table1 | surface | skeleton | softmap | recolor | sphere | peers",
+        metavar="morph | flat | quality | rivals | table1 | surface | skeleton | softmap | recolor | sphere | peers",
     )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
+    _add_rivals(names.add_parser("rivals", help=side_by_side.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
     _add_surface(names.add_parser("surface", help=surface.__doc__))
     _add_skeleton(names.add_parser("skeleton", help=skeleton.__doc__))
@@ -66,6 +92,11 @@ def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=64, help="cells along the longest side (%(default)s)")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
     parser.set_defaults(run=lambda options: quality.main(options.cells, options.meshes))
+
+
+def _add_rivals(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
+    parser.set_defaults(run=lambda options: side_by_side.main(options.cells))
 
 
 def _add_table1(parser: argparse.ArgumentParser) -> None:

@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One method between two shapes, in a process of its own: ``python -m benchmarks.rival_cases CASE OPTIONS``."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+
+import numpy as np
+
+from .clock import Clock
+from .rival_measures import Passage
+from .rivals import METHODS, TIMES, Ends, has_sdf_grids
+
+
+def passage(paths: list[str], cells: int, method: str, keep: str | None = None) -> dict[str, object]:
+    """Make the frames and measure them; `keep` is a file to write their meshes to, without ending."""
+    if method == "sdf" and not has_sdf_grids():
+        return {"missing": "needs Blender 5.0"}
+    ends = Ends.read(paths, cells)
+    clock = Clock()
+    frames = METHODS[method](ends)
+    used = clock.read()
+    if keep is not None:
+        arrays = {
+            f"{kind}{i}": getattr(frame, kind) for i, frame in enumerate(frames) for kind in ("vertices", "faces")
+        }
+        np.savez_compressed(keep, **arrays)
+    found = Passage.of(frames, ends.shapes, TIMES, ends.lattice)
+    return {
+        "outside": found.outside,
+        "detour": found.detour,
+        "volumes": found.volumes.tolist(),
+        "pieces": found.pieces,
+        "handles": found.handles,
+        "smallest": found.smallest,
+        "arrival": found.arrival,
+        **used,
+    }
+
+
+CASES = {"passage": passage}
+
+if __name__ == "__main__":
+    case, options = sys.argv[1:]
+    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
+    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    os._exit(0)

@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a user of Blender would pick in place of transport: the same two shapes, blended in four ways.
+
+All of them get the same meshes, center of mass on center of mass, and the same size of a cell:
+
+- ``fade``: the occupancies of the cells mixed linearly, and the surface that encloses the interpolated volume;
+- ``shrinkwrap``: the first mesh wrapped onto the second by a Shrinkwrap modifier as Blender sets it up (nearest surface
+  point), kept as a shape key whose value goes from 0 to 1;
+- ``sdf``: Mesh to SDF Grid of both, mixed linearly, Grid to Mesh, in Geometry Nodes (on their menus since Blender 5.0);
+- ``transport``: a morph at default settings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.volumes import Lattice, voxelize
+from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.objects import triangle_mesh, write_mesh
+from convwass_addon.geometry.centroid import centroid
+from convwass_addon.geometry.isosurface import surface_enclosing
+from convwass_addon.geometry.mesh import TriangleMesh
+
+STEPS = 4
+TIMES = tuple(step / STEPS for step in range(STEPS + 1))
+"""When a frame is made, the two ends among them."""
+
+# Voxels on either side of a surface in which signed distances are known; a wider band yields the same surfaces.
+_BAND = 24
+# Cells over which a linear mix is averaged before its surface is read, as a morph's is.
+_READING_BLUR = 0.7
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Two shapes, each with its center of mass at the origin, and the cells that all methods use.
+
+    Attributes
+    ----------
+    names : (str, str)
+        Of their files.
+    shapes : (TriangleMesh, TriangleMesh)
+        The meshes.
+    settings : MorphSettings
+        The defaults, at a resolution.
+    lattice : Lattice
+        A grid that holds both.
+    """
+
+    names: tuple[str, str]
+    shapes: tuple[TriangleMesh, TriangleMesh]
+    settings: MorphSettings
+    lattice: Lattice
+
+    @classmethod
+    def read(cls, paths: Sequence[str | Path], cells: int) -> Ends:
+        """Read two meshes, smoothed by one subdivision, with `cells` along the longest side of the grid."""
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        shapes = tuple(_smoothed(Path(path)) for path in paths)
+        settings = MorphSettings(resolution=cells)
+        names = tuple(Path(path).stem for path in paths)
+        return cls(names, shapes, settings, Lattice.around(shapes, cells, settings.sigma))
+
+    def occupancies(self) -> NDArray[np.float32]:
+        """Which part of every cell each of the two fills, (2, nx, ny, nz)."""
+        return np.stack(list(voxelize(self.shapes, self.names, self.lattice, 0.0)))
+
+
+def _smoothed(path: Path) -> TriangleMesh:
+    (obj,) = import_objects(path, None)
+    obj.modifiers.new("Finer", "SUBSURF").levels = 1
+    mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    return mesh.moved(-centroid(mesh))
+
+
+def faded(ends: Ends) -> list[TriangleMesh]:
+    """Mix the occupancies linearly."""
+    occupancies = ends.occupancies()
+    volumes = occupancies.sum(axis=(1, 2, 3), dtype=np.float64)
+    frames = []
+    for t in TIMES:
+        weights = np.array([1.0 - t, t])
+        mixed = gaussian_filter(np.tensordot(weights.astype(np.float32), occupancies, 1), _READING_BLUR)
+        surface = surface_enclosing(mixed, float(weights @ volumes))
+        frames.append(ends.lattice.to_scene(surface.mesh, weights))
+    return frames
+
+
+def shrinkwrapped(ends: Ends) -> list[TriangleMesh]:
+    """Wrap the first mesh onto the second, and key how far it has gone."""
+    with _objects(ends) as (source, target):
+        source.shape_key_add(name="Basis")
+        modifier = source.modifiers.new("Wrapped", "SHRINKWRAP")
+        modifier.target = target
+        with bpy.context.temp_override(object=source, active_object=source):
+            bpy.ops.object.modifier_apply_as_shapekey(modifier=modifier.name)
+        key = source.data.shape_keys.key_blocks["Wrapped"]
+        return [_at(source, key, "value", t) for t in TIMES]
+
+
+def sdf_mixed(ends: Ends) -> list[TriangleMesh]:
+    """Mix the signed distances linearly, by Geometry Nodes.
+
+    Raises
+    ------
+    RuntimeError
+        Blender is older than 5.0.
+    """
+    if not has_sdf_grids():
+        raise RuntimeError("Geometry Nodes have no SDF grids before Blender 5.0")
+    with _objects(ends) as pair:
+        mixer = bpy.data.objects.new("Mixer", bpy.data.meshes.new("Mixer"))
+        bpy.context.scene.collection.objects.link(mixer)
+        tree = bpy.data.node_groups.new("SDF Mix", "GeometryNodeTree")
+        try:
+            mixer.modifiers.new("Mix", "NODES").node_group = tree
+            factor = _sdf_mix(tree, pair, ends.lattice.spacing)
+            # The surface of a mixed grid looks inward.
+            return [_at(mixer, factor, "default_value", t).flipped() for t in TIMES]
+        finally:
+            mesh = mixer.data
+            bpy.data.objects.remove(mixer)
+            bpy.data.meshes.remove(mesh)
+            bpy.data.node_groups.remove(tree)
+
+
+def has_sdf_grids() -> bool:
+    """Tell whether this Blender's Geometry Nodes know signed distances."""
+    return hasattr(bpy.types, "GeometryNodeMeshToSDFGrid")
+
+
+def _sdf_mix(
+    tree: bpy.types.NodeTree, pair: tuple[bpy.types.Object, bpy.types.Object], voxel: float
+) -> bpy.types.NodeSocket:
+    """Fill a tree, and return the socket of the factor."""
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    mix = tree.nodes.new("ShaderNodeMix")
+    for socket, obj in zip(("A", "B"), pair, strict=True):
+        info, grid = tree.nodes.new("GeometryNodeObjectInfo"), tree.nodes.new("GeometryNodeMeshToSDFGrid")
+        info.inputs["Object"].default_value = obj
+        grid.inputs["Voxel Size"].default_value = voxel
+        grid.inputs["Band Width"].default_value = _BAND
+        tree.links.new(info.outputs["Geometry"], grid.inputs["Mesh"])
+        tree.links.new(grid.outputs["SDF Grid"], mix.inputs[socket])
+    surface, output = tree.nodes.new("GeometryNodeGridToMesh"), tree.nodes.new("NodeGroupOutput")
+    surface.inputs["Threshold"].default_value = 0.0
+    tree.links.new(mix.outputs["Result"], surface.inputs["Grid"])
+    tree.links.new(surface.outputs["Mesh"], output.inputs["Geometry"])
+    return mix.inputs["Factor"]
+
+
+def transported(ends: Ends) -> list[TriangleMesh]:
+    """Morph at default settings."""
+    steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), ends.settings, workers=1)
+    frames = [step.frame for step in steps if step.frame is not None]
+    return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
+
+
+METHODS: dict[str, Callable[[Ends], list[TriangleMesh]]] = {
+    "fade": faded,
+    "shrinkwrap": shrinkwrapped,
+    "sdf": sdf_mixed,
+    "transport": transported,
+}
+"""What makes the frames at `TIMES`, by name."""
+
+
+@contextmanager
+def _objects(ends: Ends) -> Iterator[tuple[bpy.types.Object, bpy.types.Object]]:
+    """Put the two shapes into the scene, and take them away again."""
+    objects = []
+    for name, shape in zip(ends.names, ends.shapes, strict=True):
+        mesh = bpy.data.meshes.new(name)
+        write_mesh(mesh, shape)
+        objects.append(bpy.data.objects.new(name, mesh))
+        bpy.context.scene.collection.objects.link(objects[-1])
+    try:
+        yield tuple(objects)
+    finally:
+        for mesh in [obj.data for obj in objects]:
+            bpy.data.meshes.remove(mesh)
+
+
+def _at(obj: bpy.types.Object, block: object, setting: str, t: float) -> TriangleMesh:
+    setattr(block, setting, t)
+    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
