@@ -10,6 +10,7 @@
     python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
     python3 run.py fuzz [ARGS]        try to break the add-on, such as  --minutes 10
     python3 run.py lint               check the style of the code
+    python3 run.py api                write the pages about the API from the docstrings, into docs/
     python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
 
 The first start makes the folder .venv beside this file and installs Blender's module bpy and the other dependencies
@@ -42,6 +43,7 @@ COMMANDS = {
     "bench": [["-m", "benchmarks"]],
     "package": [["-m", "tools.package"]],
     "fuzz": [["-m", "tests.fuzz"]],
+    "api": [["-m", "tools.api_pages"]],
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
     "python": [[]],
 }

@@ -17,8 +17,8 @@ from renderer import Shape, posed, read_mesh, rendered
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.soft_maps.map_sides import MapSide
+from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
 from convwass_addon.applications.soft_maps.surface_maps import SurfaceMap, distribution_of
 from convwass_addon.geometry.mesh import TriangleMesh
 

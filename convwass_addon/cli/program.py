@@ -37,7 +37,7 @@ EXIT_CODES = """exit codes:
 
 
 @dataclass(frozen=True)
-class _Verb:
+class Verb:
     """A verb of the command line: what it is called, its options, and what it does with them."""
 
     name: str
@@ -47,17 +47,15 @@ class _Verb:
     run: Callable[[Namespace], Answer]
 
 
-_VERBS = (
-    _Verb("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
-    _Verb("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
-    _Verb(
-        "softmap", "map a mesh to another and transfer what is on it", SOFTMAP_HELP, add_softmap_options, run_softmap
-    ),
-    _Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
-    _Verb("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
-    _Verb("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
-    _Verb("sky", "make skies between two others", SKY_HELP, add_sky_options, run_sky),
-    _Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
+VERBS = (
+    Verb("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
+    Verb("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
+    Verb("softmap", "map a mesh to another and transfer what is on it", SOFTMAP_HELP, add_softmap_options, run_softmap),
+    Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
+    Verb("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
+    Verb("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
+    Verb("sky", "make skies between two others", SKY_HELP, add_sky_options, run_sky),
+    Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
 )
 
 
@@ -77,7 +75,7 @@ def run(arguments: Sequence[str], program: str) -> int:
         The exit code; see the help text.
     """
     try:
-        options = _parser(program).parse_args(list(arguments))
+        options = command_line_parser(program).parse_args(list(arguments))
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
@@ -99,10 +97,11 @@ def run(arguments: Sequence[str], program: str) -> int:
     return 0
 
 
-def _parser(program: str) -> ArgumentParser:
+def command_line_parser(program: str) -> ArgumentParser:
+    """Return the parser of all verbs; `program` is how the user called it."""
     parser = ArgumentParser(program, description="Convolutional Wasserstein distances for Blender.")
     verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in _VERBS:
+    for verb in VERBS:
         own = verbs.add_parser(
             verb.name,
             help=verb.summary,

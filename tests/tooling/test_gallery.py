@@ -11,13 +11,13 @@ import sys
 import numpy as np
 import pytest
 
-from convwass_addon import cli
 from convwass_addon.applications.skeletons.skeleton_fit import fit_steps
 from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.applications.soft_maps.map_sides import MapSide
-from convwass_addon.applications.soft_maps.soft_maps import soft_map_steps
+from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.surface_maps import distribution_of
+from convwass_addon.cli import program
 from convwass_addon.transport import Grid, Surface, barycenter, bisect, distance, point_distances, propagate
 from tests.shapes import ball
 
@@ -63,7 +63,7 @@ def test_new_pictures_are_light(project):
 def test_commands_are_understood(project, gallery):
     commands = [figure for figure in drawn_here(project, gallery) if figure.language == "sh"]
     assert len(commands) >= 6
-    parser = cli._parser("convwass")
+    parser = program.command_line_parser("convwass")
     for figure in commands:
         words = shlex.split(figure.line)
         assert words[:5] == ["python3", "run.py", "python", "-m", "convwass_addon"]

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which functions and classes outside of ``transport`` scripts are meant to use: by room, module by module."""
+
+from __future__ import annotations
+
+APPLICATIONS = {
+    "morphs": {
+        "morph": ("morph", "MorphStep"),
+        "morph_settings": ("MorphSettings",),
+        "layouts": ("Blend", "path_blends", "grid_blends", "triangle_blends", "single_blend"),
+        "frame_cache": ("FrameCache",),
+    },
+    "flat": {
+        "flat_morph": ("flat_morph",),
+        "flat_frames": ("FlatStep", "FlatFrame"),
+        "flat_settings": ("FlatSettings",),
+        "flat_shapes": ("FlatShape", "FlatImage"),
+    },
+    "densities": {
+        "surface_densities": ("density_surface", "distribution", "heat_map"),
+        "density_settings": ("DensitySettings",),
+        "density_paths": ("interpolation_steps", "path_steps", "blend_steps"),
+        "density_graphs": ("propagation_steps",),
+        "density_frames": ("DensityStep", "DensityFrames", "joined_frames"),
+        "density_measures": ("measured_distance", "distance_table"),
+        "vertex_distances": ("distances_from",),
+        "density_tools": ("diffused", "sharpened", "sharpened_by", "unit_mass"),
+    },
+    "soft_maps": {
+        "map_solving": ("soft_map_steps", "SoftMapStep"),
+        "map_sides": ("MapSide",),
+        "soft_map_settings": ("SoftMapSettings",),
+        "mirror_maps": ("mirror_map_steps",),
+        "surface_maps": ("SurfaceMap", "PointMap"),
+        "map_repair": ("repaired_map",),
+        "transfer": ("transferred_values", "transferred_weights"),
+    },
+    "skeletons": {
+        "skeleton_fit": ("fit_steps", "FitStep", "FittedSkeleton"),
+        "skeleton_graph": ("JointGraph",),
+        "skeleton_settings": ("SkeletonSettings",),
+        "inner_points": ("inner_point",),
+    },
+    "palettes": {
+        "recolor_job": ("recolor_steps", "Picture", "RecolorStep"),
+        "palette_settings": ("RecolorSettings",),
+        "palette_statistics": ("measured_palette", "pooled_palette"),
+        "recoloring": ("recoloring", "palette_barycenter", "Recoloring"),
+        "pixel_blocks": ("recolored_blocks",),
+        "lookup_table": ("lookup_table", "write_cube", "read_cube"),
+    },
+    "reflectance": {
+        "materials": ("Ggx", "BlinnPhong", "AshikhminShirley"),
+        "merl": ("read_merl",),
+        "lobe_table": ("LobeTable", "incoming_directions", "tabulated"),
+        "lobe_interpolation": ("LobeBlend", "InterpolatedLobes"),
+        "reflectance_settings": ("ReflectanceSettings",),
+        "ggx_fit": ("fit_ggx",),
+        "table_files": ("write_table", "read_table"),
+    },
+    "skies": {
+        "sky_frames": ("Skies", "SkyFrame"),
+        "sky_settings": ("SkySettings",),
+    },
+}
+"""In ``convwass_addon.applications``; arrays in, arrays out, no Blender."""
+
+BRIDGE = {
+    "imports": ("import_objects",),
+    "objects": ("triangle_mesh", "write_mesh"),
+    "surfaces": ("read_surface",),
+    "morphs.exports": ("export_frames",),
+    "vertex_groups": ("read_group", "write_group", "as_weights"),
+    "image_files": ("opened_image",),
+    "palettes.image_files": ("save_pixels",),
+    "palettes.image_pixels": ("read_picture",),
+}
+"""In ``convwass_addon.bridge``; between Blender's data and arrays."""
