@@ -29,6 +29,8 @@ PROJECT = HERE.parents[1]
 NEEDED = {"Xvfb": "xvfb", "xdotool": "xdotool", "import": "imagemagick"}
 
 SCENARIOS = ("armatures", "soft_maps", "densities", "recolor", "light", "flat", "morphs")
+# Taken when they are asked for: they test little.
+PICTURES = ("walkthrough",)
 
 _SETTINGS = """
 import bpy
@@ -68,7 +70,12 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--out", type=Path, default=PROJECT / "out" / "window", help="where pictures go (%(default)s)")
     parser.add_argument("--size", default="1600x1000", help="of the window (%(default)s)")
     parser.add_argument(
-        "--only", nargs="+", choices=SCENARIOS, default=SCENARIOS, metavar="SCENARIO", help="out of: %(choices)s"
+        "--only",
+        nargs="+",
+        choices=(*SCENARIOS, *PICTURES),
+        default=SCENARIOS,
+        metavar="SCENARIO",
+        help="out of: %(choices)s",
     )
     parser.add_argument("--timeout", type=float, default=1200.0, help="seconds until it is stopped (%(default)g)")
     return parser.parse_args()
