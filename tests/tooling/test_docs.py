@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the documentation says is there: links, pictures, files, commands, options, operators and their arguments."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shlex
+import textwrap
+from argparse import ArgumentParser
+from pathlib import Path
+
+import bpy
+import pytest
+
+import run
+from convwass_addon.cli import program
+
+PROJECT = Path(__file__).resolve().parents[2]
+PAGES = sorted(
+    path for folder in (".", "docs", "docs/api", "docs/scripts", "assets") for path in (PROJECT / folder).glob("*.md")
+)
+VERBS = [verb.name for verb in program.VERBS]
+# What stands for something else in examples.
+_PLACEHOLDERS = ("VERB", "…")
+# Pages that name options of other programs, or options that have gone.
+_TELLS_OF_OTHERS = ("CHANGELOG.md", "performance.md")
+
+_LINK = re.compile(r"\]\(([^()\s]+)\)")
+_BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+_INLINE = re.compile(r"`([^`\n]+)`")
+_CALL = re.compile(r"bpy\.ops\.convwass\.(\w+)(\([^`\n]*\))?")
+
+# Files that a page tells its reader to write.
+_TO_BE_WRITTEN = ("transport/ring.py", "tests/transport/test_ring.py")
+
+# Largest picture of the walk-through, in bytes.
+_LIGHT = 150_000
+
+
+def shown(page: Path) -> str:
+    return page.relative_to(PROJECT).as_posix()
+
+
+def text_of(page: Path) -> str:
+    return page.read_text(encoding="utf-8")
+
+
+def prose_of(page: Path) -> str:
+    """Return a page without its blocks of code; inline code that was broken is whole again."""
+    return re.sub(r"(?<!\n)\n(?!\n)", " ", _BLOCK.sub("", text_of(page)))
+
+
+def headings_of(page: Path) -> set[str]:
+    """Return the addresses that GitHub gives to the headings of a page."""
+    found = re.findall(r"^#+ (.+)$", _BLOCK.sub("", text_of(page)), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in found}
+
+
+def commands_of(text: str) -> list[str]:
+    """Return the command lines in blocks of code and in inline code that call this project."""
+    lines = [line for _, block in _BLOCK.findall(text) for line in re.sub(r"\\\n\s*", "", block).splitlines()]
+    lines += _INLINE.findall(re.sub(r"(?<!\n)\n(?!\n)", " ", _BLOCK.sub("", text)))
+    return [line.strip() for line in lines if is_command(line.split()) and not any(p in line for p in _PLACEHOLDERS)]
+
+
+def is_command(words: list[str]) -> bool:
+    if words[:2] == ["python3", "run.py"] or words[:3] == ["blender", "--command", "convwass"]:
+        return True
+    return len(words) > 2 and words[0] in VERBS and any(word.startswith("--") or "." in word for word in words[1:])
+
+
+COMMANDS = sorted(
+    {(shown(page), command) for page in PAGES if page.name != "CHANGELOG.md" for command in commands_of(text_of(page))}
+)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=shown)
+def test_links_and_pictures_are_there(page):
+    wrong = []
+    for target in _LINK.findall(_BLOCK.sub("", text_of(page))):
+        if target.startswith(("http://", "https://")):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        if not file.exists() or (anchor and anchor not in headings_of(file)):
+            wrong.append(target)
+    assert wrong == []
+
+
+def test_there_is_something_to_test():
+    assert len(PAGES) > 10
+    assert len(COMMANDS) > 40
+    assert len([page for page in PAGES if _CALL.search(text_of(page))]) > 2
+
+
+@pytest.mark.parametrize(("page", "command"), COMMANDS)
+def test_commands_are_understood(page, command):
+    words = shlex.split(command, comments=True)
+    if words[:2] == ["python3", "run.py"]:
+        understood_by_run(words[2:])
+    else:
+        understood_by_verbs(words[3:] if words[0] == "blender" else words)
+
+
+def understood_by_run(words: list[str]) -> None:
+    """Fail unless run.py knows a command and its arguments make sense, as far as they are ours."""
+    _, words = run.take_version(words)
+    if words in (["help"], ["--help"]):
+        return
+    assert words[0] in run.COMMANDS
+    if words[:3] == ["python", "-m", "convwass_addon"]:
+        understood_by_verbs(words[3:])
+    elif words[0] == "test":
+        run.take_blender(words[1:])
+    elif words[0] == "python" and words[1:] and words[1].endswith(".py"):
+        assert (PROJECT / words[1]).is_file()
+
+
+def understood_by_verbs(words: list[str]) -> None:
+    try:
+        program.command_line_parser("convwass").parse_args(words)
+    except SystemExit as stop:
+        assert stop.code == 0, words
+
+
+def test_a_wrong_command_is_noticed():
+    with pytest.raises(AssertionError):
+        understood_by_verbs(["morph", "a.obj", "b.obj", "--no-such-option"])
+    with pytest.raises(AssertionError):
+        understood_by_run(["pakcage"])
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name not in _TELLS_OF_OTHERS], ids=shown)
+def test_options_exist(page):
+    known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out"}
+    # Of the tests that install the extension.
+    known |= {"--zip", "--from-zip"}
+    for verb in program.VERBS:
+        parser = ArgumentParser()
+        verb.add_options(parser)
+        known |= set(parser._option_string_actions)
+    named = {word for code in _INLINE.findall(prose_of(page)) for word in re.findall(r"(?<!\S)--[a-z][a-z-]*", code)}
+    assert named <= known
+
+
+@pytest.mark.usefixtures("registered_addon")
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name != "CHANGELOG.md"], ids=shown)
+def test_operators_and_their_arguments_exist(page):
+    for name, arguments in _CALL.findall(text_of(page)):
+        if name == "NAME":
+            continue
+        assert name in dir(bpy.ops.convwass), name
+        if arguments and "..." not in arguments and "…" not in arguments:
+            keywords = {keyword.arg for keyword in ast.parse(f"f{arguments}", mode="eval").body.keywords}
+            assert keywords <= set(getattr(bpy.ops.convwass, name).get_rna_type().properties.keys())
+
+
+@pytest.mark.parametrize("page", PAGES, ids=shown)
+def test_python_compiles_and_what_it_imports_is_there(page):
+    blocks = [textwrap.dedent(block) for kind, block in _BLOCK.findall(text_of(page)) if kind == "python"]
+    imports = []
+    for block in blocks:
+        tree = ast.parse(block)
+        imports += [ast.unparse(node) for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+    exec("\n".join(dict.fromkeys(imports)), {})
+
+
+def named_files(page: Path) -> list[str]:
+    return [
+        code for code in _INLINE.findall(prose_of(page)) if re.fullmatch(r"[\w.]+(/[\w.]+)+\.(py|md|js|toml)", code)
+    ]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name != "CHANGELOG.md"], ids=shown)
+def test_files_that_are_named_are_there(page):
+    places = (
+        PROJECT,
+        PROJECT / "convwass_addon",
+        PROJECT / "convwass_addon/applications",
+        PROJECT / "docs",
+        page.parent,
+    )
+    named = [name for name in named_files(page) if name not in _TO_BE_WRITTEN]
+    assert [name for name in named if not any((place / name).is_file() for place in places)] == []
+
+
+def test_pictures_of_the_walk_through_are_light_and_all_used():
+    pictures = {path.name: path.stat().st_size for path in (PROJECT / "docs/pictures/walkthrough").glob("*.jpg")}
+    heavy = [name for name, size in pictures.items() if size > _LIGHT]
+    assert not heavy, heavy
+    used = set(re.findall(r"pictures/walkthrough/([\w.]+)", text_of(PROJECT / "docs/walkthrough.md")))
+    assert used == set(pictures) != set()
+
+
+def test_run_py_tells_of_its_commands_in_contributing():
+    text = text_of(PROJECT / "CONTRIBUTING.md") + text_of(PROJECT / "docs/extending.md")
+    assert [command for command in ("test", "lint", "api", "bench", "window") if f"run.py {command}" not in text] == []
