@@ -5,13 +5,54 @@
 from __future__ import annotations
 
 import os
+import re
+import shutil
+import time
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import lru_cache
 from pathlib import Path
 
 from .disk_room import require_whole
 from .errors import ConvwassError
+
+_DRAFT = re.compile(r"\.convwass-[0-9a-f]{16}(\.\w+)?")
+# Seconds after which nobody writes a draft any more.
+_OLD = 86_400.0
+
+
+def new_draft(target: Path, suffix: str | None = None) -> Path:
+    """Return where to write what will take the place of a file or a folder: beside it, so that moving it is at once.
+
+    What a Blender that was killed has left there is removed, once it is a day old.
+
+    Parameters
+    ----------
+    target : Path
+        Its place.
+    suffix : str, optional
+        Of the draft, with its dot; by default that of the target.
+    """
+    _drop_old(target.parent)
+    return target.with_name(f".convwass-{uuid.uuid4().hex[:16]}{target.suffix.lower() if suffix is None else suffix}")
+
+
+# Once for each: folders may hold very many files, and what is old was there before.
+@lru_cache(maxsize=64)
+def _drop_old(folder: Path) -> None:
+    """Remove drafts from a folder that nobody will finish."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        left = [entry for entry in entries if _DRAFT.fullmatch(entry.name) and _is_old(entry)]
+        for entry in left:
+            if entry.is_dir(follow_symlinks=False):
+                shutil.rmtree(entry.path, ignore_errors=True)
+            else:
+                os.unlink(entry.path)
+
+
+def _is_old(entry: os.DirEntry[str]) -> bool:
+    return time.time() - entry.stat(follow_symlinks=False).st_mtime > _OLD
 
 
 @contextmanager
@@ -27,7 +68,7 @@ def draft_of(path: Path, suffix: str | None = None) -> Iterator[Path]:
     suffix : str, optional
         Of the draft, with its dot; by default that of the file.
     """
-    draft = path.with_name(f".{uuid.uuid4().hex}{path.suffix.lower() if suffix is None else suffix}")
+    draft = new_draft(path, suffix)
     try:
         yield draft
         os.replace(draft, path)
@@ -68,7 +109,7 @@ class DraftFiles:
         if not target.parent.is_dir():
             target.parent.mkdir()
             self._folders.append(target.parent)
-        draft = target.with_name(f".{uuid.uuid4().hex}{target.suffix}")
+        draft = new_draft(target)
         self._drafts[target] = draft
         return draft
 

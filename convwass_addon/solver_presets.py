@@ -9,6 +9,8 @@ from pathlib import Path
 import bpy
 from bl_operators.presets import AddPresetBase
 
+from .errors import InputError
+
 SUBFOLDER = "convwass/solver"
 """Where presets lie within a folder of presets."""
 
@@ -50,11 +52,22 @@ def preset_names() -> list[str]:
 
 
 def apply_preset(name: str) -> bool:
-    """Give the context's scene the settings of a preset; return whether there is one of that name."""
+    """Give the context's scene the settings of a preset; return whether there is one of that name.
+
+    Raises
+    ------
+    InputError
+        It cannot be used: it was written by hand, or by another version.
+    """
     path = bpy.utils.preset_find(name, SUBFOLDER, display_name=True)
     if not path:
         return False
-    bpy.utils.execfile(path)
+    try:
+        bpy.utils.execfile(path)
+    except Exception as error:
+        # A script of Blender's, which may fail in any way.
+        reason = str(error).strip() or type(error).__name__
+        raise InputError("The preset {name} cannot be used: {reason}", name=name, reason=reason) from error
     return True
 
 

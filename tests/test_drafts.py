@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
-from convwass_addon.drafts import draft_of, written_whole
+from convwass_addon.drafts import _drop_old, draft_of, new_draft, written_whole
 from convwass_addon.errors import ConvwassError
 
 
@@ -45,3 +47,29 @@ def test_other_errors_go_on(tmp_path):
         pass
     with pytest.raises(ConvwassError, match="could not be written"), written_whole(tmp_path / "a.txt"):
         pass
+
+
+def test_drafts_that_nobody_finished_are_dropped_after_a_day(tmp_path):
+    old, young = (new_draft(tmp_path / name) for name in ("a.txt", "b.txt"))
+    folder = new_draft(tmp_path / "c.obj", "")
+    others = [tmp_path / name for name in (".convwass-notes", ".hidden.txt", "convwass-0123456789abcdef.txt")]
+    folder.mkdir()
+    (folder / "c.obj").write_text("half")
+    for path in (old, young, *others):
+        path.write_text("half")
+    for path in (old, folder, *others):
+        os.utime(path, (0, 0))
+    aside = tmp_path / "aside"
+    aside.mkdir()
+    (aside / "kept").write_text("whole")
+    link = new_draft(tmp_path / "d", "")
+    link.symlink_to(aside)
+    os.utime(link, (0, 0), follow_symlinks=False)
+    _drop_old.cache_clear()
+    new_draft(tmp_path / "e.txt")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([young.name, "aside", *(p.name for p in others)])
+    assert (aside / "kept").read_text() == "whole"
+
+
+def test_a_folder_that_cannot_be_read_is_no_hindrance(tmp_path):
+    assert new_draft(tmp_path / "none" / "a.txt").parent == tmp_path / "none"

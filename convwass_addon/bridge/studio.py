@@ -9,7 +9,6 @@ import shutil
 import signal
 import tempfile
 import threading
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -19,6 +18,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..disk_room import require_whole
+from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
 from .framing import Pose, View
 
@@ -234,7 +234,7 @@ def move_result(source: Path, target: Path) -> None:
         )
     require_whole(source, target)
     # From another disk it is copied, which may fail half-way.
-    draft = target.with_name(f".{uuid.uuid4().hex}{target.suffix}")
+    draft = new_draft(target)
     try:
         shutil.move(source, draft)
         draft.replace(target)

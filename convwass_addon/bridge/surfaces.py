@@ -108,11 +108,11 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
     if evaluated.is_evaluated:
         shape = _shape_if(topology, evaluated)
         if shape is not None:
-            return SurfaceReading(_world(obj, shape, np.array(evaluated.matrix_world)))
+            return SurfaceReading(_world(obj, shape, np.array(evaluated.matrix_world, dtype=np.float64)))
     with _probe(obj, depsgraph) as probe:
         shape = _without_builders(probe, topology, depsgraph) or _shape(obj.data)
         kept = {modifier.name for modifier in probe.modifiers if modifier.show_viewport}
-        matrix = np.array(probe.evaluated_get(depsgraph).matrix_world)
+        matrix = np.array(probe.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
     shown = [modifier.name for modifier in obj.modifiers if modifier.show_viewport]
     return SurfaceReading(_world(obj, shape, matrix), tuple(name for name in shown if name not in kept))
 

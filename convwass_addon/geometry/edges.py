@@ -79,14 +79,18 @@ class Topology:
 def topology(mesh: TriangleMesh) -> Topology:
     """Count pieces, Euler number and irregular edges of `mesh`."""
     use = edge_use(mesh.faces)
-    used = np.unique(mesh.faces)
     agree = np.add.reduceat(np.where(use.forward, 1, -1), use.start) == 0 if len(use.start) else np.empty(0, bool)
     return Topology(
-        components=len(np.unique(face_components(mesh.faces))),
-        euler=int(len(used) - len(use.start) + len(mesh.faces)),
+        components=_different(face_components(mesh.faces)),
+        euler=_different(mesh.faces.ravel()) - len(use.start) + len(mesh.faces),
         open_edges=int((use.count == 1).sum()),
         uneven_edges=int(((use.count > 2) | ((use.count == 2) & ~agree)).sum()),
     )
+
+
+def _different(numbers: NDArray[np.int64]) -> int:
+    """Count different numbers, none of which is negative; NumPy's unique takes seconds for millions of them."""
+    return int(np.count_nonzero(np.bincount(numbers)))
 
 
 def face_components(faces: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -36,12 +36,13 @@ class Crossings:
 
 def crossings(corners: NDArray[np.float64]) -> Iterator[Crossings]:
     """Yield the crossings of the integer lines with triangles `corners`, (m, 3, 3), a chunk at a time."""
-    flat = corners[:, :, :2]
-    low = np.ceil(flat.min(axis=1)).astype(np.int64)
-    size = np.floor(flat.max(axis=1)).astype(np.int64) - low + 1
-    hit = (size > 0).all(axis=1)
+    # Corner by corner: NumPy takes several times as long for the least of three along an axis.
+    a, b, c = (corners[:, corner, :2] for corner in range(3))
+    low = np.ceil(np.minimum(np.minimum(a, b), c)).astype(np.int64)
+    size = np.floor(np.maximum(np.maximum(a, b), c)).astype(np.int64) - low + 1
+    hit = (size[:, 0] > 0) & (size[:, 1] > 0)
     corners, low, size = corners[hit], low[hit], size[hit]
-    candidates = size.prod(axis=1)
+    candidates = size[:, 0] * size[:, 1]
     total = np.cumsum(candidates)
     begin = 0
     while begin < len(corners):

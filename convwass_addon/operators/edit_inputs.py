@@ -58,7 +58,7 @@ class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
     def execute(self, context):
         settings = context.scene.convwass_morph
         if not settings.inputs and is_untouched(settings):
-            apply_preset(preferences(context).default_preset)
+            self._begin_with(preferences(context).default_preset)
         known = {item.object for item in settings.inputs}
         meshes = [obj for obj in selected_objects(context) if is_shape(obj) and obj not in known]
         for obj in settings.sorted_shapes(meshes):
@@ -69,6 +69,13 @@ class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
         if not meshes:
             self.report({"INFO"}, rpt_("All selected shapes are on the list already"))
         return {"FINISHED"}
+
+    def _begin_with(self, preset: str) -> None:
+        """Take the settings of a preset, or say that they cannot be had: shapes are put on the list all the same."""
+        try:
+            apply_preset(preset)
+        except InputError as error:
+            self.report({"WARNING"}, translated(error.sentence))
 
 
 class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):

@@ -23,7 +23,9 @@ class Sidebar:
 
 def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
     """Write a sentence on as many lines as the width of the region asks for, the first one with an icon."""
-    width = context.region.width / context.preferences.system.ui_scale if context.region else 0.0
+    # Without a window, as in a background Blender, the scale is 0.
+    scale = context.preferences.system.ui_scale
+    width = context.region.width / scale if context.region and scale > 0 else 0.0
     column = layout.column(align=True)
     column.scale_y = 0.8
     for line in textwrap.wrap(text, max(int((width - _MARGINS) / _LETTER), _FEWEST_LETTERS)):

@@ -113,6 +113,7 @@ TEXTS: dict[str, str] = {
     "The mesh is too small to calculate with: it is {scale:.3g} long.": "Le maillage est trop petit pour le calcul : il fait {scale:.3g} de long.",
     "The modifier {modifier} of {object} has no input {name}; make it anew.": "Le modificateur {modifier} de {object} n'a pas d'entrée {name} ; le créer à nouveau.",
     "The morph was undone or deleted while it was being baked; bake it again.": "Le morphing a été annulé ou supprimé pendant le précalcul ; le précalculer à nouveau.",
+    "The preset {name} cannot be used: {reason}": "Le préréglage {name} est inutilisable : {reason}",
     "The rendering was stopped.": "Le rendu a été arrêté.",
     "The sample shapes are part of the project's source, not of the installed add-on.": "Les formes d'exemple font partie des sources du projet, pas de l'add-on installé.",
     "The scheduler at {address} has no workers; start some and try again.": "L'ordonnanceur à {address} n'a pas de workers ; en démarrer et réessayer.",

@@ -113,6 +113,7 @@ TEXTS: dict[str, str] = {
     "The mesh is too small to calculate with: it is {scale:.3g} long.": "Das Netz ist zum Rechnen zu klein: Es ist {scale:.3g} lang.",
     "The modifier {modifier} of {object} has no input {name}; make it anew.": "Der Modifikator {modifier} von {object} hat keinen Eingang {name}; ihn neu erzeugen.",
     "The morph was undone or deleted while it was being baked; bake it again.": "Der Morph wurde während des Backens rückgängig gemacht oder gelöscht; ihn erneut backen.",
+    "The preset {name} cannot be used: {reason}": "Die Voreinstellung {name} ist nicht verwendbar: {reason}",
     "The rendering was stopped.": "Das Rendern wurde abgebrochen.",
     "The sample shapes are part of the project's source, not of the installed add-on.": "Die Beispielformen gehören zum Quelltext des Projekts, nicht zum installierten Add-on.",
     "The scheduler at {address} has no workers; start some and try again.": "Der Scheduler unter {address} hat keine Worker; welche starten und es erneut versuchen.",

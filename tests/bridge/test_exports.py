@@ -11,6 +11,7 @@ import pytest
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
 from convwass_addon.bridge.objects import triangle_mesh
@@ -59,6 +60,43 @@ def test_stills_have_the_mixed_color(collection, tmp_path, name):
     (obj,) = import_objects(second, None)
     shader = next(node for node in obj.data.materials[0].node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     np.testing.assert_allclose(shader.inputs["Base Color"].default_value[:3], [2 / 3, 0, 1 / 3], atol=1e-3)
+
+
+def test_an_old_obj_stays_as_it_is_where_a_new_one_cannot_be_written(collection, tmp_path, monkeypatch):
+    for suffix in ("obj", "mtl"):
+        (tmp_path / f"rise_0001.{suffix}").write_text("older")
+
+    def cut_off(*_):
+        raise ConvwassError("The disk is full.")
+
+    monkeypatch.setattr(exports, "require_whole", cut_off)
+    with pytest.raises(ConvwassError, match="full"):
+        export_frames(collection, tmp_path / "rise", "obj")
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
+        "rise_0001.obj": "older",
+        "rise_0001.mtl": "older",
+    }
+
+
+def test_an_obj_names_its_materials_and_textures_as_seen_from_its_folder(collection, tmp_path):
+    (tmp_path / "textures").mkdir()
+    image = bpy.data.images.new("Moss", 2, 2)
+    image.filepath_raw, image.file_format = str(tmp_path / "textures" / "moss.png"), "PNG"
+    image.save()
+    for obj in collection.objects:
+        material = bpy.data.materials.new("Moss")
+        if material.node_tree is None:
+            material.use_nodes = True
+        shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+        texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+        texture.image = image
+        material.node_tree.links.new(texture.outputs[0], shader.inputs["Base Color"])
+        obj.data.materials.clear()
+        obj.data.materials.append(material)
+    file = export_frames(collection, tmp_path / "rise", "obj")[0]
+    assert "mtllib rise_0001.mtl\n" in file.read_text()
+    assert "map_Kd textures/moss.png\n" in file.with_suffix(".mtl").read_text()
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
 @pytest.mark.parametrize("name", ANIMATIONS)

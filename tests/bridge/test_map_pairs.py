@@ -134,6 +134,15 @@ def test_modifiers_and_loose_vertices_are_heeded(pair):
     assert found.target == front
 
 
+@pytest.mark.parametrize("far", [1e30, 3e38])
+def test_objects_beyond_all_measure_have_pairs_too(pair, far):
+    """Blender's own numbers are single; squares and products of such ones are none."""
+    pair[1].location, pair[1].scale = (far, 0, 0), (-far / 10, far / 10, far / 10)
+    for obj, name in zip(pair, ("nose", "nose.001"), strict=True):
+        empty(name, obj.location)
+    assert [own.name for own in empties(pair).pairs] == ["nose"]
+
+
 def test_objects_without_a_surface_are_refused(pair):
     bpy.data.objects["Horse"].data.clear_geometry()
     with pytest.raises(InputError, match="Horse has no faces"):

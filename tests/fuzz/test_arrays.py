@@ -7,7 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.skeletons import skeleton_bodies
 from convwass_addon.errors import Cancelled, InputError
+from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.fuzz.array_cases import (
     ON_MESHES,
@@ -60,6 +62,19 @@ def test_coordinates_whose_squares_are_no_numbers_are_refused(kind, name):
     mesh = TriangleMesh.from_arrays(*broken_meshes()[name]())
     with pytest.raises(InputError, match=r"farther away than 1e\+18"):
         ON_MESHES[kind](mesh)
+
+
+def test_a_thicket_is_made_of_larger_cells(monkeypatch):
+    """A mesh of 120 random triangles encloses what has hundreds of handles, which no reduction takes away."""
+    mesh = TriangleMesh.from_arrays(*broken_meshes()["scrambled"]())
+    monkeypatch.setattr(skeleton_bodies, "_RESOLUTION", 64)
+    sizes = []
+    for most in (100, 1000):
+        monkeypatch.setattr(skeleton_bodies, "_MOST_HANDLES", most)
+        body = skeleton_bodies.skeleton_body(mesh, mesh.bounds.mean(axis=0)[None], ("middle",))
+        assert topology(body.surface).closed
+        sizes.append(len(body.surface.vertices))
+    assert sizes[0] < sizes[1] / 2
 
 
 def pixels():

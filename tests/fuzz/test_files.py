@@ -4,14 +4,29 @@
 
 from __future__ import annotations
 
+import struct
 import zipfile
+from itertools import product
 
 import bpy
 import numpy as np
 import pytest
 
 from convwass_addon.applications.palettes import lookup_table
+from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
+from convwass_addon.applications.reflectance.materials import Ggx
+from convwass_addon.applications.reflectance.merl import read_merl
+from convwass_addon.applications.reflectance.table_pictures import table_of_picture, table_picture
+from convwass_addon.bridge.reflectance.lobe_images import (
+    HEIGHT,
+    WIDTH,
+    read_lobe_exr,
+    read_table_exr,
+    write_lobe_exr,
+    write_table_exr,
+)
 from convwass_addon.bridge.soft_maps.soft_map_bytes import packed, unpacked
+from convwass_addon.errors import InputError
 from convwass_addon.sentence import Sentence
 from tests.bridge.test_soft_map_store import ball, stored_between
 from tests.fuzz.file_cases import (
@@ -34,6 +49,69 @@ def test_spoiled_files_are_read_or_refused(name, tmp_path):
     assert outcome(name, good, tmp_path) == "read"
     found = [outcome(name, spoiled(good, seed), tmp_path) for seed in range(SEEDS)]
     assert "refused" in found
+
+
+def test_measured_materials_are_read_or_refused(tmp_path):
+    """Their files are large, so only some places of one are changed."""
+    header, count = struct.pack("<3i", 90, 90, 180), 3 * 90 * 90 * 180
+    good = header + np.full(count, 0.1).tobytes()
+    path, file = tmp_path / "own.binary", bytearray(good)
+    found = []
+    # The header; a sign; exponents, whose highest bit makes a number too large.
+    for place, bit in ((0, 0), (3, 7), (11, 7), (12 + 8 * 9 + 7, 7), (12 + 8 * 9 + 7, 6), (12 + 8 * count - 1, 6)):
+        file[place] ^= 1 << bit
+        path.write_bytes(file)
+        try:
+            found.append(bool(np.isfinite(read_merl(path).values).all()))
+        except InputError:
+            found.append(None)
+        file[place] ^= 1 << bit
+    assert found == [None, None, None, True, None, None]
+    for content in (good[:-1], good[:12], b"", good + b"x", bytes(len(good)), header + bytes(len(good) - 12)):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=r"own\.binary"):
+            read_merl(path)
+
+
+LOBES = {
+    "x.lobes.exr": (
+        lambda path: write_table_exr(path, tabulated(Ggx(0.4, 0.2), incoming_directions(3, 2), 8)),
+        read_table_exr,
+    ),
+    "x.exr": (lambda path: write_lobe_exr(path, [np.full((HEIGHT, WIDTH, 3), 0.5, np.float32)]), read_lobe_exr),
+}
+
+
+@pytest.mark.parametrize("name", LOBES)
+def test_lobes_in_spoiled_pictures_are_read_or_refused(name, tmp_path, empty_scene):
+    """In bytes, and in what the header says of sizes: of the window that counts and of the one that does not."""
+    write, read = LOBES[name]
+    path = tmp_path / name
+    write(path)
+    good = path.read_bytes()
+    assert read(path)
+    spoils = [spoiled(good, seed) for seed in range(20)]
+    for window, corners in product((b"dataWindow", b"displayWindow"), ((0, 0, 2**31 - 1, 2**31 - 1), (5, 5, 0, 0))):
+        named = window + b"\0box2i\0" + struct.pack("<I", 16)
+        start, _, end = good.partition(named)
+        spoils.append(start + named + struct.pack("<4i", *corners) + end[16:])
+    found = []
+    for content in spoils:
+        path.write_bytes(content)
+        try:
+            found.append(bool(read(path)))
+        except InputError:
+            found.append(False)
+    assert not all(found) and not bpy.data.images
+    assert bpy.context.scene == empty_scene
+
+
+def test_numbers_in_pictures_that_do_not_survive_a_cast_are_refused():
+    picture = table_picture(tabulated(Ggx(0.4, 0.2), incoming_directions(3, 2), 8)).astype(np.float32)
+    # A signaling NaN.
+    picture.view(np.uint32)[-1, 0, 0] = 0x7F800001
+    with pytest.raises(InputError, match="values that no table"):
+        table_of_picture(picture, "x.exr")
 
 
 def test_frames_that_lie_are_refused(tmp_path):

@@ -5,16 +5,21 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
 
+import bpy
 import pytest
 
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.morphs.runs import RUN_LENGTH
+from convwass_addon.drafts import _drop_old
 from tests.applications.test_frame_cache import assert_same
 from tests.fuzz.killed_bake import FRAMES, bake
+from tests.fuzz.killed_jobs import run
+from tests.fuzz.test_stopped import CASES, call
 
 
 @pytest.fixture(scope="module")
@@ -61,3 +66,47 @@ def test_what_killed_bakes_were_about_to_write_is_dropped_after_a_day(tmp_path):
     os.utime(old, (0, 0))
     SpareFrameCache(tmp_path, 1 << 20)
     assert not old.exists() and new.exists()
+
+
+def killed(project, name, folder, step):
+    """Run a work in a Blender that is killed at a step."""
+    command = [sys.executable, "-m", "tests.fuzz.killed_jobs", name, str(folder), str(step)]
+    done = subprocess.run(command, cwd=project, capture_output=True)
+    assert done.returncode == -signal.SIGKILL, done.stderr.decode()
+
+
+def drafts(folder):
+    return [path for path in folder.iterdir() if path.name.startswith(".")]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize(
+    ("name", "step", "files", "kept"),
+    [
+        ("sky", 3, ["sky.0001.exr", "sky.0002.exr", "sky.0003.exr"], 0),
+        ("export", 1, [f"rise_{number:04d}.{kind}" for number in (1, 2, 3) for kind in ("mtl", "obj")], 2),
+    ],
+)
+def test_files_outlive_a_blender_that_is_killed_and_the_next_one_cleans_up(name, step, files, kept, project, tmp_path):
+    for file in files:
+        (tmp_path / file).write_text("older")
+    killed(project, name, tmp_path, step)
+    # Each is what it was, or a new one as a whole.
+    assert [file for file in files if (tmp_path / file).read_text(errors="replace") == "older"] == files[kept:]
+    (left,) = drafts(tmp_path)
+    os.utime(left, (0, 0))
+    _drop_old.cache_clear()
+    run(name, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == files
+    assert all((tmp_path / file).stat().st_size > 100 for file in files)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize("name", ["interpolate_density", "compute_soft_map"])
+def test_work_can_be_done_again_in_the_file_of_a_blender_that_was_killed(name, project, tmp_path):
+    killed(project, name, tmp_path, 2)
+    assert [path.name for path in tmp_path.iterdir()] == ["work.blend"]
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "work.blend"))
+    assert call(name, **CASES[name][1]) == {"FINISHED"}

@@ -25,3 +25,14 @@ def test_triangles_that_collapse_are_left_out():
     joined = welded(TriangleMesh(points, np.array([[0, 1, 2], [0, 1, 3]])))
     assert len(joined.vertices) == 3
     assert len(joined.faces) == 1
+
+
+def test_vertices_come_in_order_and_keep_what_they_were():
+    rng = np.random.default_rng(0)
+    points = rng.integers(-1, 2, (60, 3)).astype(float)
+    faces = rng.integers(0, 50, (40, 3))
+    joined = welded(TriangleMesh(points, faces))
+    places, index = np.unique(points[faces].reshape(-1, 3), axis=0, return_inverse=True)
+    np.testing.assert_array_equal(joined.vertices, places)
+    a, b, c = index.reshape(-1, 3).T
+    np.testing.assert_array_equal(joined.faces, index.reshape(-1, 3)[(a != b) & (b != c) & (c != a)])

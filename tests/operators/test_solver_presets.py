@@ -87,6 +87,20 @@ def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobod
     assert settings().resolution == 33
 
 
+@pytest.mark.parametrize(
+    "content", ["settings.", "1 / 0", "\0", "bpy.context.scene.convwass_morph.resolution = 'many'", "raise"]
+)
+def test_a_default_preset_of_nonsense_is_told_and_left_out(content, monkeypatch, tmp_path, capfd):
+    preset = tmp_path / "Broken.py"
+    preset.write_text(f"import bpy\n{content}\n", encoding="utf-8")
+    monkeypatch.setattr(bpy.utils, "preset_find", lambda *_, **__: str(preset))
+    bpy.ops.mesh.primitive_cube_add()
+    assert bpy.ops.convwass.add_inputs() == {"FINISHED"}
+    assert [item.object for item in settings().inputs] == [bpy.context.object]
+    told = capfd.readouterr()
+    assert "The preset Standard cannot be used" in told.out and "Traceback" not in told.out + told.err
+
+
 def two_shapes():
     bpy.ops.mesh.primitive_cube_add(location=(-3, 0, 0))
     bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6)

@@ -186,6 +186,15 @@ def test_sentences_are_wrapped_to_the_width_and_lose_nothing():
         assert len(lines) == 1 or max(map(len, lines)) <= max(16, (width - 60) / 6.2)
 
 
+def test_sentences_are_drawn_where_the_interface_has_no_scale():
+    """As in a Blender without a window."""
+    system = SimpleNamespace(ui_scale=0.0)
+    context = SimpleNamespace(region=SimpleNamespace(width=280), preferences=SimpleNamespace(system=system))
+    layout = FakeLayout()
+    draw_wrapped(layout, context, "one two three four five", "INFO")
+    assert [line for _, line in layout.drawn] == ["one two three", "four five"]
+
+
 def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
     def refuse(*_arguments, **_options):
         raise AssertionError("drawing asked for work")

@@ -50,7 +50,7 @@ MAY_IMPORT = {
     "recolor_properties": {"errors", "sentence", "applications", "bridge"},
     "light_properties": {"errors", "sentence", "applications", "bridge"},
     "presets": set(),
-    "solver_presets": {"sentence"},
+    "solver_presets": {"errors", "sentence"},
     "preferences": {"sentence", "solver_presets"},
     "translations": {"sentence"},
     "operators": {

@@ -21,6 +21,8 @@ Verdict = Literal["SOUND", "FLIPPED", "HOLES", "NO_VOLUME"]
 # Cells along the longest side with which the volume is looked for: what a quick bake has.
 _RESOLUTION = 64
 _SIGMA = 1.0
+# A closed surface around so many of these cells needs no closer look, which takes seconds for millions of triangles.
+_CLEAR_CELLS = 1000.0
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,17 @@ def check_shape(mesh: TriangleMesh) -> ShapeFindings:
     if not len(joined.faces):
         return ShapeFindings(has_volume=False, open_edges=0, flipped_faces=0)
     outward = orient_outward(joined)
+    found = topology(outward)
     return ShapeFindings(
-        has_volume=_has_volume(mesh),
-        open_edges=topology(joined).open_edges,
+        has_volume=(found.closed and _is_clear(outward)) or _has_volume(mesh),
+        open_edges=found.open_edges,
         flipped_faces=int((outward.faces != joined.faces).any(axis=1).sum()),
     )
+
+
+def _is_clear(outward: TriangleMesh) -> bool:
+    cell = float(np.ptp(outward.bounds, axis=0).max()) / _RESOLUTION
+    return outward.volume > _CLEAR_CELLS * cell**3
 
 
 def _has_volume(mesh: TriangleMesh) -> bool:

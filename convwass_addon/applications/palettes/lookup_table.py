@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import os
-import uuid
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...drafts import draft_of
 from ...errors import ConvwassError, InputError
 from .interpolation import interpolated
 from .lab_colors import linear_of_srgb, srgb_of_linear
@@ -98,18 +97,14 @@ def write_cube(table: LookupTable, path: Path, title: str = "Convwass") -> None:
     for name, values in (("MIN", table.lowest), ("MAX", table.highest)):
         head.append(f"DOMAIN_{name} " + " ".join(f"{value:g}" for value in values))
     rows = table.colors.transpose(2, 1, 0, 3).reshape(-1, 3)
-    draft = path.with_name(f".{uuid.uuid4().hex}.cube")
     try:
-        with open(draft, "w", encoding="utf-8", newline="\n") as file:
+        with draft_of(path) as draft, open(draft, "w", encoding="utf-8", newline="\n") as file:
             file.write("\n".join(head) + "\n")
             np.savetxt(file, rows, fmt="%.6f")
-        os.replace(draft, path)
     except OSError as error:
         raise ConvwassError(
             "{file} could not be written: {reason}", file=str(path), reason=str(error).strip()
         ) from error
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def read_cube(path: Path) -> LookupTable:

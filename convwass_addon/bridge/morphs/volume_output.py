@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...disk_room import require_whole
+from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
@@ -115,7 +116,7 @@ def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spac
         # A value belongs to the center of its cell.
         grid.transform = openvdb.createLinearTransform(voxelSize=spacing)
         grid.transform.postTranslate(tuple(float(x) for x in low + spacing / 2))
-    draft = file.with_suffix(".unfinished.vdb")
+    draft = new_draft(file)
     try:
         openvdb.write(str(draft), grids=[grid])
         require_whole(draft, file)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import uuid
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
+from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ...sentence import Sentence
 from ..files import checked_folder
@@ -97,7 +97,7 @@ class SkyFiles:
             return
         path = self.paths[step.place]
         if self._drafts is None:
-            self._drafts = path.parent / f".{uuid.uuid4().hex}"
+            self._drafts = new_draft(path, "")
             with _told(self._drafts):
                 self._drafts.mkdir(parents=True)
         write_sky(self._drafts / path.name, step.frame.image)

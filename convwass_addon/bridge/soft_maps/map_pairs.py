@@ -116,7 +116,7 @@ def pairs_from_empties(
     meshes = {obj: surface_mesh(obj, depsgraph) for obj in dict.fromkeys((source, target))}
     vertices: dict[bpy.types.Object, dict[str, int | None]] = {obj: {} for obj in meshes}
     for empty in (obj for obj in empties if obj.type == "EMPTY"):
-        place = np.array(empty.evaluated_get(depsgraph).matrix_world.translation)
+        place = np.array(empty.evaluated_get(depsgraph).matrix_world.translation, dtype=np.float64)
         nearest = {obj: _nearest(mesh, place) for obj, mesh in meshes.items()}
         distances = {obj: np.linalg.norm(meshes[obj].vertices[vertex] - place) for obj, vertex in nearest.items()}
         owner = _ancestor(empty, meshes) or min(distances, key=distances.get)

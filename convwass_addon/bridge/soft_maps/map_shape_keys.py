@@ -50,7 +50,7 @@ def locked_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[str]:
 def read_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[KeyOffsets]:
     """Return what shape keys do."""
     keys = obj.data.shape_keys
-    turn = np.array(obj.matrix_world)[:3, :3]
+    turn = np.array(obj.matrix_world, dtype=np.float64)[:3, :3]
     found = []
     for name in names:
         block = keys.key_blocks[name]
@@ -74,7 +74,7 @@ def write_keys(obj: bpy.types.Object, keys: Sequence[KeyOffsets]) -> None:
     if obj.data.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
     blocks = obj.data.shape_keys.key_blocks
-    back = np.linalg.pinv(np.array(obj.matrix_world)[:3, :3])
+    back = np.linalg.pinv(np.array(obj.matrix_world, dtype=np.float64)[:3, :3])
     for key in keys:
         block = blocks.get(key.name)
         if block is None:

@@ -24,6 +24,6 @@ def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> Triangl
     points = np.empty(3 * len(obj.data.vertices), np.float32)
     keys = obj.data.shape_keys
     (keys.reference_key.data if keys else obj.data.vertices).foreach_get("co", points)
-    matrix = np.array(obj.matrix_world)
+    matrix = np.array(obj.matrix_world, dtype=np.float64)
     local = points.reshape(-1, 3).astype(np.float64)
     return TriangleMesh(local @ matrix[:3, :3].T + matrix[:3, 3], triangles)

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work in a Blender that is killed at one of its steps: python -m tests.fuzz.killed_jobs NAME FOLDER STEP."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import bpy
+
+from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.bridge.morphs import exports
+from convwass_addon.bridge.skies.sky_sequence import SkyFiles, sky_steps
+from convwass_addon.operators.background import BackgroundOperator
+from tests.fuzz.test_stopped import CASES, call, kinds_of
+from tests.lights import sky
+
+Step = Callable[[], None]
+"""Called at every step."""
+
+
+def run(name: str, folder: Path, step: Step = lambda: None) -> None:
+    """Do all of a work in an empty scene; before operators begin, the file is saved."""
+    if name in _WITH_FILES:
+        _WITH_FILES[name](folder, step)
+        return
+    make, arguments = CASES[name]
+    make()
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "work.blend"))
+    for kind in {found for found in kinds_of(BackgroundOperator) if "_steps" in vars(found)}:
+        kind._steps = _stepping(kind._steps, step)
+    call(name, **arguments)
+
+
+def _stepping(own: Callable[[object], Callable], step: Step) -> Callable:
+    def steps(self: object) -> Callable[[object], Iterator]:
+        make = own(self)
+
+        def stepping(check: object) -> Iterator:
+            for found in make(check):
+                step()
+                yield found
+
+        return stepping
+
+    return steps
+
+
+def _sky(folder: Path, step: Step) -> None:
+    files = SkyFiles(folder, 1, 3)
+    for made in sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 3, SkySettings(rows=32)):
+        files.write(made)
+        step()
+    files.finish()
+
+
+def _export(folder: Path, step: Step) -> None:
+    make, arguments = CASES["bake_morph"]
+    make()
+    call("bake_morph", **arguments)
+    whole = exports.require_whole
+
+    def looked_at(*files: Path) -> None:
+        whole(*files)
+        step()
+
+    exports.require_whole = looked_at
+    try:
+        exports.export_frames(bpy.context.scene.collection.children[0], folder / "rise", "obj")
+    finally:
+        exports.require_whole = whole
+
+
+_WITH_FILES = {"sky": _sky, "export": _export}
+
+
+def main(name: str, folder: Path, last: int) -> None:
+    """Run in a Blender of nobody's, up to a step."""
+    import convwass_addon
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    convwass_addon.register()
+    seen = []
+
+    def step() -> None:
+        seen.append(1)
+        if len(seen) > last:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    run(name, folder, step)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))
