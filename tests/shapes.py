@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.geometry.edges import face_components
 from convwass_addon.geometry.mesh import TriangleMesh
 
 _CUBE = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2)]
@@ -56,6 +57,11 @@ def joined(*meshes):
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
     return TriangleMesh.from_arrays(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
+
+
+def piece_count(mesh):
+    """Pieces that share no vertex."""
+    return len(np.unique(face_components(mesh.faces)))
 
 
 def with_faces(mesh, keep):

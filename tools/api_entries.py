@@ -40,7 +40,6 @@ APPLICATIONS = {
         "skeleton_fit": ("fit_steps", "FitStep", "FittedSkeleton"),
         "skeleton_graph": ("JointGraph",),
         "skeleton_settings": ("SkeletonSettings",),
-        "inner_points": ("inner_point",),
     },
     "palettes": {
         "recolor_job": ("recolor_steps", "Picture", "RecolorStep"),

@@ -191,6 +191,16 @@ def checked_output(path: str | Path, suffix: str) -> Path:
     return path
 
 
+def choose_cycles(scene: bpy.types.Scene) -> None:
+    """Let Cycles render a scene; raises ConvwassError where it is switched off."""
+    try:
+        scene.render.engine = "CYCLES"
+    except TypeError as error:
+        raise ConvwassError(
+            "Pictures need the Cycles render engine; switch it on under Edit > Preferences > Add-ons."
+        ) from error
+
+
 def run_render(scene: bpy.types.Scene, **options: bool) -> None:
     """Render a scene; whatever Blender objects to becomes a `ConvwassError`.
 
@@ -283,12 +293,7 @@ def pose_matrix(pose: Pose) -> Matrix:
 
 def _set_renderer(scene: bpy.types.Scene) -> None:
     """Choose Cycles on the processor, few light bounces, and colors that stay as they are."""
-    try:
-        scene.render.engine = "CYCLES"
-    except TypeError as error:
-        raise ConvwassError(
-            "Pictures need the Cycles render engine; switch it on under Edit > Preferences > Add-ons."
-        ) from error
+    choose_cycles(scene)
     cycles, render = scene.cycles, scene.render
     cycles.device = "CPU"
     cycles.use_adaptive_sampling = False

@@ -54,7 +54,7 @@ VERBS = (
     Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
     Verb("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
     Verb("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
-    Verb("sky", "make skies between two others", SKY_HELP, add_sky_options, run_sky),
+    Verb("sky", "make skies between others", SKY_HELP, add_sky_options, run_sky),
     Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
 )
 

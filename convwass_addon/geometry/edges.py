@@ -55,8 +55,6 @@ class Topology:
 
     Attributes
     ----------
-    components : int
-        Pieces that share no vertex.
     euler : int
         Vertices - edges + faces, over the vertices in use. A closed surface of genus g has 2 - 2 g per piece.
     open_edges : int
@@ -65,7 +63,6 @@ class Topology:
         Edges with two faces that run along them the same way, or with more than two faces.
     """
 
-    components: int
     euler: int
     open_edges: int
     uneven_edges: int
@@ -77,11 +74,10 @@ class Topology:
 
 
 def topology(mesh: TriangleMesh) -> Topology:
-    """Count pieces, Euler number and irregular edges of `mesh`."""
+    """Count the Euler number and irregular edges of `mesh`."""
     use = edge_use(mesh.faces)
     agree = np.add.reduceat(np.where(use.forward, 1, -1), use.start) == 0 if len(use.start) else np.empty(0, bool)
     return Topology(
-        components=_different(face_components(mesh.faces)),
         euler=_different(mesh.faces.ravel()) - len(use.start) + len(mesh.faces),
         open_edges=int((use.count == 1).sum()),
         uneven_edges=int(((use.count > 2) | ((use.count == 2) & ~agree)).sum()),

@@ -37,13 +37,6 @@ _SCATTERED = 0.2
 _PART = 0.1
 # And hold this share of the mass.
 _LEAST_SHARE = 1e-4
-# Shown volume is compared with mass over the first share of the reach, wider than the rim that a blur leaves on both
-# sides of the surface, and over so many cells at least.
-_WINDOW, _LEAST_WINDOW = 2.0 / 3.0, 2.0
-# They are averaged on coarser cells where the window is so many of them wide.
-_FINE_WINDOW = 1.25
-# Shares of its volume below this come from counting whole cells, and from curvature.
-_LEAST_DEFICIT = 0.1
 # Parts that are listed one by one.
 _LISTED = 16
 
@@ -93,8 +86,6 @@ class LostParts:
     ----------
     share : float
         Parts that are not shown at all.
-    thinned : float
-        Missing from parts that are shown, but with less volume than their mass has.
     scattered : float
         Far from the surface and too thin or too small to be a part.
     count : int
@@ -104,7 +95,6 @@ class LostParts:
     """
 
     share: float
-    thinned: float
     scattered: float
     count: int
     parts: tuple[LostPart, ...]
@@ -202,7 +192,6 @@ def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: f
     measured = (_measured(values[parts.box], parts.labels, int(one), boxes[one - 1], volume) for one in largest)
     return LostParts(
         share=float(masses[kept].sum()) / volume,
-        thinned=_thinned(values, inside, lost, reach) / volume,
         scattered=(beyond - float(values.sum(where=far & lost, dtype=np.float64))) / volume,
         count=len(kept),
         parts=tuple(part.moved(start) for part in measured),
@@ -251,27 +240,6 @@ def _parted(values: NDArray[np.float32], away: NDArray[np.integer], far: NDArray
     distance, nearest = distance_transform_edt(cores == 0, return_indices=True)
     rim = (distance <= reach) & (distance**2 < away[box])
     return _Parts(box, np.where(rim, cores[tuple(nearest)], 0))
-
-
-def _thinned(values: NDArray[np.float32], inside: NDArray[np.bool_], lost: NDArray[np.bool_], reach: float) -> float:
-    """Return the cells that parts are short of for their mass, where some of them is shown."""
-    window = max(_WINDOW * reach, _LEAST_WINDOW)
-    # Averages over a wide window vary little from cell to cell.
-    factor = max(int(window / _FINE_WINDOW), 1)
-    shown = np.where(lost, np.float32(0.0), values)
-    own, filled = (_block_means(array, factor) for array in (shown, inside.astype(np.float32)))
-    mass, volume = (gaussian_filter(array, window / factor, mode="constant") for array in (own, filled))
-    deficit = 1.0 - np.divide(volume, mass, out=np.ones_like(mass), where=mass > _NEGLIGIBLE)
-    return factor**3 * float((own * deficit).sum(where=(deficit > _LEAST_DEFICIT) & (volume > 0.0), dtype=np.float64))
-
-
-def _block_means(array: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
-    """Return the means over blocks of `factor` cells along every axis, with zeros beyond the array."""
-    array = np.pad(array, [(0, -size % factor) for size in array.shape])
-    for axis in range(array.ndim):
-        before = (slice(None),) * axis
-        array = sum(array[(*before, slice(start, None, factor))] for start in range(factor))
-    return array / np.float32(factor**3)
 
 
 def _measured(

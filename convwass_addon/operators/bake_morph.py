@@ -99,7 +99,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             refuse_volumes(self.output == "VOLUME")
             options["flat_output"] = kind
             settings = self.flat_settings()
-            flat_job = PictureJob if kind == "PICTURE" else FlatJob
+            flat_job = partial(PictureJob, replaces=self.replaces) if kind == "PICTURE" else FlatJob
             return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)

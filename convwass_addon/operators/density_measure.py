@@ -17,7 +17,7 @@ from ..applications.densities.density_measures import (
     MEASURING_SUBSTEPS,
     DensityDistance,
     DistanceTable,
-    distance_table,
+    distance_table_steps,
     measured_distance,
 )
 from ..applications.densities.density_settings import DensitySettings
@@ -155,7 +155,8 @@ def _table_steps(
 ) -> Iterator[FoundStep]:
     message = Sentence("Between {count} groups", {"count": len(names)})
     yield FoundStep(0.0, message)
-    yield FoundStep(1.0, message, found=distance_table(weights, names, surface, check=check))
+    for step in distance_table_steps(weights, names, surface, check=check):
+        yield FoundStep(step.fraction, message, found=step.found)
 
 
 def _written(table: DistanceTable) -> str:

@@ -65,8 +65,8 @@ class _PaintDensity(WritingDensityOperator):
     def _name_of_group(self, obj: bpy.types.Object) -> str:
         return chosen_group(obj, self.group)
 
-    def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface], NDArray[np.float64]]:
-        """Return what makes the new density of the group, (n,), and touches nothing of Blender."""
+    def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface, Check | None], NDArray[np.float64]]:
+        """Return what makes the new density of the group, (n,), until a check ends it, without touching Blender."""
         raise NotImplementedError
 
     def _title(self):
@@ -92,11 +92,11 @@ class _PaintDensity(WritingDensityOperator):
 
 
 def _steps(
-    name: str, change: Callable[[Surface], NDArray[np.float64]], surface: Surface, check: Check | None
+    name: str, change: Callable[[Surface, Check | None], NDArray[np.float64]], surface: Surface, check: Check | None
 ) -> Iterator[FoundStep]:
     message = Sentence("Changing {name}", {"name": name})
     yield FoundStep(0.0, message)
-    density = change(surface)
+    density = change(surface, check)
     figures = density_figures(density, surface, name)
     # Heat is everywhere at once, though nobody sees it.
     visible = np.where(density >= _VISIBLE * density.max(), density, 0.0)
@@ -114,7 +114,7 @@ class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator)
 
     def _change(self, obj, name):
         weights = read_group(obj, name)
-        return lambda surface: distribution(weights, surface, name)
+        return lambda surface, check: distribution(weights, surface, name)
 
 
 class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
@@ -128,7 +128,9 @@ class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
 
     def _change(self, obj, name):
         weights, length = read_group(obj, name), self.length
-        return lambda surface: diffused(weights, surface, length or _USUAL_SPREAD * surface.unit_length, name)
+        return lambda surface, check: diffused(
+            weights, surface, length or _USUAL_SPREAD * surface.unit_length, name, check
+        )
 
 
 class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
@@ -156,8 +158,8 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
     def _change(self, obj, name):
         weights, share, limit = read_group(obj, name), self.share, self.entropy
         if self.to == "SHARE":
-            return lambda surface: sharpened_by(weights, surface, share, name)
-        return lambda surface: sharpened(weights, surface, limit, name)
+            return lambda surface, check: sharpened_by(weights, surface, share, name, check)
+        return lambda surface, check: sharpened(weights, surface, limit, name, check)
 
 
 class CONVWASS_OT_drop_mass(OnVertices, _PaintDensity, OnMesh, bpy.types.Operator):
@@ -186,12 +188,18 @@ class CONVWASS_OT_drop_mass(OnVertices, _PaintDensity, OnMesh, bpy.types.Operato
 
 
 def _dropped(
-    weights: NDArray[np.float64], vertices: list[int], radius: float, share: float, name: str, surface: Surface
+    weights: NDArray[np.float64],
+    vertices: list[int],
+    radius: float,
+    share: float,
+    name: str,
+    surface: Surface,
+    check: Check | None,
 ) -> NDArray[np.float64]:
     """Return a density of which a share is dropped on some vertices."""
     dropped = unit_mass(vertices, surface)
     if radius > 0.0:
-        dropped = diffused(dropped, surface, radius, name)
+        dropped = diffused(dropped, surface, radius, name, check)
     if share == 1.0 or not weights.any():
         return dropped
     return share * dropped + (1.0 - share) * distribution(weights, surface, name)

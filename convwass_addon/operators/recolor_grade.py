@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
+from ..applications.palettes.lookup_table import LookupTable
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
@@ -20,20 +20,23 @@ from .background import BackgroundOperator
 from .density_targets import tell
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
+from .recolor_table import CubeFile, TableJob
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, read_pictures
 
 
 class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
     """An operator that needs the map of colors as a table; that of a clip comes from all of its frames together."""
 
-    _job: RecolorJob | ClipJob
+    _job: TableJob
 
     def _begin(self, context):
         image, settings = chosen_image(context, self.image), self.recolor_settings()
         if is_clip(image):
             frames = ClipFrames(image, context.scene.convwass_recolor.mask)
-            return ClipJob(frames, *read_palettes(context), settings)
-        return RecolorJob(Handle.of("images", image), *read_pictures(context, image), settings, ends="map")
+            job = ClipJob(frames, *read_palettes(context), settings)
+        else:
+            job = RecolorJob(Handle.of("images", image), *read_pictures(context, image), settings, ends="map")
+        return TableJob(job, self.cube_size, self._target(context))
 
     def _steps(self):
         return self._job.steps
@@ -42,11 +45,16 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
         return rpt_("Matching palettes")
 
     def _finish(self, context, job):
-        job.discard()
-        return self._use(context, lookup_table(job.change, self.cube_size))
+        job.keep()
+        self._use(context, job.table)
+        return {"FINISHED"}
 
-    def _use(self, context: bpy.types.Context, table: LookupTable) -> set[str]:
-        """Do with the table what it is made for."""
+    def _target(self, context: bpy.types.Context) -> CubeFile | None:
+        """Return the file that the table becomes, if any."""
+        return None
+
+    def _use(self, context: bpy.types.Context, table: LookupTable) -> None:
+        """Do with the table what it is made for, and tell of it."""
         raise NotImplementedError
 
 
@@ -85,10 +93,11 @@ class CONVWASS_OT_write_lut(_MakesTable, bpy.types.Operator):
         self._path = checked_target(path_with_suffix(bpy.path.abspath(self.filepath), ".cube"))
         return super()._begin(context)
 
+    def _target(self, context):
+        return CubeFile(self._path, _palette_name(context))
+
     def _use(self, context, table):
-        write_cube(table, self._path, _palette_name(context))
         tell(self, rpt_("Wrote {:s}").format(str(self._path)))
-        return {"FINISHED"}
 
 
 class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
@@ -103,7 +112,6 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
     def _use(self, context, table):
         group = grade_group(table, f"Grade {_palette_name(context)}")
         tell(self, rpt_("Made the node group {:s} for the compositor").format(group.name))
-        return {"FINISHED"}
 
 
 def _palette_name(context: bpy.types.Context) -> str:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make skies between two worlds, beside the user's work: a sequence of images, and a world that shows it."""
+"""Make skies between worlds, beside the user's work: a sequence of images, and a world that shows it."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class SkyJob:
 
 
 class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.Operator):
-    """Make the skies between two worlds: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them"""  # noqa: E501
+    """Make the skies between two worlds or more: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them"""  # noqa: E501
 
     bl_idname = "convwass.interpolate_sky"
     bl_label = "Blend Skies"

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 
 from ..light_properties import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
@@ -56,17 +58,21 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
 def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) -> None:
     """Draw the materials that are chosen and room for one more; weights where they count."""
     column = layout.column(align=True)
-    empty = 0
-    for name in MATERIALS:
-        chosen = getattr(own, name) is not None
-        empty += not chosen
-        if chosen or empty == 1:
-            row = column.row(align=True)
-            row.prop(own, name, text="")
-            if chosen and own.blend in ("KEYED", "WEIGHTS"):
-                weight = row.row(align=True)
-                weight.ui_units_x = 3.5
-                weight.prop(own, name.replace("material", "weight"), text="")
+    for name in _slots(own, MATERIALS, 1):
+        row = column.row(align=True)
+        row.prop(own, name, text="")
+        if getattr(own, name) is not None and own.blend in ("KEYED", "WEIGHTS"):
+            weight = row.row(align=True)
+            weight.ui_units_x = 3.5
+            weight.prop(own, name.replace("material", "weight"), text="")
+
+
+def _slots(own: bpy.types.PropertyGroup, names: Sequence[str], least: int) -> list[str]:
+    """Return which of the slots of a choice are drawn: those that are filled, and one more, so many at least."""
+    filled = [name for name in names if getattr(own, name) is not None]
+    spare = [name for name in names if name not in filled]
+    shown = {*filled, *spare[: max(1, least - len(filled))]}
+    return [name for name in names if name in shown]
 
 
 class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
@@ -87,7 +93,7 @@ class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
 
 
 class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
-    """Skies between two others"""
+    """Skies between others"""
 
     bl_label = "Sky"
     bl_idname = "CONVWASS_PT_sky"
@@ -97,7 +103,7 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_sky
         column = layout.column(align=True)
-        for name in WORLDS[: max(2, len(own.chosen_worlds) + 1)]:
+        for name in _slots(own, WORLDS, 2):
             column.prop(own, name, text="")
         row = layout.row()
         row.scale_y = 1.6

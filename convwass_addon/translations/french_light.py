@@ -37,7 +37,6 @@ TEXTS: dict[str, str] = {
     "Weights must be zero or positive numbers, and one of them positive.": "Les poids doivent être nuls ou positifs, et l’un d’eux positif.",
     "{count} of {total} lobes did not converge (error {error:.2g}); allow more iterations or blur more.": "{count} lobes sur {total} n’ont pas convergé (erreur {error:.2g}) ; autoriser plus d’itérations ou flouter davantage.",
     "{name} cannot be read: {problem}": "{name} ne peut pas être lu : {problem}",
-    "{name} cannot be written: {problem}": "{name} ne peut pas être écrit : {problem}",
     "{name} has values that no material has.": "{name} contient des valeurs qu’aucun matériau n’a.",
     "{name} has values that no table of lobes has.": "{name} contient des valeurs qu’aucune table de lobes n’a.",
     "{name} is larger than any table of lobes.": "{name} est plus grand que toute table de lobes.",

@@ -37,7 +37,6 @@ TEXTS: dict[str, str] = {
     "Weights must be zero or positive numbers, and one of them positive.": "Gewichte müssen null oder positive Zahlen sein, und eines davon positiv.",
     "{count} of {total} lobes did not converge (error {error:.2g}); allow more iterations or blur more.": "{count} von {total} Keulen haben nicht konvergiert (Fehler {error:.2g}); mehr Iterationen zulassen oder unschärfer machen.",
     "{name} cannot be read: {problem}": "{name} lässt sich nicht lesen: {problem}",
-    "{name} cannot be written: {problem}": "{name} lässt sich nicht schreiben: {problem}",
     "{name} has values that no material has.": "{name} enthält Werte, die kein Material hat.",
     "{name} has values that no table of lobes has.": "{name} enthält Werte, die keine Tabelle von Keulen hat.",
     "{name} is larger than any table of lobes.": "{name} ist größer als jede Tabelle von Keulen.",

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ from .sinkhorn import Monitor, Scalings, balance, self_balance
 _COARSE_TOLERANCE = 1e-3
 # As many pairs at once as fit into this many values per array.
 _VALUES_AT_ONCE = 1 << 23
+# No more, so that progress can be told; larger blocks are hardly faster.
+_PAIRS_AT_ONCE = 16
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,14 @@ class DistanceMatrix:
     converged: bool
 
 
+@dataclass(frozen=True)
+class DistanceMatrixStep:
+    """The share of the pairs that are done, and all that was found, with the last step."""
+
+    fraction: float
+    found: DistanceMatrix | None = None
+
+
 def distance(
     mu0: ArrayLike,
     mu1: ArrayLike,
@@ -162,6 +173,19 @@ def distance_matrix(
 
     Parameters and errors are those of :func:`distance`.
     """
+    steps = distance_matrix_steps(mus, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
+    return list(steps)[-1].found
+
+
+def distance_matrix_steps(
+    mus: ArrayLike,
+    domain: Domain,
+    *,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    monitor: Monitor | None = None,
+) -> Iterator[DistanceMatrixStep]:
+    """Yield a step after every block of pairs, the last one with what :func:`distance_matrix` returns."""
     densities = check_distributions(mus, domain)
     check_solver(tolerance, max_iterations)
     own = self_balance(densities, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
@@ -169,7 +193,7 @@ def distance_matrix(
     first, second = np.triu_indices(len(densities), 1)
     values = np.zeros((len(densities), len(densities)))
     error, iterations = float(own.errors.max()), own.iterations
-    at_once = max(1, _VALUES_AT_ONCE // densities[0].size)
+    at_once = min(max(1, _VALUES_AT_ONCE // densities[0].size), _PAIRS_AT_ONCE)
     for start in range(0, len(first), at_once):
         i, j = first[start : start + at_once], second[start : start + at_once]
         solved, rounds = _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, monitor)
@@ -177,7 +201,8 @@ def distance_matrix(
         divergences = found - 0.5 * (self_values[i] + self_values[j])
         values[i, j] = values[j, i] = _squared_distances(divergences, domain)
         error, iterations = max(error, float(solved.errors.max())), max(iterations, rounds)
-    return DistanceMatrix(values, iterations, error, error < tolerance)
+        yield DistanceMatrixStep(min((start + at_once) / len(first), 1.0))
+    yield DistanceMatrixStep(1.0, DistanceMatrix(values, iterations, error, error < tolerance))
 
 
 def _coarse_to_fine(

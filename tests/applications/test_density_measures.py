@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
+from convwass_addon.applications.densities.density_measures import (
+    MEASURING_SUBSTEPS,
+    distance_table,
+    distance_table_steps,
+    measured_distance,
+)
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -54,6 +59,14 @@ def test_tables_hold_the_distances():
         expected = measured_distance(groups[i], groups[j], LARGE, ("a", "b")).length
         assert table.lengths[i, j] == table.lengths[j, i] == pytest.approx(expected, rel=1e-4)
     np.testing.assert_array_equal(np.diag(table.lengths), 0.0)
+
+
+def test_tables_tell_of_every_few_pairs():
+    groups = caps(*np.linspace(0.0, 2.0, 8))
+    steps = list(distance_table_steps(groups, "ABCDEFGH", LARGE))
+    fractions = [step.fraction for step in steps]
+    assert fractions == sorted(fractions) and 0.0 < fractions[0] < 1.0 and fractions[-1] == 1.0
+    assert [step.found is None for step in steps] == [True] * (len(steps) - 1) + [False]
 
 
 def test_tables_leave_out_what_no_mass_can_reach():

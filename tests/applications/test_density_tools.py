@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from convwass_addon.applications.densities.density_tools import diffused, sharpened, sharpened_by, unit_mass
 from convwass_addon.applications.densities.surface_densities import density_surface, distribution
-from convwass_addon.errors import InputError
+from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.transport.sharpening import entropy
 from tests.applications.test_surface_densities import SURFACE
 from tests.shapes import ball, joined
@@ -81,6 +83,16 @@ def test_diffusing_keeps_the_mass_of_every_piece_and_makes_entropy(length, seed)
 def test_lengths_that_make_no_sense_are_refused(length):
     with pytest.raises(InputError, match="length"):
         diffused(unit_mass(0, PLANE), PLANE, length, "a")
+
+
+@pytest.mark.parametrize("tool", [partial(diffused, length=0.3), partial(sharpened_by, share=0.5)])
+def test_a_check_ends_the_work(tool):
+    def check():
+        raise Cancelled("Cancelled.")
+
+    density = diffused(unit_mass(MIDDLE, PLANE), PLANE, 1.0, "a")
+    with pytest.raises(Cancelled):
+        tool(density, PLANE, name="a", check=check)
 
 
 def test_sharpening_a_gaussian_narrows_it():

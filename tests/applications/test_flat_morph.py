@@ -11,7 +11,7 @@ from convwass_addon.applications.flat.flat_colors import carried_colors
 from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
-from convwass_addon.applications.flat.gray_images import colored, regraded, thresholded
+from convwass_addon.applications.flat.gray_images import colored, regraded
 from convwass_addon.applications.flat.letters import letters_of, matched_letters
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend
 from convwass_addon.errors import Cancelled, InputError
@@ -190,8 +190,6 @@ def test_gray_images_become_densities_with_the_grays_of_the_inputs():
     peak = np.unravel_index(np.argmax(graded.values), graded.values.shape)
     place = np.array(middle.density.corner) + (np.array(peak) + 0.5) * middle.density.pixel
     np.testing.assert_allclose(place, [32.5 / 64, 32.5 / 64], atol=0.02)
-    area = middle.record["area"]
-    assert thresholded(middle.density, area).sum() * middle.density.pixel**2 == pytest.approx(area, abs=1e-3)
 
 
 def test_silhouettes_and_curves_can_be_mixed():

@@ -35,7 +35,7 @@ def kinds(records, settings=SETTINGS, names=("Cow", "Duck"), numbers=None):
 
 def lost(share, thickness=1.3, length=14.0):
     part = {"thickness": thickness, "length": length, "share": share}
-    return {"share": share, "thinned": 0.0, "scattered": 0.0, "count": 1, "parts": [part]}
+    return {"share": share, "scattered": 0.0, "count": 1, "parts": [part]}
 
 
 def body_with_leg(thickness, cells=(48, 32, 32)):

@@ -7,14 +7,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.skeletons.inner_points import InnerPointFinder, inner_point
+from convwass_addon.applications.skeletons.inner_points import InnerPointFinder
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.solid_angles import winding_numbers
 from tests.shapes import ball, box, joined, square, torus
 
 
 def test_behind_a_point_of_a_torus_is_its_circle():
-    found = inner_point(torus(1.0, 0.3), (1.3, 0.0, 0.0))
+    found = InnerPointFinder(torus(1.0, 0.3)).find((1.3, 0.0, 0.0))
     assert np.linalg.norm(found.position - [1.0, 0.0, 0.0]) < 0.12
     assert found.depth == pytest.approx(0.3, abs=0.12)
 
@@ -41,6 +41,6 @@ def test_the_clicked_part_is_the_body():
 
 def test_sheets_have_no_inside():
     with pytest.raises(InputError, match="encloses no volume"):
-        inner_point(square(), (0.0, 0.0, 0.0))
+        InnerPointFinder(square()).find((0.0, 0.0, 0.0))
     with pytest.raises(InputError, match="depth"):
-        inner_point(ball(), (1.0, 0.0, 0.0), 0.0)
+        InnerPointFinder(ball()).find((1.0, 0.0, 0.0), 0.0)

@@ -14,7 +14,7 @@ from convwass_addon.applications.reflectance.lobe_table import LobeTable, incomi
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.merl import MerlMaterial, read_merl
 from convwass_addon.applications.reflectance.table_files import read_table, write_table
-from convwass_addon.errors import InputError
+from convwass_addon.errors import ConvwassError, InputError
 
 
 @pytest.fixture
@@ -85,7 +85,7 @@ def test_headers_that_promise_more_are_refused(table, tmp_path):
 
 
 def test_tables_that_cannot_be_written_leave_nothing(table, tmp_path):
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(ConvwassError, match="could not be written"):
         write_table(tmp_path / "missing" / "lobes.npz", table)
     assert not list(tmp_path.iterdir())
 

@@ -110,7 +110,7 @@ def test_overcast_sky_lets_the_sun_appear(skies):
     _, second, _ = skies
     found = Skies(clear_sky(None, None, None), second, QUICK)
     frame = found.frame(0.25)
-    assert not found.has_glow and not found.lamps[0]
+    assert not found.lamps[0]
     assert frame.lamps[0].direction @ HIGH > np.cos(np.radians(0.5))
     assert frame.lamps[0].flux == pytest.approx(0.25 * found.lamps[1][0].flux)
 

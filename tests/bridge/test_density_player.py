@@ -14,12 +14,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from convwass_addon.bridge.densities.density_attributes import stored_frames
-from convwass_addon.bridge.densities.density_nodes import COLORS, NAME, color_name, frame_name
+from convwass_addon.bridge.densities.density_nodes import COLORS, NAME, SCALE, color_name, frame_name
 from convwass_addon.bridge.densities.density_player import (
     DensityKey,
     animate_density,
     density_modifier,
-    density_scale,
     density_value,
     played_densities,
     remove_density,
@@ -121,7 +120,7 @@ def test_several_keys(obj, densities):
 
 def test_scale_gives_the_densities_back(obj, densities):
     animate_density(obj, densities, TIMES)
-    density_scale(obj).set(stored_density(obj, NAME).scale)
+    node_input(density_modifier(obj, NAME), SCALE).set(stored_density(obj, NAME).scale)
     set_value(obj, 0.5)
     np.testing.assert_allclose(values_of(obj, NAME), densities[2], atol=1e-4)  # noqa: F821
     np.testing.assert_allclose(stored_frames(obj), densities / densities.max(), atol=ROUNDED)
@@ -154,7 +153,7 @@ def test_heat_colors(obj, densities):
 
 def test_again_replaces_frames_and_keeps_keys(obj, densities, inventory):
     animate_density(obj, densities, TIMES, keys=KEYS)
-    density_scale(obj).set(2.0)
+    node_input(density_modifier(obj, NAME), SCALE).set(2.0)
     before = inventory()
     animate_density(obj, 1 - densities[:3] / 7, [0, 0.5, 1])
     assert inventory() == before

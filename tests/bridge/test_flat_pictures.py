@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.flat.gray_inputs import gray_inputs
+from convwass_addon.bridge.flat.picture_job import PictureJob
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.cli import main
-from convwass_addon.errors import InputError
+from convwass_addon.errors import ConvwassError, InputError
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -103,6 +104,41 @@ def test_pictures_that_are_held_are_copied(tmp_path):
     files = sorted(tmp_path.glob("*/*.png"))
     assert len(files) == 5
     assert files[0].read_bytes() == files[1].read_bytes() != files[2].read_bytes()
+
+
+def contents(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_pictures_that_are_made_again_take_the_place_of_the_old_ones_at_the_end(tmp_path):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    bake(tmp_path, *objects)
+    before = contents(tmp_path)
+    assert len(before) == 5
+    objects[0].data.pixels.foreach_set(spot(32, 32, 10, BLUE).ravel())
+    for _ in range(2):
+        assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+        after = contents(tmp_path)
+        assert after.keys() == before.keys() and after != before
+    (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
+    (node,) = (node for node in plane.data.materials[0].node_tree.nodes if node.type == "TEX_IMAGE")
+    shown = pixels_of(bpy.path.abspath(node.image.filepath))
+    np.testing.assert_allclose(shown[shown.shape[0] // 2, shown.shape[1] // 2, :3], BLUE, atol=0.02)
+
+
+def test_a_bake_that_is_stopped_leaves_the_pictures_of_the_morph_that_it_would_replace(tmp_path, monkeypatch):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    bake(tmp_path, *objects)
+    bpy.ops.convwass.rebake_morph()
+    before = contents(tmp_path)
+
+    def fail(job, hide_inputs):
+        raise ConvwassError("Stopped")
+
+    monkeypatch.setattr(PictureJob, "finish", fail)
+    with pytest.raises(RuntimeError, match="Stopped"):
+        bpy.ops.convwass.rebake_morph()
+    assert contents(tmp_path) == before
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from hypothesis import given, strategies as st
 from convwass_addon.applications.skies.lamps import split_lamps
 from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.bridge.skies import world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
 from convwass_addon.bridge.skies.sky_sequence import SkyFiles, fitting_height, sky_steps
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
@@ -104,6 +105,31 @@ def test_images_that_are_no_sky_are_refused(tmp_path):
     (tmp_path / "a.exr").write_bytes(b"nonsense")
     with pytest.raises(InputError):
         read_sky_file(tmp_path / "a.exr")
+
+
+@pytest.mark.parametrize(
+    ("space", "expected"), [("sRGB", 0.21404), ("Linear Rec.709", 0.5), ("Non-Color", 0.5), ("AgX Base sRGB", None)]
+)
+def test_bytes_are_read_in_their_color_space_or_refused(space, expected):
+    image = bpy.data.images.new("Bytes", 8, 4)
+    image.colorspace_settings.name = space
+    image.pixels.foreach_set(np.full(4 * 32, 0.5, np.float32))
+    if expected is None:
+        with pytest.raises(InputError, match="is in the color space AgX Base sRGB"):
+            read_sky(image)
+    else:
+        np.testing.assert_allclose(read_sky(image), expected, atol=0.003)
+
+
+def test_without_cycles_a_world_is_refused_with_what_to_do(monkeypatch):
+    def refuse(scene):
+        raise ConvwassError("Pictures need the Cycles render engine; switch it on.")
+
+    world, scenes = bpy.data.worlds.new("Gray"), list(bpy.data.scenes)
+    monkeypatch.setattr(world_skies, "choose_cycles", refuse)
+    with pytest.raises(ConvwassError, match="need the Cycles"):
+        world_sky(world, 8)
+    assert list(bpy.data.scenes) == scenes
 
 
 def test_folders_that_cannot_be_used_are_refused(tmp_path):

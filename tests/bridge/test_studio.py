@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from convwass_addon.bridge.morphs.animation import render_animation
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.materials import morph_material
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.bridge.studio import Studio, opening, world_points
+from convwass_addon.bridge.studio import Studio, choose_cycles, opening, world_points
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 
 RED, GREEN = (0.6, 0.02, 0.02, 1.0), (0.02, 0.5, 0.02, 1.0)
@@ -244,6 +246,20 @@ def test_without_a_denoiser_more_light_is_followed(path_morph, tmp_path, monkeyp
     with Studio() as studio:
         studio.set_quality((8, 8), 3)
         assert studio.scene.cycles.samples > 3
+
+
+def test_without_cycles_it_is_said_how_to_switch_it_on():
+    class Render:
+        @property
+        def engine(self):
+            return "BLENDER_EEVEE"
+
+        @engine.setter
+        def engine(self, name):
+            raise TypeError(f'enum "{name}" not found')
+
+    with pytest.raises(ConvwassError, match="Preferences > Add-ons"):
+        choose_cycles(SimpleNamespace(render=Render()))
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.0])

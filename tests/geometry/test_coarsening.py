@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from convwass_addon.geometry.coarsening import coarsened
 from convwass_addon.geometry.edges import topology, vertex_components
 from convwass_addon.geometry.mesh import TriangleMesh
-from tests.shapes import ball, joined, torus, with_faces
+from tests.shapes import ball, joined, piece_count, torus, with_faces
 from tests.transport.sheets import sheet_mesh
 from tests.transport.tubes import bent_tube
 
@@ -72,7 +72,7 @@ def used_by(mesh):
 def test_the_topology_stays(mesh, found):
     """Pieces, handles and holes; every edge of a closed mesh has two triangles that agree about what is outside."""
     fine, coarse = topology(with_faces(mesh, unrepeated(mesh))), topology(found.mesh)
-    assert (coarse.components, coarse.euler) == (fine.components, fine.euler)
+    assert (piece_count(found.mesh), coarse.euler) == (piece_count(mesh), fine.euler)
     assert (coarse.open_edges > 0) == (fine.open_edges > 0)
     assert (coarse.uneven_edges > 0) == (fine.uneven_edges > 0)
     assert len(np.unique(found.mesh.faces)) == len(found.mesh.vertices) < 0.5 * len(mesh.vertices)

@@ -147,7 +147,6 @@ def test_a_removed_rod_is_found_with_its_mass_and_measures():
     assert part.low[0] <= ROD_LOW and part.high[0] >= ROD_HIGH
     assert part.low[0] > BALL_CENTER[0] + BALL_RADIUS
     assert found.scattered < 1e-3
-    assert found.thinned < 1e-3
 
 
 def test_of_a_rod_that_touches_only_the_base_is_not_counted():
@@ -174,19 +173,7 @@ def test_a_blurred_ball_loses_nothing(blur, radius):
     found = lost_parts(density, shown, 3 * blur)
     assert found.count == 0
     assert found.share == 0.0
-    assert found.thinned < 5e-3
     assert found.scattered < 1e-3
-
-
-def test_a_thinned_rod_is_reported_and_a_rod_of_full_width_is_not():
-    density = gaussian_filter(ball() + rod(), 0.8)
-    body = gaussian_filter(ball(), 0.8) > 0.5
-    thinned = lost_parts(density, body | (rod(radius=0.9) > 0.5), 3.0)
-    full = lost_parts(density, body | (rod() > 0.5), 3.0)
-    assert thinned.count == full.count == 0
-    missing = float(((rod() > 0.5) & ~(rod(radius=0.9) > 0.5)).sum()) / density.sum()
-    assert thinned.thinned == pytest.approx(missing, rel=0.3)
-    assert full.thinned < 0.1 * missing
 
 
 def test_what_is_lost_does_not_depend_on_the_unit_of_the_density():

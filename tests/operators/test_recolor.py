@@ -12,8 +12,13 @@ import pytest
 
 from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb, srgb_of_linear
 from convwass_addon.applications.palettes.lookup_table import read_cube
+from convwass_addon.applications.palettes.palette_settings import RecolorSettings
+from convwass_addon.bridge.handles import Handle
 from convwass_addon.bridge.palettes.grade_nodes import grade_group
-from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image
+from convwass_addon.errors import Cancelled
+from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, RecolorJob
+from convwass_addon.operators.recolor_table import CubeFile, TableJob
+from convwass_addon.operators.recolor_targets import read_pictures
 from tests.operators.densities import Pressed, inventory, until, window_context
 from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_of, red_image
 from tests.rigs import call
@@ -114,6 +119,26 @@ def test_a_table_does_the_same(own, tmp_path):
         call("write_lut", image="Red")
     with pytest.raises(RuntimeError, match="does not exist"):
         call("write_lut", image="Red", filepath=str(tmp_path / "none" / "grade.cube"))
+
+
+def test_a_table_that_is_stopped_while_it_is_written_leaves_the_old_file(own, tmp_path):
+    target = tmp_path / "grade.cube"
+    target.write_text("old")
+    red = red_image()
+    pictures = read_pictures(bpy.context, red)
+    inner = RecolorJob(Handle.of("images", red), *pictures, RecolorSettings(), ends="map")
+    job, written = TableJob(inner, 5, CubeFile(target, "Blue")), []
+
+    def check():
+        if written:
+            raise Cancelled("Cancelled.")
+
+    with pytest.raises(Cancelled):
+        for step in job.steps(check):
+            job.write(step)
+            written += [step] * (str(step.message) == "Writing the table")
+    job.discard()
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"grade.cube": "old"}
 
 
 def test_a_group_for_the_compositor_is_made(own):

@@ -50,6 +50,15 @@ def test_there_is_room_for_one_more_material_and_weights_where_they_count():
     assert "blends" not in shown("prop")
 
 
+def test_every_chosen_world_is_drawn_and_room_for_one_more():
+    own, worlds = bpy.context.scene.convwass_sky, {"world", "world_2", "world_3", "world_4"}
+    assert shown("prop") & worlds == {"world", "world_2"}
+    own.world = own.world_4 = bpy.data.worlds.new("Sky")
+    assert shown("prop") & worlds == {"world", "world_2", "world_4"}
+    own.world_2 = own.world_3 = own.world
+    assert shown("prop") & worlds == worlds
+
+
 def test_drawing_changes_nothing():
     before = inventory()
     draw_all()

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...sentence import Sentence
-from ...transport import Surface, distance, distance_matrix
+from ...transport import Surface, distance
+from ...transport.distance import distance_matrix_steps
 from ..workers import one_blas_thread
 from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
 from .density_solving import Check, monitor_of, reachable
@@ -79,6 +80,14 @@ class DistanceTable:
     marginal_error: float
     converged: bool
     notices: tuple[Sentence, ...]
+
+
+@dataclass(frozen=True)
+class DistanceTableStep:
+    """The share of the pairs that are done, and the table, with the last step."""
+
+    fraction: float
+    found: DistanceTable | None = None
 
 
 def measured_distance(
@@ -151,6 +160,22 @@ def distance_table(
     InputError
         Fewer than two, or weights that are no distributions.
     """
+    steps = distance_table_steps(
+        weights, names, surface, tolerance=tolerance, max_iterations=max_iterations, check=check
+    )
+    return list(steps)[-1].found
+
+
+def distance_table_steps(
+    weights: Sequence[ArrayLike],
+    names: Sequence[str],
+    surface: Surface,
+    *,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    check: Check | None = None,
+) -> Iterator[DistanceTableStep]:
+    """Yield a step after every few pairs, the last one with what :func:`distance_table` returns."""
     if len(weights) < 2:
         raise InputError("There must be at least two groups to measure between; paint one more.")
     densities = np.stack([distribution(w, surface, name) for w, name in zip(weights, names, strict=True)])
@@ -158,15 +183,23 @@ def distance_table(
     np.fill_diagonal(lengths, 0.0)
     iterations, error, converged = 0, 0.0, True
     families = _families(densities, surface)
+    done, total = 0, sum(len(family) * (len(family) - 1) // 2 for family in families)
     for family in families:
         own = [names[i] for i in family]
         if len(family) == 1:
             continue
         alike = on_same_pieces(densities[family], own, surface)
-        with one_blas_thread(), reachable(surface, own):
-            found = distance_matrix(
-                alike, surface, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor_of(check)
-            )
+        steps = distance_matrix_steps(
+            alike, surface, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor_of(check)
+        )
+        pairs, found = len(family) * (len(family) - 1) // 2, None
+        while found is None:
+            # The limit of threads is not for those who take the steps.
+            with one_blas_thread(), reachable(surface, own):
+                step = next(steps)
+            found = step.found
+            yield DistanceTableStep((done + step.fraction * pairs) / total)
+        done += pairs
         lengths[np.ix_(family, family)] = np.sqrt(np.maximum(found.values, 0.0))
         iterations, error = max(iterations, found.iterations), max(error, found.marginal_error)
         converged &= found.converged
@@ -179,7 +212,7 @@ def distance_table(
                 {"groups": groups},
             ),
         )
-    return DistanceTable(tuple(names), lengths, iterations, error, converged, notices)
+    yield DistanceTableStep(1.0, DistanceTable(tuple(names), lengths, iterations, error, converged, notices))
 
 
 def _families(densities: NDArray[np.float64], surface: Surface) -> list[list[int]]:

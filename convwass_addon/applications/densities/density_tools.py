@@ -15,6 +15,7 @@ from ...transport.pieces import PieceMasses
 from ...transport.sharpening import entropy, sharpening_exponent
 from ...transport.sinkhorn import log_density
 from ..workers import one_blas_thread
+from .density_solving import Check
 from .surface_densities import distribution
 
 # Beyond this many widths of the surface nothing changes any more, and numbers leave float64.
@@ -23,7 +24,9 @@ _LONGEST = 1e3
 _CLOSE = 1e-3
 
 
-def diffused(weights: ArrayLike, surface: Surface, length: float, name: str) -> NDArray[np.float64]:
+def diffused(
+    weights: ArrayLike, surface: Surface, length: float, name: str, check: Check | None = None
+) -> NDArray[np.float64]:
     """Let a density spread by heat along the surface.
 
     Parameters
@@ -36,6 +39,8 @@ def diffused(weights: ArrayLike, surface: Surface, length: float, name: str) -> 
         Standard deviation, per axis, that the heat gains, in scene units. Squares add up: 3 and then 4 are 5.
     name : str
         What messages call the weights.
+    check : callable, optional
+        Called between parts of the work; what it raises ends it.
 
     Returns
     -------
@@ -58,11 +63,17 @@ def diffused(weights: ArrayLike, surface: Surface, length: float, name: str) -> 
         )
     with one_blas_thread():
         # The kernel's variance per axis is gamma / 2, whatever the number of substeps.
+        _ask(check)
         kernel = surface.with_kernel(2.0 * (length / surface.unit_length) ** 2, surface.steps)
-        return distribution(kernel.apply(density), surface, name)
+        _ask(check)
+        spread = kernel.apply(density)
+    _ask(check)
+    return distribution(spread, surface, name)
 
 
-def sharpened(weights: ArrayLike, surface: Surface, limit: float, name: str) -> NDArray[np.float64]:
+def sharpened(
+    weights: ArrayLike, surface: Surface, limit: float, name: str, check: Check | None = None
+) -> NDArray[np.float64]:
     """Raise a density to the power at which its entropy is `limit`; every connected piece keeps its share.
 
     Parameters
@@ -75,6 +86,8 @@ def sharpened(weights: ArrayLike, surface: Surface, limit: float, name: str) -> 
         Entropy in nats. A density whose entropy is below it stays as it is.
     name : str
         What messages call the weights.
+    check : callable, optional
+        Called between parts of the work; what it raises ends it.
 
     Returns
     -------
@@ -91,7 +104,10 @@ def sharpened(weights: ArrayLike, surface: Surface, limit: float, name: str) -> 
         raise InputError("The entropy to sharpen to must be a number, got {limit}.", limit=limit)
     pieces = PieceMasses.of(density, surface)
     logs = log_density(density)
-    result = _powered(logs, sharpening_exponent(logs, limit, surface.weights, pieces), pieces, surface)
+    _ask(check)
+    exponent = sharpening_exponent(logs, limit, surface.weights, pieces)
+    _ask(check)
+    result = _powered(logs, exponent, pieces, surface)
     reached = entropy(result, surface.weights)
     if reached > limit + _CLOSE:
         raise InputError(
@@ -104,7 +120,9 @@ def sharpened(weights: ArrayLike, surface: Surface, limit: float, name: str) -> 
     return result
 
 
-def sharpened_by(weights: ArrayLike, surface: Surface, share: float, name: str) -> NDArray[np.float64]:
+def sharpened_by(
+    weights: ArrayLike, surface: Surface, share: float, name: str, check: Check | None = None
+) -> NDArray[np.float64]:
     """Sharpen a density, (n,), until it covers `share` of the area that it has covered, 0 < share <= 1.
 
     The area is that of the even density of the same entropy; errors as :func:`sharpened`.
@@ -112,7 +130,7 @@ def sharpened_by(weights: ArrayLike, surface: Surface, share: float, name: str) 
     if not 0 < share <= 1:
         raise InputError("The share of the area to keep must lie between 0 and 1, got {share:.3g}.", share=share)
     density = distribution(weights, surface, name)
-    return sharpened(density, surface, entropy(density, surface.weights) + float(np.log(share)), name)
+    return sharpened(density, surface, entropy(density, surface.weights) + float(np.log(share)), name, check)
 
 
 def unit_mass(vertices: int | Sequence[int] | ArrayLike, surface: Surface) -> NDArray[np.float64]:
@@ -149,6 +167,12 @@ def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
             "Vertex {vertex} is loose: no face with an area uses it, so that it can hold no mass. Choose another one.",
             vertex=int(loose[0]),
         )
+
+
+def _ask(check: Check | None) -> None:
+    """Let a check end the work."""
+    if check is not None:
+        check()
 
 
 def _powered(

@@ -13,14 +13,6 @@ from ...errors import InputError
 from .flat_frames import FlatDensity, FlatFrame
 
 
-def thresholded(density: FlatDensity, area: float) -> NDArray[np.bool_]:
-    """Return the densest pixels, as many as an area holds, (nx, ny); that of a frame is in its record."""
-    count = int(np.clip(round(area / density.pixel**2), 0, density.values.size))
-    chosen = np.zeros(density.values.size, bool)
-    chosen[np.argsort(-density.values.ravel(), kind="stable")[:count]] = True
-    return chosen.reshape(density.values.shape)
-
-
 def regraded(frame: FlatFrame, ends: Sequence[FlatDensity]) -> FlatDensity:
     """Give the density of a blend the grays of the inputs: its pixels keep their order, from dark to bright.
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...drafts import draft_of
-from ...errors import ConvwassError, InputError
+from ...drafts import written_whole
+from ...errors import InputError
 from .interpolation import interpolated
 from .lab_colors import linear_of_srgb, srgb_of_linear
 from .recoloring import Recoloring
@@ -83,8 +84,21 @@ def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
     return LookupTable(np.ascontiguousarray(np.moveaxis(found, 0, -1)), np.zeros(3), np.ones(3))
 
 
-def write_cube(table: LookupTable, path: Path, title: str = "Convwass") -> None:
+def write_cube(
+    table: LookupTable, path: Path, title: str = "Convwass", check: Callable[[], None] | None = None
+) -> None:
     """Write a table as a .cube file, red fastest; the file is there whole or not at all.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What is written.
+    path : Path
+        Where to.
+    title : str
+        What other programs call it.
+    check : callable, optional
+        Called between layers; what it raises ends the work.
 
     Raises
     ------
@@ -96,15 +110,12 @@ def write_cube(table: LookupTable, path: Path, title: str = "Convwass") -> None:
     head = [f'TITLE "{safe}"', f"LUT_3D_SIZE {size}"]
     for name, values in (("MIN", table.lowest), ("MAX", table.highest)):
         head.append(f"DOMAIN_{name} " + " ".join(f"{value:g}" for value in values))
-    rows = table.colors.transpose(2, 1, 0, 3).reshape(-1, 3)
-    try:
-        with draft_of(path) as draft, open(draft, "w", encoding="utf-8", newline="\n") as file:
-            file.write("\n".join(head) + "\n")
-            np.savetxt(file, rows, fmt="%.6f")
-    except OSError as error:
-        raise ConvwassError(
-            "{file} could not be written: {reason}", file=str(path), reason=str(error).strip()
-        ) from error
+    with written_whole(path) as draft, open(draft, "w", encoding="utf-8", newline="\n") as file:
+        file.write("\n".join(head) + "\n")
+        for layer in table.colors.transpose(2, 1, 0, 3):
+            if check is not None:
+                check()
+            np.savetxt(file, layer.reshape(-1, 3), fmt="%.6f")
 
 
 def read_cube(path: Path) -> LookupTable:

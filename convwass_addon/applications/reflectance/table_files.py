@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from ...drafts import draft_of
+from ...drafts import written_whole
 from ...errors import InputError
 from .lobe_table import LobeTable
 
@@ -33,15 +33,12 @@ def write_table(path: Path, table: LobeTable) -> None:
 
     Raises
     ------
-    InputError
+    ConvwassError
         It cannot be written.
     """
     arrays = {"theta_in": table.theta_in, "phi_in": table.phi_in, "albedo": table.albedo}
-    try:
-        with draft_of(path) as draft, draft.open("wb") as file:
-            np.savez_compressed(file, lobes=table.lobes.astype(np.float32), **arrays)
-    except OSError as problem:
-        raise InputError("{name} cannot be written: {problem}", name=path.name, problem=problem.strerror) from problem
+    with written_whole(path) as draft, draft.open("wb") as file:
+        np.savez_compressed(file, lobes=table.lobes.astype(np.float32), **arrays)
 
 
 def read_table(path: Path) -> LobeTable:

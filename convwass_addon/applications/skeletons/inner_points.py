@@ -44,29 +44,6 @@ class InnerPoint:
     depth: float
 
 
-def inner_point(mesh: TriangleMesh, point: ArrayLike, depth: float = 1.0) -> InnerPoint:
-    """Return the point inside a body behind a point of its surface.
-
-    A unit mass at the point is diffused along the surface, and its mean lies inside; where it does not, more diffusion
-    brings it there, or else the middle of what is straight behind the point is taken.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-        The body.
-    point : (3,)
-        On the surface, or near to it.
-    depth : float
-        1 goes about to the middle of the limb that the point is on, less stays closer to the surface.
-
-    Raises
-    ------
-    InputError
-        The body encloses nothing, or the depth is not positive.
-    """
-    return InnerPointFinder(mesh).find(point, depth)
-
-
 @dataclass(frozen=True)
 class _Body:
     """A body and what is looked up on it."""
@@ -90,7 +67,23 @@ class InnerPointFinder:
         self._bodies: list[_Body] = []
 
     def find(self, point: ArrayLike, depth: float = 1.0) -> InnerPoint:
-        """Return the point inside; see :func:`inner_point`."""
+        """Return the point inside the body behind a point of its surface.
+
+        A unit mass at the point is diffused along the surface, and its mean lies inside; where it does not, more
+        diffusion brings it there, or else the middle of what is straight behind the point is taken.
+
+        Parameters
+        ----------
+        point : (3,)
+            On the surface, or near to it.
+        depth : float
+            1 goes about to the middle of the limb that the point is on, less stays closer to the surface.
+
+        Raises
+        ------
+        InputError
+            The body encloses nothing, or the depth is not positive.
+        """
         if not (np.isfinite(depth) and depth > 0):
             raise InputError("The depth of a pin must be a positive number.")
         clicked = np.asarray(point, dtype=np.float64).reshape(3)

@@ -74,11 +74,6 @@ class Skies:
         self._still = [rest for _, rest in split]
         self._travels = self._travelling()
 
-    @property
-    def has_glow(self) -> bool:
-        """Whether both skies have a glow that can travel from one to the other."""
-        return bool(self._travels)
-
     def _travelling(self) -> list[GlowTravel]:
         """Take the glows of suns that become one another out of what stays still."""
         everything = sum(lamp.flux @ LUMINANCE for lamp in self.lamps[0])

@@ -21,7 +21,7 @@ from ..mesh_checks import writable_mesh
 from ..morphs.player import EASINGS
 from ..node_inputs import NodeInput, node_input
 from .density_attributes import remove_color, remove_frames, require_free, write_frames
-from .density_nodes import DENSITY_KEY, NAME, SCALE, VALUE, density_tree, fill
+from .density_nodes import DENSITY_KEY, NAME, VALUE, density_tree, fill
 from .density_store import StoredDensity, forget_density, store_density, stored_or_new
 
 
@@ -129,11 +129,6 @@ def density_modifier(obj: bpy.types.Object, name: str = NAME) -> bpy.types.Nodes
 def density_value(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
     """Return the value of a density to animate; draw it with ``layout.prop(value.owner, value.path)``."""
     return node_input(density_modifier(obj, name), VALUE)
-
-
-def density_scale(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
-    """Return the number that the attribute is multiplied by; the stored scale makes densities of mass 1 of masks."""
-    return node_input(density_modifier(obj, name), SCALE)
 
 
 def played_densities(obj: bpy.types.Object) -> list[str]:

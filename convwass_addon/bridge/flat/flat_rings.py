@@ -33,11 +33,6 @@ class CurveLook:
     bevel_resolution: int = 4
     fill_mode: str = "BOTH"
 
-    @property
-    def is_deep(self) -> bool:
-        """Whether there is any thickness."""
-        return self.extrude > 0 or self.bevel_depth > 0
-
     def scaled(self, factor: float) -> CurveLook:
         """Return the look of a shape that is so many times as large."""
         sizes = (factor * size for size in (self.extrude, self.bevel_depth, self.offset))

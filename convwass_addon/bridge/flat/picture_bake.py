@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_frames import FlatFrame
 from ...applications.morphs.layouts import Blend
+from ...drafts import DraftFiles
 from ...errors import InputError
 from ..handles import Handle, found
 from ..morphs.bake import MorphBake, check_first_frame
@@ -36,7 +37,7 @@ class PictureFrame(FlatFrame):
 
 
 class PictureBake(MorphBake):
-    """A morph that is being written as pictures; files that are not finished with are removed again."""
+    """A morph that is being written as pictures; files take their places, and those of older ones, at the end."""
 
     @classmethod
     def begin_pictures(
@@ -47,8 +48,11 @@ class PictureBake(MorphBake):
         settings: dict[str, object],
         first_frame: int,
         grays: Sequence[GrayInput],
+        replaces: str = "",
     ) -> Self:
         """Make the collection, and the folder of the files, which `settings` name as `output_folder`.
+
+        Where the morph called `replaces` is there, the folder and the files have its name.
 
         Raises
         ------
@@ -61,10 +65,11 @@ class PictureBake(MorphBake):
             raise InputError("Pictures show an animation or a single blend; choose another layout, or other frames.")
         shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]
         bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
-        bake._grays, bake._files = tuple(grays), []
+        bake._grays, bake._drafts = tuple(grays), DraftFiles()
         try:
             folder = str(settings.get("output_folder") or "//")
-            bake._folder = output_folder(folder, bake._living(bake._collection))
+            named = bpy.data.collections.get(replaces) or bake._living(bake._collection)
+            bake._folder = output_folder(folder, named)
         except InputError:
             bake.discard()
             raise
@@ -72,23 +77,22 @@ class PictureBake(MorphBake):
 
     _grays: tuple[GrayInput, ...]
     _folder: Path
-    _files: list[Path]
+    _drafts: DraftFiles
+    _count: int = 0
     _plane: Handle | None = None
 
     def _shown_object(self, frame: PictureFrame, index: int) -> bpy.types.Object:
         """Write the picture of a frame, and make the plane with the first one."""
         collection = self._living(self._collection)
         numbers = self._numbers(index)
-        stem = bpy.path.clean_name(collection.name)
-        paths = [self._folder / f"{stem}_{number:04d}.png" for number in numbers]
-        _save(frame.pixels, paths[0])
-        self._files.append(paths[0])
-        for path in paths[1:]:
-            shutil.copyfile(paths[0], path)
-            self._files.append(path)
+        drafts = [self._drafts.draft_of(self._folder / f"{self._folder.name}_{number:04d}.png") for number in numbers]
+        _save(frame.pixels, drafts[0])
+        for draft in drafts[1:]:
+            shutil.copyfile(drafts[0], draft)
+        self._count += len(drafts)
         if self._plane is None:
             obj = _plane_object(collection.name, frame, self._grays[0].plane.matrix)
-            obj.data.materials.append(_picture_material(collection.name, paths[0]))
+            obj.data.materials.append(_picture_material(collection.name))
             collection.objects.link(obj)
             obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
             obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
@@ -102,24 +106,31 @@ class PictureBake(MorphBake):
         own = self._scene_frame(index)
         return range(own, self._scene_frame(index + 1) if index + 1 < len(self._blends) else own + 1)
 
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Put the files in their places, and make of the plane that shows them a morph; see :class:`.MorphBake`."""
+        self._living(self._collection)
+        if self._plane is not None and self._plane.find() is not None:
+            first = min(self._drafts.keep())
+            image = self._picture_node().image = bpy.data.images.load(str(first))
+            image.filepath = for_blender(first)
+        return super().finish(hide_inputs)
+
+    def _picture_node(self) -> bpy.types.Node:
+        nodes = self._living(self._plane).data.materials[0].node_tree.nodes
+        return next(node for node in nodes if node.bl_idname == "ShaderNodeTexImage")
+
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
         """Let the plane show the files as a sequence, whose ends stay beyond its ends."""
-        node = next(
-            node
-            for node in self._living(self._plane).data.materials[0].node_tree.nodes
-            if node.bl_idname == "ShaderNodeTexImage"
-        )
+        node = self._picture_node()
         node.image.source = "SEQUENCE"
         user, first = node.image_user, self._stored.first_frame
-        user.frame_start, user.frame_offset, user.frame_duration = first, first - 1, len(self._files)
+        user.frame_start, user.frame_offset, user.frame_duration = first, first - 1, self._count
         user.use_auto_refresh, user.use_cyclic = True, False
 
     def discard(self) -> None:
-        """Remove all that this bake has made and that is still there, files too."""
+        """Remove all that this bake has made and that is still there, unfinished files too."""
         super().discard()
-        for path in self._files:
-            path.unlink(missing_ok=True)
-        self._files = []
+        self._drafts.discard()
 
     def _drop_unused(self) -> None:
         super()._drop_unused()
@@ -162,8 +173,8 @@ def _plane_object(name: str, frame: PictureFrame, place: NDArray[np.float64]) ->
     return obj
 
 
-def _picture_material(name: str, file: Path) -> bpy.types.Material:
-    """Make a material that shines as a picture does, and is clear where that is."""
+def _picture_material(name: str) -> bpy.types.Material:
+    """Make a material that shines as a picture does, and is clear where that is, or is not there yet."""
     material = bpy.data.materials.new(name)
     mark_as_frames(material)
     if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
@@ -174,8 +185,6 @@ def _picture_material(name: str, file: Path) -> bpy.types.Material:
     output, mixed, clear, shine, picture = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
     for place, node in enumerate((output, mixed, clear, shine, picture)):
         node.location = (-220.0 * place, 0.0)
-    picture.image = bpy.data.images.load(str(file))
-    picture.image.filepath = for_blender(file)
     picture.extension = "CLIP"
     tree.links.new(picture.outputs["Color"], shine.inputs["Color"])
     tree.links.new(picture.outputs["Alpha"], mixed.inputs[0])

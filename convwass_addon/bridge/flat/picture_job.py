@@ -33,6 +33,8 @@ class PictureJob:
     scene, depsgraph, inputs, blends, settings, options, first_frame
         As for :class:`.flat_job.FlatJob`; of the options also `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
         `output_folder`.
+    replaces : str
+        Name of the morph whose place this one takes, and its files those of it; empty for a new one.
 
     Raises
     ------
@@ -51,6 +53,7 @@ class PictureJob:
         settings: FlatSettings,
         options: dict[str, object],
         first_frame: int,
+        replaces: str = "",
     ) -> None:
         if len(inputs) < 2:
             raise InputError("A morph needs at least two shapes; select or name one more.")
@@ -63,7 +66,7 @@ class PictureJob:
         self._settings = replace(settings, output="densities", carry=True)
         self._grays = str(options.get("grays") or "IMAGES").lower()
         stored = {**settings.as_dict(), **options, "flat": True}
-        self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs)
+        self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs, replaces)
 
     def steps(
         self,

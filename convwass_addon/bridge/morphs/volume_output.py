@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...disk_room import require_whole
-from ...drafts import new_draft
-from ...errors import ConvwassError, InputError
+from ...drafts import written_whole
+from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ..keyframes import is_shown
@@ -116,17 +115,8 @@ def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spac
         # A value belongs to the center of its cell.
         grid.transform = openvdb.createLinearTransform(voxelSize=spacing)
         grid.transform.postTranslate(tuple(float(x) for x in low + spacing / 2))
-    draft = new_draft(file)
-    try:
+    with written_whole(file) as draft:
         openvdb.write(str(draft), grids=[grid])
-        require_whole(draft, file)
-        draft.replace(file)
-    except (RuntimeError, OSError) as error:
-        raise ConvwassError(
-            "{file} could not be written: {reason}", file=str(file), reason=str(error).strip()
-        ) from error
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def _filled(

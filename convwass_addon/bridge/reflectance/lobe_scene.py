@@ -44,7 +44,7 @@ def show_on_balls(names: Sequence[str], shown: Sequence[LobeFrame], sheet: PadSh
     _camera(scene)
     scene.frame_start, scene.frame_end = 1, 1 + _STEP * max(len(shown) - 1, 1)
     made = _materials("-".join(names), names, shown, sheet, sun)
-    balls = [_ball(scene, material, place - 0.5 * (len(made) - 1)) for place, material in enumerate(made)]
+    balls = [_ball(material, place - 0.5 * (len(made) - 1)) for place, material in enumerate(made)]
     scene.frame_set(scene.frame_start)
     return balls
 
@@ -65,7 +65,7 @@ def _materials(
     return [*lobes, fitted_material(f"{name} fitted", looks, frames)]
 
 
-def _ball(scene: bpy.types.Scene, material: bpy.types.Material, place: float) -> bpy.types.Object:
+def _ball(material: bpy.types.Material, place: float) -> bpy.types.Object:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, location=(2.4 * place, 0.0, 0.0))
     ball = bpy.context.object
     bpy.ops.object.shade_smooth()

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
+from ...applications.palettes.lab_colors import linear_of_srgb
 from ...errors import InputError
 from ...transport.sphere import solid_angles
 from ..image_files import ImageFormat, drawn_image, opened_image, write_image
+from ..palettes.image_pixels import image_format
 
 
 def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
@@ -28,7 +30,7 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
     Raises
     ------
     InputError
-        No pixels, or not twice as wide as high.
+        No pixels, not twice as wide as high, or bytes in a color space that is not known here.
     """
     width, height = image.size
     # Asking for a pixel loads the file.
@@ -44,8 +46,9 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
     values = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(values)
     colors = values.reshape(height, width, -1)[::-1, :, :3]
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
-        colors = np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)
+    # What is no color but data lights a scene as it is.
+    if not (image.is_float or image.colorspace_settings.is_data) and image_format(image).encoding == "srgb":
+        colors = linear_of_srgb(colors)
     return turned(colors)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies between two, frame by frame: computed on a thread, written on the main one."""
+"""Skies between others, frame by frame: computed on a thread, written on the main one."""
 
 from __future__ import annotations
 

@@ -14,8 +14,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import ConvwassError
 from ..keyframes import make_linear
+from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
 
 RESULT_OF = "convwass_skies"
@@ -39,7 +39,7 @@ def world_sky(world: bpy.types.World, height: int) -> NDArray[np.float64]:
     InputError
         An image that is no sky.
     ConvwassError
-        The world could not be rendered.
+        The world could not be rendered, or Cycles is switched off.
     """
     image = _plain_image(world)
     return resized(read_sky(image) if image is not None else _rendered(world, height), height)
@@ -70,12 +70,7 @@ def _rendered(world: bpy.types.World, height: int) -> NDArray[np.float32]:
     with _panorama(world, height) as scene, TemporaryDirectory() as folder:
         file = Path(folder) / "sky.exr"
         scene.render.filepath = str(file)
-        try:
-            bpy.ops.render.render(write_still=True, scene=scene.name)
-        except RuntimeError as error:
-            raise ConvwassError(
-                "The world {world} could not be rendered: {reason}", world=world.name, reason=str(error).strip()
-            ) from error
+        run_render(scene, write_still=True)
         return read_sky_file(file)
 
 
@@ -95,7 +90,8 @@ def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
         scene.camera, scene.world = camera, world
         scene.frame_set(bpy.context.scene.frame_current)
         render = scene.render
-        render.engine, render.resolution_percentage = "CYCLES", 100
+        choose_cycles(scene)
+        render.resolution_percentage = 100
         render.resolution_x, render.resolution_y = 2 * height, height
         render.use_compositing = render.use_sequencer = False
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"

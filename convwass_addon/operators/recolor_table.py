@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The work of making a table of a map of colors, and a file of the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..applications.palettes.clip_job import ClipStep
+from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
+from ..applications.palettes.recolor_job import RecolorStep
+from ..drafts import DraftFiles
+from ..sentence import Sentence
+from .recolor_clip import ClipJob
+from .recolor_image import RecolorJob
+
+# Shares of the job that are done once the map is there, and once the table is.
+_MAPPED, _TABULATED = 0.5, 0.7
+
+
+@dataclass(frozen=True)
+class CubeFile:
+    """A .cube file to write: where, and what other programs call its table."""
+
+    path: Path
+    title: str
+
+
+@dataclass(frozen=True)
+class TableStep:
+    """One step after the map is there: the done share, what is being done, and in the end the table."""
+
+    fraction: float
+    message: Sentence
+    table: LookupTable | None = None
+
+
+class TableJob:
+    """One table. Everything but :meth:`steps` belongs on the main thread.
+
+    Parameters
+    ----------
+    job : RecolorJob or ClipJob
+        What finds the map, and ends with it.
+    size : int
+        Colors along an edge.
+    target : CubeFile or None
+        The file that the table becomes; what is there already stays until :meth:`keep`.
+    """
+
+    def __init__(self, job: RecolorJob | ClipJob, size: int, target: CubeFile | None) -> None:
+        self._job, self._size, self._target = job, size, target
+        self._drafts = DraftFiles()
+        self.table: LookupTable | None = None
+
+    def steps(self, check: Callable[[], None] | None = None) -> Iterator[RecolorStep | ClipStep | TableStep]:
+        """Yield the steps of the work."""
+        change = None
+        for step in self._job.steps(check):
+            change = step.change
+            yield replace(step, fraction=_MAPPED * step.fraction)
+        yield TableStep(_MAPPED, Sentence("Making the table"))
+        table = lookup_table(change, self._size)
+        if self._target is not None:
+            yield TableStep(_TABULATED, Sentence("Writing the table"))
+            write_cube(table, self._drafts.draft_of(self._target.path), self._target.title, check)
+        yield TableStep(1.0, Sentence("The table is there"), table)
+
+    def write(self, step: RecolorStep | ClipStep | TableStep) -> None:
+        """Take what a step has brought."""
+        if not isinstance(step, TableStep):
+            self._job.write(step)
+        elif step.table is not None:
+            self.table = step.table
+
+    def keep(self) -> None:
+        """Put the file into its place; raises ConvwassError where the system refuses."""
+        try:
+            self._drafts.keep()
+        finally:
+            self.discard()
+
+    def discard(self) -> None:
+        """Leave everything as it was."""
+        self._drafts.discard()
+        self._job.discard()
