@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings that the panel shows and the operators take, and the state of a running bake."""
+"""The settings that the panel shows and the operators take, and the state of running work."""
 
 from __future__ import annotations
 
@@ -365,7 +365,7 @@ class MorphProperties:
 
 
 def stored_arguments(stored: dict[str, object]) -> dict[str, object]:
-    """Return what a baked morph was asked for as values of :class:`MorphProperties`."""
+    """Return what a baked morph was asked for as values of :class:`MorphProperties`; KeyError where some is missing."""
     shared = ("resolution", "level", "thickness", "parts", "locality", "thin_parts", "mend", "carry")
     found = {name: stored[name] for name in (*STORED_OPTIONS, *shared) if name in stored}
     if stored.get("flat"):
@@ -439,12 +439,12 @@ class CONVWASS_PG_morph(MorphProperties, bpy.types.PropertyGroup):
 
 
 class CONVWASS_PG_progress(bpy.types.PropertyGroup):
-    """The bake that is running in this window manager, if any."""
+    """The work that is going on in this window manager, if any."""
 
-    running: BoolProperty(name="Running", description="Whether a morph is being baked")
-    fraction: FloatProperty(name="Progress", description="Share of the bake that is done", min=0.0, max=1.0)
+    running: BoolProperty(name="Running", description="Whether something is being computed")
+    fraction: FloatProperty(name="Progress", description="Share of the work that is done", min=0.0, max=1.0)
     message: StringProperty(name="Message", description="What is being done")
-    stopping: BoolProperty(name="Stopping", description="Whether the bake has been asked to stop")
+    stopping: BoolProperty(name="Stopping", description="Whether the work has been asked to stop")
 
 
 _classes = (CONVWASS_PG_input, CONVWASS_PG_morph, CONVWASS_PG_progress)
@@ -456,6 +456,9 @@ def register() -> None:
     _register_classes()
     bpy.types.Scene.convwass_morph = PointerProperty(type=CONVWASS_PG_morph)
     bpy.types.WindowManager.convwass_progress = PointerProperty(type=CONVWASS_PG_progress)
+    # Values outlive the add-on, and what was running then runs no more.
+    progress = bpy.context.window_manager.convwass_progress
+    progress.running = progress.stopping = False
 
 
 def unregister() -> None:

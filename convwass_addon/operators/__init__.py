@@ -20,6 +20,7 @@ from . import (
     edit_inputs,
     manage_morph,
     output_morph,
+    picking,
     play_morph,
     recolor_attribute,
     recolor_clip,
@@ -62,4 +63,15 @@ _MODULES = (
     sky_blend,
 )
 
-register, unregister = bpy.utils.register_classes_factory([cls for module in _MODULES for cls in module.classes])
+register, _unregister_classes = bpy.utils.register_classes_factory(
+    [cls for module in _MODULES for cls in module.classes]
+)
+
+
+def unregister() -> None:
+    """Take the operators away; what they are computing is given up first, and nothing of it is left."""
+    try:
+        picking.stop_waiting(bpy.context)
+        background.stop_running(bpy.context)
+    finally:
+        _unregister_classes()

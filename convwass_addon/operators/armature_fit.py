@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..sentence import Sentence
 from .armature_targets import OnBody
 from .density_job import Check, WritingDensityOperator
-from .density_targets import tell
+from .reporting import tell
 
 
 class FitJob:

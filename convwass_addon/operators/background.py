@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Protocol
 
 import bpy
@@ -17,6 +18,7 @@ from ..errors import Cancelled, ConvwassError
 from ..sentence import Sentence
 from ..translations import translated
 from .reporting import refuse_if_known
+from .windows import clear_windows
 
 _TIMER_SECONDS = 0.05
 # Editors whose sidebars show how far a job is.
@@ -54,12 +56,24 @@ class Job(Protocol):
         """Remove everything that has been written."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Running:
+    """What has to be ended where an operator cannot do it itself any more."""
+
+    background: BackgroundJob[Step]
+    job: Job
+    timer: bpy.types.Timer
+
+
+_RUNNING: set[_Running] = set()
+
+
 class BackgroundOperator:
     """What operators of long work have in common; they fill in the hooks at the end."""
 
     _job: Job
     _background: BackgroundJob[Step]
-    _timer: bpy.types.Timer
+    _running: _Running
     _began: float
     _ending: bool
 
@@ -96,7 +110,9 @@ class BackgroundOperator:
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
         self._background = BackgroundJob(self._steps())
-        self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
+        timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
+        self._running = _Running(self._background, self._job, timer)
+        _RUNNING.add(self._running)
         context.window_manager.convwass_progress.stopping = False
         self._began, self._ending = time.monotonic(), False
         self._show(context, 0.0, Sentence("Starting"))
@@ -180,7 +196,8 @@ class BackgroundOperator:
                     region.tag_redraw()
 
     def _stop(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
+        _RUNNING.discard(self._running)
+        context.window_manager.event_timer_remove(self._running.timer)
         context.window_manager.convwass_progress.running = False
         if context.workspace:
             context.workspace.status_text_set(None)
@@ -219,7 +236,7 @@ class BackgroundOperator:
 
 
 class CONVWASS_OT_stop_bake(bpy.types.Operator):
-    """Stop what is running, as with Esc in the viewport; the finished frames of a morph are kept"""
+    """Stop what is running, as with Esc in the viewport; the finished frames of a new morph are kept"""
 
     bl_idname = "convwass.stop_bake"
     bl_label = "Stop"
@@ -235,6 +252,21 @@ class CONVWASS_OT_stop_bake(bpy.types.Operator):
     def execute(self, context):
         context.window_manager.convwass_progress.stopping = True
         return {"FINISHED"}
+
+
+def stop_running(context: bpy.types.Context) -> None:
+    """End all that is being computed and remove what it has written, before the operators are taken away.
+
+    Blender drops the handlers of a class that goes, and calls nothing of it.
+    """
+    while _RUNNING:
+        running = _RUNNING.pop()
+        running.background.cancel()
+        context.window_manager.event_timer_remove(running.timer)
+        progress = context.window_manager.convwass_progress
+        progress.running = progress.stopping = False
+        clear_windows(context)
+        running.job.discard()
 
 
 def is_idle(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:

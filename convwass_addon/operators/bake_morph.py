@@ -13,6 +13,7 @@ from bpy.props import StringProperty
 
 from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from ..applications.morphs.morph import MorphStep
+from ..bridge.files import absolute_folder
 from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
 from ..bridge.flat.flat_job import FlatJob
 from ..bridge.flat.picture_job import PictureJob
@@ -93,10 +94,13 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         options = {**self.stored_options(), "weights": weights}
         blends = self.blends(len(chosen.objects), weights)
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
-        if asks_for_flat(chosen.objects, depsgraph, self.thickness):
+        are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)
+        refuse_volumes(are_flat and self.output == "VOLUME")
+        if self.output in ("VOLUME", "CACHE"):
+            absolute_folder(self.output_folder)
+        if are_flat:
             # What shows a morph otherwise than by an object per frame takes meshes.
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
-            refuse_volumes(self.output == "VOLUME")
             options["flat_output"] = kind
             settings = self.flat_settings()
             flat_job = partial(PictureJob, replaces=self.replaces) if kind == "PICTURE" else FlatJob
@@ -125,6 +129,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return rpt_("Baking morph")
 
     def _nothing_kept(self) -> str:
+        if self.replaces:
+            return rpt_("Stopped; the morph is as it was")
         return rpt_("Stopped before the first frame was finished")
 
     def _keep(self, context: bpy.types.Context, job: MorphJob) -> bool:

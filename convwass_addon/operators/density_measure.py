@@ -31,7 +31,8 @@ from ..sentence import Sentence
 from .chosen_inputs import split_names
 from .density_job import Check, DensityJob, DensityOperator, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
-from .density_targets import OnGroups, OnMesh, chosen_pair, ignored_notice, length_text, out_of_edit_mode, tell
+from .density_targets import OnGroups, OnMesh, chosen_pair, ignored_notice, length_text, out_of_edit_mode
+from .reporting import tell
 
 
 def _blur_property() -> object:

@@ -31,8 +31,8 @@ from .density_targets import (
     ignored_notice,
     length_text,
     out_of_edit_mode,
-    tell,
 )
+from .reporting import tell
 
 # Of the surface's width: what a density is spread by where no length is given.
 _USUAL_SPREAD = 0.05

@@ -15,7 +15,6 @@ from ..bridge.active import active_object
 from ..bridge.densities.density_player import played_densities
 from ..errors import InputError
 from ..sentence import Sentence
-from ..translations import translated
 from .background import is_idle
 
 MODES = {"OBJECT", "PAINT_WEIGHT", "EDIT_MESH"}
@@ -163,11 +162,3 @@ def ignored_notice(ignored: Sequence[str]) -> list[Sentence]:
     if not ignored:
         return []
     return [Sentence("Without the modifiers that make other vertices: {names}.", {"names": ", ".join(ignored)})]
-
-
-def tell(
-    operator: bpy.types.Operator, text: str, remarks: Sequence[Sentence] = (), warnings: Sequence[Sentence] = ()
-) -> None:
-    """Report a result with what should be known about it; as a warning where there are some."""
-    said = [text, *map(translated, (*warnings, *remarks))]
-    operator.report({"WARNING"} if warnings else {"INFO"}, ". ".join(part.removesuffix(".") for part in said))

@@ -26,7 +26,8 @@ from ..errors import InputError
 from .density_changes import marks_of
 from .density_job import Check, DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops
-from .density_targets import OnGroups, ignored_notice, tell
+from .density_targets import OnGroups, ignored_notice
+from .reporting import tell
 
 _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
 

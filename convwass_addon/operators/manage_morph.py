@@ -14,7 +14,7 @@ from ..bridge.active import active_object, selected_objects
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
-from ..bridge.morphs.stored import MORPH_KEY, stored_inputs, stored_morph, stored_settings
+from ..bridge.morphs.stored import MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
 from ..errors import ConvwassError
 from ..properties import stored_arguments
 from .background import is_idle
@@ -73,15 +73,16 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
         morph = active_morph(context)
         try:
             inputs, stored = stored_inputs(morph), stored_settings(morph)
+            with refusing_damage(morph.name):
+                settings = context.scene.convwass_morph
+                settings.take_stored(stored)
+                settings.take_inputs(inputs, stored.get("weights"))
         except ConvwassError as error:
             return refuse(self, error)
         for obj in inputs:
             obj.hide_set(False)
             obj.hide_render = False
         select_only(context, inputs)
-        settings = context.scene.convwass_morph
-        settings.take_stored(stored)
-        settings.take_inputs(inputs, stored.get("weights"))
         return {"FINISHED"}
 
 
@@ -131,7 +132,8 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
             return {"CANCELLED"}
         try:
             for name, following in planned(names):
-                bpy.ops.convwass.bake_morph(how, following=following, **_arguments(bpy.data.collections[name]))
+                with refusing_damage(name):
+                    bpy.ops.convwass.bake_morph(how, following=following, **_arguments(bpy.data.collections[name]))
         except ConvwassError as error:
             return refuse(self, error)
         except RuntimeError as error:
@@ -152,7 +154,10 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
 
 
 def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
-    """Return what Bake Morph has to be told to make a morph again; raises InputError where its shapes are gone."""
+    """Return what Bake Morph has to be told to make a morph again; raises InputError where its shapes are gone.
+
+    What is damaged raises what Python does, for `refusing_damage`.
+    """
     stored, inputs = stored_morph(morph), stored_inputs(morph)
     known = {name: value for name, value in stored_arguments(stored.settings).items() if value is not None}
     weights = stored.records[0]["weights"] if known.get("layout") == "BLEND" and stored.records else []

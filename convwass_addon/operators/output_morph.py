@@ -9,7 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.flat.choosing import refuse_volumes
-from ..bridge.flat.frames_as_meshes import turn_into_meshes
+from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
 from ..bridge.morphs.cache_output import as_cache
 from ..bridge.morphs.disk_output import DiskOutput, output_folder
 from ..bridge.morphs.removal import remove_frames
@@ -80,8 +80,10 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
     )
 
     def _written(self, context, morph):
+        require_no_drawings(morph)
+        folder = output_folder(self.folder, morph)
         turn_into_meshes(morph)
-        return as_cache(morph, output_folder(self.folder, morph), self.kind)
+        return as_cache(morph, folder, self.kind)
 
 
 classes = (CONVWASS_OT_make_volume, CONVWASS_OT_make_cache)

@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from ..bridge.surfaces import surface_mesh
 from ..errors import ConvwassError
 from .reporting import refuse
+from .windows import clear_windows
+
+# Operators that wait for clicks now, by their identity.
+_WAITING: set[int] = set()
 
 
 class PicksPoints:
@@ -39,6 +43,7 @@ class PicksPoints:
             return refuse(self, error)
 
     def cancel(self, context):
+        _WAITING.discard(id(self))
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
 
@@ -46,6 +51,7 @@ class PicksPoints:
         """Begin to wait for clicks."""
         context.window_manager.modal_handler_add(self)
         context.window.cursor_modal_set("EYEDROPPER")
+        _WAITING.add(id(self))
         return {"RUNNING_MODAL"}
 
     # What an operator fills in.
@@ -63,6 +69,13 @@ class PicksPoints:
             There is no use in going on.
         """
         raise NotImplementedError
+
+
+def stop_waiting(context: bpy.types.Context) -> None:
+    """Wait for no clicks any more, before the operators are taken away; what has been picked stays."""
+    if _WAITING:
+        _WAITING.clear()
+        clear_windows(context)
 
 
 def view_at(window: bpy.types.Window, x: int, y: int) -> bpy.types.Region | None:

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.flat.frames_as_meshes import turn_into_meshes
-from ..bridge.morphs.blend_pad import make_blend_pad
-from ..bridge.morphs.player import make_player
+from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
+from ..bridge.morphs.blend_pad import make_blend_pad, require_sheet
+from ..bridge.morphs.player import make_player, require_path
 from ..bridge.morphs.stand_ins import remove_stand_ins, stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
@@ -59,6 +59,8 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
     )
 
     def _change(self, morph):
+        require_no_drawings(morph)
+        require_path(morph)
         turn_into_meshes(morph)
         return make_player(morph, playback=self.playback, easing=self.easing)
 
@@ -70,6 +72,8 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
     bl_label = "Make Blend Pad"
 
     def _change(self, morph):
+        require_no_drawings(morph)
+        require_sheet(morph)
         turn_into_meshes(morph)
         return make_blend_pad(morph).handle
 

@@ -14,8 +14,8 @@ from ..errors import InputError
 from ..recolor_properties import RecolorProperties, attribute_name_property
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
-from .density_targets import tell
 from .recolor_image import RecolorJob
+from .reporting import tell
 
 
 class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.types.Operator):
@@ -41,6 +41,8 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         return is_idle(cls, context)
 
     def _begin(self, context):
+        if not self.result:
+            raise InputError("Give the color attribute of the result a name.")
         obj, giver = context.object, context.scene.convwass_recolor.palette_object
         self._name = obj.data.color_attributes.active_color_name
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
@@ -58,8 +60,6 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
 
     def _finish(self, context, job):
         obj = job.target()
-        if not self.result:
-            raise InputError("Give the color attribute of the result a name.")
         write_picture_colors(obj, self._name, self.result, job.pixels)
         giver = context.scene.convwass_recolor.palette_object
         name = giver.name if giver is not None else ""

@@ -21,8 +21,8 @@ from ..drafts import DraftFiles
 from ..errors import InputError
 from ..recolor_properties import RecolorProperties, clip_folder_property
 from .background import BackgroundOperator
-from .density_targets import tell
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
+from .reporting import tell
 
 
 class ClipJob:

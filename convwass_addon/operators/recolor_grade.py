@@ -17,11 +17,11 @@ from ..bridge.palettes.grade_nodes import grade_group
 from ..errors import InputError
 from ..recolor_properties import RecolorProperties, cube_size_property
 from .background import BackgroundOperator
-from .density_targets import tell
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
 from .recolor_table import CubeFile, TableJob
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, read_pictures
+from .reporting import tell
 
 
 class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):

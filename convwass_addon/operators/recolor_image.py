@@ -25,8 +25,8 @@ from ..errors import InputError
 from ..recolor_properties import RecolorProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
-from .density_targets import tell
 from .recolor_targets import OnImage, chosen_image, image_property, read_pictures
+from .reporting import tell
 
 # Share of a job that is done once the pixels are, where they become a file after that.
 _RECOLORED = 0.95

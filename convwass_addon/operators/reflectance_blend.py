@@ -27,8 +27,8 @@ from ..light_properties import ReflectanceProperties, sun_of
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
-from .density_targets import tell
 from .reflectance_weights import BlendPlan, blend_plan
+from .reporting import tell
 
 
 class ReflectanceJob:

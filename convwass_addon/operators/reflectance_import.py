@@ -15,8 +15,7 @@ from ..bridge.reflectance.lobe_materials import Frames, lobe_material
 from ..errors import ConvwassError
 from ..light_properties import sun_of
 from .background import is_idle
-from .density_targets import tell
-from .reporting import refuse
+from .reporting import refuse, tell
 
 
 class CONVWASS_OT_import_lobes(bpy.types.Operator):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How operators tell the user what went wrong."""
+"""How operators tell the user what went wrong, and what has come of their work."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import bpy
 
 from ..applications.system_errors import error_to_tell
 from ..errors import ConvwassError
+from ..sentence import Sentence
 from ..translations import translated
 
 # So many names are told of those that there are.
@@ -28,6 +29,14 @@ def refuse_if_known(operator: bpy.types.Operator, error: BaseException) -> set[s
     if known is None:
         raise error
     return refuse(operator, known)
+
+
+def tell(
+    operator: bpy.types.Operator, text: str, remarks: Sequence[Sentence] = (), warnings: Sequence[Sentence] = ()
+) -> None:
+    """Report a result with what should be known about it; as a warning where there are some."""
+    said = [text, *map(translated, (*warnings, *remarks))]
+    operator.report({"WARNING"} if warnings else {"INFO"}, ". ".join(part.removesuffix(".") for part in said))
 
 
 def listed(names: Sequence[str]) -> str:

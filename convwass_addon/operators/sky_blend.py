@@ -21,7 +21,7 @@ from ..light_properties import SkyProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
-from .density_targets import tell
+from .reporting import tell
 
 
 class SkyJob:

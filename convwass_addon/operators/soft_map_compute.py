@@ -27,8 +27,8 @@ from ..sentence import Sentence
 from ..soft_map_properties import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from .background import BackgroundOperator
 from .density_job import Check
-from .density_targets import ignored_notice, tell
-from .reporting import refuse
+from .density_targets import ignored_notice
+from .reporting import refuse, tell
 from .soft_map_job import RepairJob, SoftMapJob, equal_groups
 from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices
 

@@ -21,9 +21,8 @@ from ..sentence import Sentence
 from ..soft_map_properties import TRANSFERRED, TransferProperties
 from .chosen_inputs import split_names
 from .density_job import Check, WritingDensityOperator
-from .density_targets import tell
 from .object_job import ObjectJob
-from .reporting import listed
+from .reporting import listed, tell
 from .soft_map_job import require_same_mesh
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, reshaped_notices
 

@@ -12,8 +12,7 @@ from bpy.props import IntProperty
 from ..bridge.soft_maps.map_view import CONFIDENCE, show_distribution, show_places, write_confidence
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import ConvwassError
-from .density_targets import tell
-from .reporting import refuse
+from .reporting import refuse, tell
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, one_selected, reshaped_notices
 
 

@@ -218,6 +218,7 @@ TEXTS: dict[str, str] = {
     "Steps": "Pas",
     "Stopped before the first frame was finished": "Arrêté avant la fin de la première image",
     "Stopped; {:d} finished frames are kept": "Arrêté ; {:d} images finies sont gardées",
+    "Stopped; the morph is as it was": "Arrêté ; le morphing est tel qu'il était",
     "Surface": "Surface",
     "Take a shape off the list; the object stays as it is": "Retirer une forme de la liste ; l'objet reste tel quel",
     "The active morph has neither a player nor a blend pad": "Le morphing actif n'a ni lecteur ni pavé de mélange",

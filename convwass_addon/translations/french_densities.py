@@ -167,7 +167,7 @@ TEXTS: dict[str, str] = {
     "Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's width": "Écart type que la densité gagne le long de la surface ; 0 prend un vingtième de la largeur de la surface",
     "Steps from each group to the next; between them frames are mixed": "Pas de chaque groupe au suivant ; entre eux, les images sont mélangées",
     "Stop number {number} on the list has no group; choose one, or remove it.": "L'étape numéro {number} de la liste n'a pas de groupe ; en choisir un, ou la retirer.",
-    "Stop what is running, as with Esc in the viewport; the finished frames of a morph are kept": "Arrête ce qui est en cours, comme Échap dans la vue 3D ; les images terminées d'un morphing sont gardées",
+    "Stop what is running, as with Esc in the viewport; the finished frames of a new morph are kept": "Arrête ce qui est en cours, comme Échap dans la vue 3D ; les images terminées d'un nouveau morphing sont gardées",
     "Stopped; nothing was changed": "Arrêté ; rien n'a été modifié",
     "Stops": "Étapes",
     "Take a stop off the list; the vertex group stays as it is": "Retirer une étape de la liste ; le groupe de sommets reste tel quel",

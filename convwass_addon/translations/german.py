@@ -218,6 +218,7 @@ TEXTS: dict[str, str] = {
     "Steps": "Schritte",
     "Stopped before the first frame was finished": "Abgebrochen, bevor das erste Bild fertig war",
     "Stopped; {:d} finished frames are kept": "Abgebrochen; {:d} fertige Bilder bleiben",
+    "Stopped; the morph is as it was": "Abgebrochen; der Morph ist, wie er war",
     "Surface": "Oberfläche",
     "Take a shape off the list; the object stays as it is": "Eine Form von der Liste nehmen; das Objekt bleibt, wie es ist",
     "The active morph has neither a player nor a blend pad": "Der aktive Morph hat weder einen Abspieler noch ein Mischfeld",

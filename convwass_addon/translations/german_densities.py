@@ -167,7 +167,7 @@ TEXTS: dict[str, str] = {
     "Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's width": "Standardabweichung, die die Dichte entlang der Oberfläche gewinnt; 0 nimmt ein Zwanzigstel der Breite der Oberfläche",
     "Steps from each group to the next; between them frames are mixed": "Schritte von jeder Gruppe zur nächsten; dazwischen wird gemischt",
     "Stop number {number} on the list has no group; choose one, or remove it.": "Station Nummer {number} auf der Liste hat keine Gruppe; eine wählen, oder die Station entfernen.",
-    "Stop what is running, as with Esc in the viewport; the finished frames of a morph are kept": "Bricht ab, was gerade läuft, wie Esc in der 3D-Ansicht; die fertigen Bilder eines Morphs bleiben",
+    "Stop what is running, as with Esc in the viewport; the finished frames of a new morph are kept": "Bricht ab, was gerade läuft, wie Esc in der 3D-Ansicht; die fertigen Bilder eines neuen Morphs bleiben",
     "Stopped; nothing was changed": "Abgebrochen; nichts wurde geändert",
     "Stops": "Stationen",
     "Take a stop off the list; the vertex group stays as it is": "Eine Station von der Liste nehmen; die Vertexgruppe bleibt, wie sie ist",

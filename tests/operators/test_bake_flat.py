@@ -363,3 +363,23 @@ def test_a_drawing_is_drawn_again_without_leaving_materials():
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
     assert [obj.type for obj in frame_objects(morph())] == ["GREASEPENCIL"]
     assert len(bpy.data.materials) == before
+
+
+@pytest.mark.parametrize("operator", ["make_cache", "make_blend_pad"])
+def test_what_is_refused_leaves_the_curves(operator):
+    """The file was never saved, and two shapes are no sheet."""
+    choose(text("A"), text("B", 3.0))
+    bpy.ops.convwass.bake_morph(**QUICK)
+    kinds = [obj.type for obj in frame_objects(morph())]
+    assert set(kinds) <= {"CURVE", "FONT"}
+    with pytest.raises(RuntimeError, match=r"save that first|no whole sheet"):
+        getattr(bpy.ops.convwass, operator)()
+    assert [obj.type for obj in frame_objects(morph())] == kinds
+
+
+def test_a_sheet_has_no_player_and_keeps_its_curves():
+    choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
+    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=2, flat_resolution=256)
+    with pytest.raises(RuntimeError, match="no morph along a path"):
+        bpy.ops.convwass.make_player()
+    assert not any(obj.type == "MESH" for obj in frame_objects(morph()))

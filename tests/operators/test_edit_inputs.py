@@ -359,9 +359,24 @@ def test_the_output_is_made_of_the_morph(shapes, arguments, kind):
 
 
 def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path):
-    """A file that was never saved has no folder for a cache."""
-    assert bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output="CACHE") == {"FINISHED"}
+    """A folder cannot be made inside of a file."""
+    (tmp_path / "file").touch()
+    folder = str(tmp_path / "file" / "folder")
+    made = bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output="CACHE", output_folder=folder)
+    assert made == {"FINISHED"}
     assert len(frame_objects(morph_collection())) == 3
+
+
+@pytest.mark.parametrize("output", ["CACHE", "VOLUME"])
+def test_a_folder_that_cannot_be_is_refused_before_the_bake(shapes, tmp_path, output):
+    """A file that was never saved has no folder beside it."""
+    known = len(bpy.data.objects)
+    with pytest.raises(RuntimeError, match="Save the file first"):
+        bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output)
+    (tmp_path / "file").touch()
+    with pytest.raises(RuntimeError, match="is a file; choose a folder"):
+        bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output, output_folder=str(tmp_path / "file"))
+    assert len(bpy.data.objects) == known
 
 
 def test_every_property_and_operator_explains_itself():

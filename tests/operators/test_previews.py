@@ -14,7 +14,7 @@ import pytest
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
-from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph
 from convwass_addon.operators import background, bake_morph
 from tests.operators.test_bake_morph import census, morph_collection, two_shapes
 
@@ -160,6 +160,58 @@ def test_closing_the_window_leaves_nothing(press, context):
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     pressed.cancel(context)
     assert census() == before
+
+
+def test_taking_the_add_on_away_leaves_nothing_of_a_bake(press, context, registered_addon):
+    """Blender drops the handlers of operators that go and calls nothing of them."""
+    two_shapes()
+    before, manager = census(), bpy.context.window_manager
+    context.window_manager.convwass_progress = manager.convwass_progress
+    context.window_manager.event_timer_add = lambda seconds, window: manager.event_timer_add(
+        seconds, window=bpy.context.window
+    )
+    pressed = press(150)
+    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    assert manager.convwass_progress.running
+    assert not bpy.ops.convwass.bake_morph.poll()
+    # It goes with its class; nothing may look at it any more.
+    context.window_manager.convwass_progress = None
+    registered_addon.unregister()
+    try:
+        assert pressed._background.done
+        assert census() == before
+    finally:
+        registered_addon.register()
+    assert not manager.convwass_progress.running
+    assert bpy.ops.convwass.bake_morph.poll()
+
+
+def test_a_finished_bake_is_not_stopped_again(press, context):
+    two_shapes()
+    pressed = press(3)
+    assert until(pressed, context, lambda: False) == {"FINISHED"}
+    background.stop_running(context)
+    assert len(frame_objects(morph_collection())) == 4
+
+
+def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context):
+    two_shapes()
+    bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    name = morph_collection().name
+    bpy.ops.object.select_all(action="DESELECT")
+    for shape in stored_inputs(morph_collection()):
+        shape.hide_set(False)
+        shape.select_set(True)
+    known = census()
+    pressed = press(40)
+    pressed.replaces = name
+    held_back(pressed, 3)
+    until(pressed, context, lambda: len(pressed._job.records) == 3)
+    # It may take longer than the window waits for.
+    if pressed.modal(context, ESCAPE) == {"PASS_THROUGH"}:
+        assert until(pressed, context, lambda: False) == {"CANCELLED"}
+    assert pressed.reports == ["Stopped; the morph is as it was"]
+    assert census() == known
 
 
 def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, monkeypatch):

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import json
+
 import bpy
 import pytest
 
@@ -150,3 +152,32 @@ def test_one_undo_brings_the_old_frames_back(morph):
 def test_without_a_morph_it_says_so(empty_scene):
     with pytest.raises(RuntimeError, match="Bake a morph first"):
         bpy.ops.convwass.rebake_morph()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("resolution", "a"), ("blur", None), ("layout", "SPIRAL"), ("frames", [1, 2]), ("mend", 10**30)],
+)
+def test_damaged_settings_are_refused_in_words(morph, name, value):
+    """Each is of a kind that JSON has, so that only whoever takes it finds out; None stands for one that is missing."""
+    data = json.loads(morph["convwass_morph"])
+    data["settings"][name] = value
+    if value is None:
+        del data["settings"][name]
+    morph["convwass_morph"] = json.dumps(data)
+    known = len(bpy.data.objects)
+    for operator in (bpy.ops.convwass.rebake_morph, bpy.ops.convwass.select_morph_inputs):
+        with pytest.raises(RuntimeError, match=r"Error: The settings stored on .* are damaged"):
+            operator()
+    assert len(bpy.data.objects) == known
+
+
+def test_damaged_weights_are_refused_in_words(empty_scene):
+    morph = bake(layout="BLEND")
+    data = json.loads(morph["convwass_morph"])
+    del data["records"][0]["weights"]
+    data["settings"]["weights"] = [1.0]
+    morph["convwass_morph"] = json.dumps(data)
+    for operator in (bpy.ops.convwass.rebake_morph, bpy.ops.convwass.select_morph_inputs):
+        with pytest.raises(RuntimeError, match=r"Error: The settings stored on .* are damaged"):
+            operator()

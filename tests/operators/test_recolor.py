@@ -227,6 +227,14 @@ def test_attributes_take_the_palette_of_others(own):
     assert (np.abs(_mean(obj, "Col") - (0.25, 0.25, 0.35)) < 0.06).all()
 
 
+def test_a_result_without_a_name_is_refused_before_the_work(own, monkeypatch):
+    own.palette_object = _colored("Giver", (0.1, 0.3, 0.5), 1)
+    _colored("Receiver", (0.4, 0.2, 0.2), 2)
+    monkeypatch.setattr(RecolorJob, "steps", lambda *args: pytest.fail("it has begun"))
+    with pytest.raises(RuntimeError, match="Give the color attribute of the result a name"):
+        call("recolor_attribute", result="")
+
+
 def test_objects_without_colors_are_refused(own):
     obj = _colored("Receiver", (0.4, 0.2, 0.2), 2)
     with pytest.raises(RuntimeError, match="Choose an object"):

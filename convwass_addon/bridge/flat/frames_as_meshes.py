@@ -28,15 +28,13 @@ def turn_into_meshes(collection: bpy.types.Collection) -> None:
     Raises
     ------
     InputError
-        A frame is a drawing; nothing is changed then.
+        As `require_no_drawings` and :func:`.stored.stored_morph`; nothing is changed then.
     """
     curves = [obj for obj in frame_objects(collection) if obj.type != "MESH"]
     if not curves or stand_ins(collection):
         return
-    if any(obj.type not in ("FONT", "CURVE") for obj in curves):
-        raise InputError(
-            "{name} shows drawings as they are; bake it again with meshes as flat frames.", name=collection.name
-        )
+    require_no_drawings(collection)
+    morph = stored_morph(collection)
     meshes = _meshes_of(curves)
     others = [_standing_for(obj, mesh) for obj, mesh in zip(curves, meshes, strict=True)]
     names, data = [obj.name for obj in curves], {obj.data for obj in curves}
@@ -44,8 +42,21 @@ def turn_into_meshes(collection: bpy.types.Collection) -> None:
     bpy.data.batch_remove([curve for curve in data if curve.users == 0])
     for obj, name in zip(others, names, strict=True):
         obj.name = name
-    morph = stored_morph(collection)
     store(collection, replace(morph, settings={**morph.settings, "flat_output": "MESH"}))
+
+
+def require_no_drawings(collection: bpy.types.Collection) -> None:
+    """Refuse a morph of drawings, which cannot be turned into meshes.
+
+    Raises
+    ------
+    InputError
+        A frame is a drawing.
+    """
+    if any(obj.type not in ("MESH", "FONT", "CURVE") for obj in frame_objects(collection)):
+        raise InputError(
+            "{name} shows drawings as they are; bake it again with meshes as flat frames.", name=collection.name
+        )
 
 
 def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:

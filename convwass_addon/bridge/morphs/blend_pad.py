@@ -97,7 +97,7 @@ def make_blend_pad(collection: bpy.types.Collection) -> BlendPad:
     Raises
     ------
     InputError
-        No such sheet, one that was stopped early, or something that shows it already.
+        As `require_sheet`.
     """
     require_none(collection)
     sheet = _read_sheet(collection)
@@ -120,6 +120,18 @@ def make_blend_pad(collection: bpy.types.Collection) -> BlendPad:
     return BlendPad(pad, handle, result)
 
 
+def require_sheet(collection: bpy.types.Collection) -> None:
+    """Refuse a morph that no pad can be made of; its frames need not be meshes.
+
+    Raises
+    ------
+    InputError
+        No such sheet, one that was stopped early, or something that shows it already.
+    """
+    require_none(collection)
+    _sheet_blends(collection, frame_objects(collection))
+
+
 def _linked(home: bpy.types.Collection, obj: bpy.types.Object) -> bpy.types.Object:
     home.objects.link(obj)
     return obj
@@ -128,13 +140,7 @@ def _linked(home: bpy.types.Collection, obj: bpy.types.Object) -> bpy.types.Obje
 def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
     """Find out which blends the frame objects are, and how large the shapes are."""
     frames, names = frame_objects(collection), stored_morph(collection).inputs
-    blends = _layout(np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) if frames else np.empty((0, 0)))
-    if blends is None:
-        raise InputError(
-            "{name} is no whole sheet of four shapes in a grid or three in a triangle; bake one with that layout, "
-            "to its end.",
-            name=collection.name,
-        )
+    blends = _sheet_blends(collection, frames)
     corners = [next(place for place, blend in enumerate(blends) if blend.source == i) for i in range(len(names))]
     bounds = [_bounds(frames[corner]) for corner in corners]
     feet = np.array([[*((low + high) / 2.0)[:2], low[2]] for low, high in bounds])
@@ -144,6 +150,18 @@ def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
     rise = 1.0 if len(names) == 4 else math.sqrt(0.75)
     points = SIDE * size * np.stack([places[:, 0], np.zeros(len(blends)), -rise * places[:, 1]], axis=1)
     return _Sheet(names, frames, blends, corners, feet, size, points - points[corners].mean(axis=0))
+
+
+def _sheet_blends(collection: bpy.types.Collection, frames: list[bpy.types.Object]) -> list[Blend]:
+    """Return the blend of every frame object; raises InputError where they are no whole sheet."""
+    blends = _layout(np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) if frames else np.empty((0, 0)))
+    if blends is None:
+        raise InputError(
+            "{name} is no whole sheet of four shapes in a grid or three in a triangle; bake one with that layout, "
+            "to its end.",
+            name=collection.name,
+        )
+    return blends
 
 
 def _layout(weights: np.ndarray) -> list[Blend] | None:

@@ -74,9 +74,9 @@ def make_player(
     Raises
     ------
     InputError
-        No path, too little of it, or something that plays the morph already.
+        As `require_path`.
     """
-    require_none(collection)
+    require_path(collection)
     frames = _path_objects(collection)
     shapes = len(frames[0][WEIGHTS_KEY])
     name = f"{collection.name} Player"
@@ -92,6 +92,18 @@ def make_player(
     _key(morph_value(player), frames, stored_morph(collection).first_frame, easing)
     set_shown(collection, False)
     return player
+
+
+def require_path(collection: bpy.types.Collection) -> None:
+    """Refuse a morph that no player can be made of.
+
+    Raises
+    ------
+    InputError
+        No path, too little of it, or something that plays the morph already.
+    """
+    require_none(collection)
+    _path_objects(collection)
 
 
 def refresh_player(collection: bpy.types.Collection) -> None:

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bpy
@@ -75,12 +76,25 @@ def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
         raise InputError(
             "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=collection.name
         )
-    try:
+    with refusing_damage(collection.name):
         return _checked(json.loads(text, parse_constant=_no_number))
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
+
+
+@contextmanager
+def refusing_damage(name: str) -> Iterator[None]:
+    """Read what is stored with a morph of this name in the block; what Python says of wrong values is told the user.
+
+    Raises
+    ------
+    InputError
+        Something is missing, or is not what it should be.
+    """
+    try:
+        yield
+    except (LookupError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(
             "The settings stored on {name} are damaged ({reason}); bake the morph again from its inputs.",
-            name=collection.name,
+            name=name,
             reason=str(error),
         ) from error
 

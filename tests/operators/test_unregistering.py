@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is left of operators that wait when the add-on is taken away."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+from convwass_addon.operators import picking
+from tests.operators.densities import window_context
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+@pytest.fixture
+def windows():
+    """A context of one window, and the cursors and texts that it is given."""
+    context, given = window_context(), []
+    context.window.cursor_modal_set = given.append
+    context.window.cursor_modal_restore = lambda: given.append("own")
+    context.workspace.status_text_set = given.append
+    context.window_manager.windows = [context.window]
+    context.temp_override = lambda window: nullcontext()
+    return SimpleNamespace(context=context, given=given)
+
+
+def test_windows_get_their_cursor_and_status_bar_back(windows):
+    waiting = picking.PicksPoints()
+    waiting._wait(windows.context)
+    picking.stop_waiting(windows.context)
+    assert windows.given == ["EYEDROPPER", "own", None]
+    picking.stop_waiting(windows.context)
+    assert len(windows.given) == 3
+
+
+def test_what_waits_no_more_leaves_windows_alone(windows):
+    waiting = picking.PicksPoints()
+    waiting._wait(windows.context)
+    waiting.cancel(windows.context)
+    windows.given.clear()
+    picking.stop_waiting(windows.context)
+    assert windows.given == []
+
+
+def test_the_windows_of_blender_are_cleared(registered_addon):
+    """With its own context; a text or cursor cannot be asked for."""
+    context = window_context()
+    picking.PicksPoints()._wait(context)
+    assert bpy.context.window_manager.windows
+    registered_addon.unregister()
+    registered_addon.register()
+    assert not picking._WAITING
+
+
+def test_what_was_running_runs_no_more_once_the_add_on_is_back(registered_addon):
+    progress = bpy.context.window_manager.convwass_progress
+    progress.running = progress.stopping = True
+    registered_addon.unregister()
+    registered_addon.register()
+    progress = bpy.context.window_manager.convwass_progress
+    assert not progress.running
+    assert not progress.stopping
