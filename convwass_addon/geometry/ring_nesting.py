@@ -25,7 +25,8 @@ def outline_of(boundary: Boundary) -> Outline:
     Outline
         The largest region first.
     """
-    rings = _chained(boundary)
+    corners, numbers = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
+    rings = [corners[chain] for chain in closed_chains(*numbers.ravel().reshape(2, -1))]
     outers = sorted((ring for ring in rings if ring_area(ring) > 0), key=ring_area, reverse=True)
     holes: list[list[NDArray[np.float64]]] = [[] for _ in outers]
     for hole in (ring for ring in rings if ring_area(ring) < 0):
@@ -70,14 +71,23 @@ def _inner_point(ring: NDArray[np.float64]) -> NDArray[np.float64]:
     return ring[longest] + 0.5 * along[longest] + 1e-6 * away
 
 
-def _chained(boundary: Boundary) -> list[NDArray[np.float64]]:
-    """Walk along directed edges until all are used."""
-    corners, numbers = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
-    first, second = numbers.ravel().reshape(2, -1)
+def closed_chains(first: NDArray[np.int64], second: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Walk along directed edges, of which as many end as begin everywhere, until all are used.
+
+    Parameters
+    ----------
+    first, second : (e,) int64
+        Numbers of the points where edges begin and end.
+
+    Returns
+    -------
+    list of (n,) int64
+        Points in turn, three or more; the last one leads to the first.
+    """
     leaving: dict[int, list[int]] = {}
     for start, end in zip(first.tolist(), second.tolist(), strict=True):
         leaving.setdefault(start, []).append(end)
-    rings = []
+    chains = []
     for start, following in leaving.items():
         while following:
             chain, place = [start], following.pop()
@@ -85,5 +95,5 @@ def _chained(boundary: Boundary) -> list[NDArray[np.float64]]:
                 chain.append(place)
                 place = leaving[place].pop()
             if len(chain) >= 3:
-                rings.append(corners[chain])
-    return rings
+                chains.append(np.array(chain))
+    return chains

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.ring_nesting import closed_chains
 from .flat_rings import FlatRings
 from .planes import plane_of
 
@@ -66,21 +67,4 @@ def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> lis
     times = np.abs(surplus)
     first = np.repeat(np.where(surplus > 0, low, high), times)
     second = np.repeat(np.where(surplus > 0, high, low), times)
-    return _chains(first, second)
-
-
-def _chains(first: NDArray[np.int64], second: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Walk along directed edges, of which as many end as begin everywhere, until all are used."""
-    leaving: dict[int, list[int]] = {}
-    for start, end in zip(first.tolist(), second.tolist(), strict=True):
-        leaving.setdefault(start, []).append(end)
-    chains = []
-    for start, following in leaving.items():
-        while following:
-            chain, place = [start], following.pop()
-            while place != start:
-                chain.append(place)
-                place = leaving[place].pop()
-            if len(chain) >= 3:
-                chains.append(np.array(chain))
-    return chains
+    return closed_chains(first, second)
