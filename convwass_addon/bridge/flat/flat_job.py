@@ -22,10 +22,11 @@ from .flat_bake import FlatBake, FlatKind
 from .flat_curves import FittedFrame
 from .flat_moves import moved_flats
 from .flat_objects import flat_objects
+from .flat_writing import WritesFlatFrames
 from .pencil_bake import PencilBake
 
 
-class FlatJob:
+class FlatJob(WritesFlatFrames):
     """One bake of flat shapes. Everything but :meth:`steps` belongs on the main thread.
 
     Parameters
@@ -94,17 +95,3 @@ class FlatJob:
     def notices(self) -> list[Sentence]:
         """What the user should know about the inputs."""
         return self._notices
-
-    def write(self, step: FlatStep) -> None:
-        """Put a finished frame into the scene."""
-        if step.frame is not None:
-            self._bake.add(step.frame)
-            self.records.append(step.frame.record)
-
-    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
-        return self._bake.finish(hide_inputs)
-
-    def discard(self) -> None:
-        """Remove everything that has been written."""
-        self._bake.discard()

@@ -19,11 +19,12 @@ from ...applications.morphs.frame_cache import FrameCache
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...sentence import Sentence
+from .flat_writing import WritesFlatFrames
 from .gray_inputs import gray_inputs
 from .picture_bake import PictureBake, PictureFrame
 
 
-class PictureJob:
+class PictureJob(WritesFlatFrames):
     """One bake of flat shapes to pictures. Everything but :meth:`steps` belongs on the main thread.
 
     Pictures stand where the first shape does, center of mass on center of mass.
@@ -96,17 +97,3 @@ class PictureJob:
                 yield step
             else:
                 yield replace(step, frame=PictureFrame(**vars(step.frame), pixels=maker.picture(step.frame)))
-
-    def write(self, step: FlatStep) -> None:
-        """Write the picture of a finished frame."""
-        if step.frame is not None:
-            self._bake.add(step.frame)
-            self.records.append(step.frame.record)
-
-    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
-        return self._bake.finish(hide_inputs)
-
-    def discard(self) -> None:
-        """Remove everything that has been written."""
-        self._bake.discard()

@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the jobs of flat morphs do alike with frames that are computed."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...applications.flat.flat_frames import FlatStep
+from ..morphs.bake import MorphBake
+
+
+class WritesFlatFrames:
+    """A job that hands its frames to a bake; everything here belongs on the main thread.
+
+    Attributes
+    ----------
+    records : list of dict
+        Figures of the frames that have been written.
+    """
+
+    records: list[dict[str, object]]
+
+    _bake: MorphBake
+
+    def write(self, step: FlatStep) -> None:
+        """Put a finished frame into the scene."""
+        if step.frame is not None:
+            self._bake.add(step.frame)
+            self.records.append(step.frame.record)
+
+    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
+        return self._bake.finish(hide_inputs)
+
+    def discard(self) -> None:
+        """Remove everything that has been written."""
+        self._bake.discard()
