@@ -147,16 +147,27 @@ def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) ->
     return file
 
 
-def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
-    """Import a file and return its meshes as the parts of one shape."""
+def run_importer(importer: Callable[[str], set[str]], file: Path) -> None:
+    """Let one of Blender's importers read a file into the context's scene.
+
+    Raises
+    ------
+    InputError
+        It could not.
+    """
     try:
-        finished = "FINISHED" in READERS[file.suffix.lower()](str(file))
+        finished = "FINISHED" in importer(str(file))
     except RuntimeError as error:
         raise InputError(
             "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)
         ) from error
     if not finished:
         raise InputError("{file} could not be read; it is damaged, or not what its name says.", file=file.name)
+
+
+def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
+    """Import a file and return its meshes as the parts of one shape."""
+    run_importer(READERS[file.suffix.lower()], file)
     # An STL of nonsense is read as a mesh of nothing.
     objects = [obj for obj in scene.collection.all_objects if obj.type != "MESH" or obj.data.vertices or obj.modifiers]
     meshes = [obj for obj in objects if obj.type == "MESH"]

@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...errors import InputError
-from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source
+from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
 from ..workshop import reason, workshop
 
 TEXT = "text:"
@@ -77,14 +77,7 @@ def _drawing(path: Path) -> bpy.types.Object:
     """Read an SVG as one curve object."""
     file = checked_file(path, None, (DRAWING,))
     with only_kept_data() as kept, workshop() as scene:
-        try:
-            finished = "FINISHED" in bpy.ops.import_curve.svg(filepath=str(file))
-        except RuntimeError as error:
-            raise InputError(
-                "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)
-            ) from error
-        if not finished:
-            raise InputError("{file} could not be read; it is damaged, or not what its name says.", file=file.name)
+        run_importer(lambda path: bpy.ops.import_curve.svg(filepath=path), file)
         bpy.context.view_layer.update()
         curves = [obj for obj in scene.collection.all_objects if obj.type == "CURVE" and obj.data.splines]
         if not curves:
