@@ -30,6 +30,8 @@ _DEBIAS_STEP = 0.7
 _DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
 # What a step leaves of the error of d, measured: about a half.
 _SETTLED = 0.5
+# The most that the last step, after which nothing is measured, changes ln d anywhere.
+_LAST_STEP = float(np.log(2.0))
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
 # finer levels, beyond a margin.
 _NEGLIGIBLE_SHARE = 0.3
@@ -307,6 +309,9 @@ class BregmanIteration:
         """
         if self._debias_step is None or self.entropy_limit is not None:
             return
+        # Where next to nothing lies, at the rim, ln d may still be off by dozens: no error has that in it, but the step
+        # would make something of it, and no round comes to take it back.
+        np.clip(self._debias_step, -_LAST_STEP, _LAST_STEP, out=self._debias_step)
         np.multiply(self._debias_step, self.sharpness / self.fidelity.exponent, out=self._spare)
         self._log_mu += self._spare
         self._balance()

@@ -93,6 +93,17 @@ def test_full_sharpness_does_not_wait_for_its_slowest_errors():
     assert sum(found.iterations) < 120
 
 
+def test_what_is_said_to_have_converged_has_no_grain_at_its_rim():
+    """The last step of d, which nothing measures any more, once put 1 % of the mass into a cell where none belongs."""
+    grid = Grid((48, 48), 1.0)
+    mus = [blob(grid.shape, [14.4, 14.4], 2.4), blob(grid.shape, [33.6, 28.8], 3.84)]
+    exact = barycenter(mus, [0.25, 0.75], grid, sharpness=1.0, tolerance=1e-8, max_iterations=5000)
+    for tolerance in (1e-4, 3e-5, 1e-5):
+        found = barycenter(mus, [0.25, 0.75], grid, sharpness=1.0, tolerance=tolerance, max_iterations=1000)
+        assert found.converged
+        assert np.abs(found.density - exact.density).mean() < 5e-4
+
+
 @pytest.mark.parametrize(("sharpness", "within"), [(0.0, 1e-4), (0.5, 1e-2), (0.75, 1e-2), (1.0, 1e-2)])
 def test_the_dial_removes_its_share_of_the_blur(sharpness, within):
     """Two equal Gaussians of variance d^2 have a barycenter of variance d^2 + (1 - s) sigma^2."""
