@@ -93,7 +93,7 @@ class SurfaceProperties:
 class TravelProperties(SurfaceProperties):
     """What every density that is made of others is asked for."""
 
-    sharpen: EnumProperty(
+    entropy_limit: EnumProperty(
         name="Entropy Limit",
         description="Keep densities from spreading out more than this on their way",
         items=(
@@ -138,7 +138,7 @@ class TravelProperties(SurfaceProperties):
         return DensitySettings(
             steps=steps,
             blur=self.blur or None,
-            sharpen=self.entropy_bound if self.sharpen == "NUMBER" else LIMITS[self.sharpen],
+            entropy_limit=self.entropy_bound if self.entropy_limit == "NUMBER" else LIMITS[self.entropy_limit],
             blend_sharpness=self.blend_sharpness,
             pieces=self.pieces,
             tolerance=self.tolerance,

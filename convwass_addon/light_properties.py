@@ -91,8 +91,8 @@ class ReflectanceProperties:
         max=1.0,
         subtype="FACTOR",
     )
-    entropy: EnumProperty(
-        name="Limit Spread",
+    entropy_limit: EnumProperty(
+        name="Entropy Limit",
         description="How widely a highlight between others may spread",
         items=(
             ("FREE", "No Limit", "As transport leaves it"),
@@ -115,7 +115,7 @@ class ReflectanceProperties:
             rows=self.detail + self.detail % 2,
             sigma=self.blur,
             sharpness=self.sharpness,
-            entropy=self.entropy.lower(),
+            entropy_limit=self.entropy_limit.lower(),
         )
 
     def frame_span(self) -> Frames:

@@ -64,9 +64,9 @@ STORED_OPTIONS = (
     "alignment",
     "scaling",
     "start",
-    "start_frame",
+    "frame_start",
     "output",
-    "output_folder",
+    "folder",
     "cache_format",
     "words",
     "flat_output",
@@ -143,7 +143,7 @@ class MorphProperties:
             ("CUSTOM", "Custom", "At a frame of your choice"),
         ),
     )
-    start_frame: IntProperty(
+    frame_start: IntProperty(
         name="Start Frame",
         description="Frame of the first shape",
         default=1,
@@ -292,7 +292,7 @@ class MorphProperties:
         default=True,
     )
     output: EnumProperty(name="Output", description="What a bake leaves in the scene", items=OUTPUTS)
-    output_folder: StringProperty(
+    folder: StringProperty(
         name="Folder",
         description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
         default=DEFAULT_FOLDER,
@@ -324,7 +324,7 @@ class MorphProperties:
     def first_frame(self, scene: bpy.types.Scene) -> int:
         """Return the scene frame in which the morph begins."""
         if self.start == "CUSTOM":
-            return self.start_frame
+            return self.frame_start
         return scene.frame_current if self.start == "CURRENT" else scene.frame_start
 
     def solver_settings(self) -> MorphSettings:

@@ -53,16 +53,16 @@ def _first_row(surface: Surface) -> list[NDArray[np.float64]]:
     limit = max(density_figures(end, surface, "end").entropy for end in ends)
     pictures = [heat_colors(1.0 - lengths)[:, :3] * lines[:, None]]
     for bound in (None, limit + 0.6, limit, limit - 0.6):
-        settings = DensitySettings(sharpen=bound, blend_sharpness=0.0)
+        settings = DensitySettings(entropy_limit=bound, blend_sharpness=0.0)
         steps = blend_steps(ends, ("A", "B"), (0.5, 0.5), surface, settings)
         pictures.append(_heat(joined_frames(steps).densities[0]))
     return pictures
 
 
-def _travelling(surface: Surface, sharpen: str | None) -> list[NDArray[np.float64]]:
+def _travelling(surface: Surface, entropy_limit: str | None) -> list[NDArray[np.float64]]:
     first = _bump(surface, (0.5, -0.2, 0.5), 0.1) + _bump(surface, (-0.6, -0.2, 0.1), 0.1)
     second = _bump(surface, (0.6, -0.1, 1.5), 0.1) + _bump(surface, (-0.9, -0.1, 0.8), 0.1)
-    steps = interpolation_steps(first, second, surface, DensitySettings(steps=4, sharpen=sharpen))
+    steps = interpolation_steps(first, second, surface, DensitySettings(steps=4, entropy_limit=entropy_limit))
     return [_heat(density) for density in joined_frames(steps).densities]
 
 

@@ -101,7 +101,17 @@ def test_a_group_travels_to_another_in_the_users_own_scene(files, tmp_path, capf
 
 def test_a_path_of_unit_masses_on_a_file_without_groups(files, tmp_path, capfd):
     out = tmp_path / "path.blend"
-    words = [files / "ball.obj", "--through", "vertex:0", "vertex:5,6", "vertex:0", "--steps", "2", "--sharpen", "off"]
+    words = [
+        files / "ball.obj",
+        "--through",
+        "vertex:0",
+        "vertex:5,6",
+        "vertex:0",
+        "--steps",
+        "2",
+        "--entropy-limit",
+        "off",
+    ]
     code, printed, said = run(capfd, *words, "--out", out, "--name", "moss")
     assert code == 0, said
     assert printed.split() == [str(out)]

@@ -23,7 +23,7 @@ from ..bridge.surfaces import surface_mesh
 from ..bridge.vertex_groups import write_group
 
 _NAME = "Moss"
-_SETTINGS = DensitySettings(steps=24, sharpen=None)
+_SETTINGS = DensitySettings(steps=24, entropy_limit=None)
 # The hooves are what lies in this share of the height.
 _HOOVES = 0.06
 

@@ -17,7 +17,7 @@ vertices; or a file that Blender reads, which has no groups. Lengths are in scen
 
 examples:
   density cow.blend:Cow --from Head --to Tail --steps 24 --out cow_flow.blend
-  density cow.blend:Cow --through Head Belly Tail Head --sharpen off --out cow_flow.blend
+  density cow.blend:Cow --through Head Belly Tail Head --entropy-limit off --out cow_flow.blend
   density cow.blend:Cow --blend Head=0.3,Tail=0.7 --out blend.blend
   density cow.blend:Cow --propagate Head=1 1=2 2=Tail 1=Ear --out between.blend
   density cow.obj --from vertex:10 --to vertex:2500
@@ -75,7 +75,7 @@ def _add_solver_options(parser: ArgumentParser) -> None:
     group.add_argument("--steps", type=int, default=24, help="frames from each group to the next (%(default)s)")
     group.add_argument("--blur", type=float, help="blur in scene units (what suits the mesh)")
     group.add_argument(
-        "--sharpen",
+        "--entropy-limit",
         type=path_entropy_limit,
         default="between",
         metavar="between|max|NUMBER|off",

@@ -49,7 +49,7 @@ def run_density(options: Namespace) -> Answer:
     settings = DensitySettings(
         steps=options.steps,
         blur=options.blur,
-        sharpen=options.sharpen,
+        entropy_limit=options.entropy_limit,
         pieces="match" if options.match_pieces else "keep",
         tolerance=options.tolerance,
         max_iterations=options.max_iterations,
@@ -194,7 +194,9 @@ def _frames(steps: Iterable[DensityStep]) -> DensityFrames:
         frames = joined_frames(_shown(steps, bar))
     slack = sum(not record["converged"] for record in frames.records)
     if slack:
-        note(f"frames that are less exact than asked for: {slack}; more --blur helps, or --sharpen with more nats")
+        note(
+            f"frames that are less exact than asked for: {slack}; more --blur helps, or --entropy-limit with more nats"
+        )
     return frames
 
 

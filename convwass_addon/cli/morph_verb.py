@@ -66,7 +66,7 @@ def run_morph(options: Namespace) -> Answer:
     if isinstance(settings, FlatSettings):
         stored["flat_output"] = flat_output_of(options)
         if stored["flat_output"] == "PICTURE":
-            stored |= {"grays": options.grays.upper(), "output_folder": str(target.parent / f"{target.stem} files")}
+            stored |= {"grays": options.grays.upper(), "folder": str(target.parent / f"{target.stem} files")}
     if between is not None:
         stored["at"] = between.numbers
     if computing.wanted is not None:

@@ -62,7 +62,10 @@ def add_reflect_options(parser: ArgumentParser) -> None:
         "--sharpness", type=float, default=default.sharpness, metavar="X", help="0 to 1 (%(default)s)"
     )
     settings.add_argument(
-        "--entropy", choices=("free", "largest", "mean"), default=default.entropy, help="bound (%(default)s)"
+        "--entropy-limit",
+        choices=("free", "largest", "mean"),
+        default=default.entropy_limit,
+        help="bound (%(default)s)",
     )
 
 

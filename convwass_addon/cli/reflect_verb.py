@@ -47,7 +47,7 @@ def run_reflect(options: Namespace) -> Answer:
     kind = target.suffix.lower()
     _check_kind(target, kind, options)
     settings = ReflectanceSettings(
-        rows=options.rows, sigma=options.sigma, sharpness=options.sharpness, entropy=options.entropy
+        rows=options.rows, sigma=options.sigma, sharpness=options.sharpness, entropy_limit=options.entropy_limit
     )
     sheet = None if options.pad is None else PadSheet.of(len(options.materials), options.pad)
     weights = _weights(options) if sheet is None else sheet.weights

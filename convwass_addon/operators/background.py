@@ -235,10 +235,10 @@ class BackgroundOperator:
         return None
 
 
-class CONVWASS_OT_stop_bake(bpy.types.Operator):
+class CONVWASS_OT_stop(bpy.types.Operator):
     """Stop what is running, as with Esc in the viewport; the finished frames of a new morph are kept"""
 
-    bl_idname = "convwass.stop_bake"
+    bl_idname = "convwass.stop"
     bl_label = "Stop"
     bl_options = {"INTERNAL"}
 
@@ -286,4 +286,4 @@ def time_left(passed: float, fraction: float) -> int | None:
     return step * math.ceil(left / step)
 
 
-classes = (CONVWASS_OT_stop_bake,)
+classes = (CONVWASS_OT_stop,)

@@ -97,7 +97,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
         if self.output in ("VOLUME", "CACHE"):
-            absolute_folder(self.output_folder)
+            absolute_folder(self.folder)
         if are_flat:
             # What shows a morph otherwise than by an object per frame takes meshes.
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
@@ -184,7 +184,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         name = _OUTPUT_OPERATORS.get((self.output, self.layout)) or _OUTPUT_OPERATORS.get((self.output, ""))
         if name is None or stand_ins(morph):
             return
-        options = {"folder": self.output_folder} if self.output in ("VOLUME", "CACHE") else {}
+        options = {"folder": self.folder} if self.output in ("VOLUME", "CACHE") else {}
         if self.output == "CACHE":
             options["kind"] = self.cache_format
         try:

@@ -248,15 +248,15 @@ def _call(operator: Callable[..., set[str]], how: str, name: str, stored: Stored
     """Call Interpolate Density with what is stored; raises InputError where that cannot be."""
     try:
         settings = stored.settings
-        limit, frames = settings["sharpen"], settings["frames"]
+        limit, frames = settings["entropy_limit"], settings["frames"]
         arguments = {
             **{key: settings[key] for key in _SAME_NAME},
             "groups": "\n".join(stored.inputs),
             "frames": ", ".join(repr(float(frame)) for frame in frames),
             "blur": settings["blur"] or 0.0,
-            "sharpen": next((name for name, word in LIMITS.items() if word == limit), "NUMBER"),
+            "entropy_limit": next((name for name, word in LIMITS.items() if word == limit), "NUMBER"),
         }
-        if arguments["sharpen"] == "NUMBER":
+        if arguments["entropy_limit"] == "NUMBER":
             arguments["entropy_bound"] = limit
         operator(how, density=name, set_keys=False, add_material=False, **arguments)
     except (KeyError, TypeError, ValueError) as error:

@@ -166,7 +166,7 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
         "inputs": "\n".join(obj.name for obj in inputs),
         "weights": ",".join(str(weight) for weight in weights),
         "start": "CUSTOM",
-        "start_frame": stored.first_frame,
+        "frame_start": stored.first_frame,
         "hide_inputs": all(obj.hide_render for obj in inputs),
         "replaces": morph.name,
     }

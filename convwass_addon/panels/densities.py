@@ -11,7 +11,7 @@ from ..bridge.densities.density_player import density_value, played_densities
 from ..bridge.densities.density_store import stored_or_new
 from ..density_properties import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from ..errors import ConvwassError
-from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.background import CONVWASS_OT_stop
 from ..operators.density_changes import lost_inputs
 from ..operators.density_manage import (
     CONVWASS_OT_bake_density,
@@ -87,7 +87,7 @@ class CONVWASS_PT_densities(Sidebar, bpy.types.Panel):
         # The panel above shows it in other modes.
         if progress.running and context.mode == "PAINT_WEIGHT":
             layout.progress(factor=progress.fraction, text=progress.message)
-            layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
+            layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
 
 
 def _draw_figures(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object, group: str) -> None:
@@ -195,9 +195,9 @@ class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
             _draw_pair(layout, context, own)
             layout.operator(CONVWASS_OT_add_density_stop.bl_idname, text="Make a List", icon="PRESET_NEW").which = "ALL"
         column = layout.column()
-        for name in ("density", "steps", "easing", "trail", "sharpen"):
+        for name in ("density", "steps", "easing", "trail", "entropy_limit"):
             column.prop(own, name)
-        if own.sharpen == "NUMBER":
+        if own.entropy_limit == "NUMBER":
             column.prop(own, "entropy_bound")
         column.prop(own, "add_material")
         row = layout.row()

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..light_properties import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
-from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.background import CONVWASS_OT_stop
 from ..operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
 from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_interpolate_sky
@@ -31,7 +31,7 @@ class CONVWASS_PT_light(Sidebar, bpy.types.Panel):
         progress = context.window_manager.convwass_progress
         if progress.running:
             self.layout.progress(factor=progress.fraction, text=progress.message)
-            self.layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
+            self.layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
 
 
 class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
@@ -87,7 +87,7 @@ class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_reflectance
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("output", "sun", "detail", "blur", "sharpness", "entropy", "table"):
+        for name in ("output", "sun", "detail", "blur", "sharpness", "entropy_limit", "table"):
             layout.prop(own, name)
         layout.operator(CONVWASS_OT_import_lobes.bl_idname, icon="IMPORT")
 

@@ -9,7 +9,7 @@ from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.flat.flat_objects import is_shape, looks_flat
-from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.background import CONVWASS_OT_stop
 from ..operators.bake_morph import CONVWASS_OT_bake_morph
 from ..operators.edit_inputs import (
     CONVWASS_OT_add_inputs,
@@ -94,7 +94,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         progress = context.window_manager.convwass_progress
         if progress.running:
             layout.progress(factor=progress.fraction, text=progress.message)
-            layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
+            layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
             return
         needed = _NEEDED.get(settings.layout)
         row = layout.row()
@@ -182,7 +182,7 @@ class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
     def draw_settings(self, layout, settings):
         layout.prop(settings, "start")
         if settings.start == "CUSTOM":
-            layout.prop(settings, "start_frame", text="Frame")
+            layout.prop(settings, "frame_start", text="Frame")
         layout.prop(settings, "frame_step")
 
 
@@ -200,7 +200,7 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         if pictures:
             layout.prop(settings, "grays")
         if pictures or settings.output in ("VOLUME", "CACHE"):
-            layout.prop(settings, "output_folder")
+            layout.prop(settings, "folder")
         if settings.output == "CACHE":
             layout.prop(settings, "cache_format")
         column = layout.column()

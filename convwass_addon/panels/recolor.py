@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.palettes.clip_frames import is_clip
-from ..operators.background import CONVWASS_OT_stop_bake
+from ..operators.background import CONVWASS_OT_stop
 from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
 from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
 from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_lut
@@ -38,7 +38,7 @@ class CONVWASS_PT_recolor_image(_ImageSidebar, bpy.types.Panel):
         progress = context.window_manager.convwass_progress
         if progress.running:
             layout.progress(factor=progress.fraction, text=progress.message)
-            layout.operator(CONVWASS_OT_stop_bake.bl_idname, icon="CANCEL")
+            layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
             return
         draw = _draw_clip if is_clip(shown_image(context)) else _draw_image
         draw(layout, own)

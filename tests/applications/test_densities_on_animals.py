@@ -51,8 +51,8 @@ def hoof(mesh, side):
     return int(own[z[own].argmin()])
 
 
-@pytest.mark.parametrize("sharpen", ["max", None])
-def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(sharpen):
+@pytest.mark.parametrize("entropy_limit", ["max", None])
+def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(entropy_limit):
     """The corridor, a fifth of the horse, is what lies on ways along edges of up to 1.3 times the shortest.
 
     With a bound less than 1e-4 of the mass ever leaves it, without one 2 %; and it is where it should be, as the
@@ -65,14 +65,14 @@ def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(sharpen):
     whole = here[ends[1]]
     assert whole > 3 * np.linalg.norm(mesh.vertices[ends[0]] - mesh.vertices[ends[1]])
     paint = [np.where(way < 0.15 * whole, 1.0, 0.0) for way in (here, there)]
-    frames = joined_frames(interpolation_steps(*paint, surface, DensitySettings(steps=8, sharpen=sharpen)))
+    frames = joined_frames(interpolation_steps(*paint, surface, DensitySettings(steps=8, entropy_limit=entropy_limit)))
     mass = frames.densities * surface.weights
     np.testing.assert_allclose(mass.sum(axis=1), 1.0)
     corridor = here + there < 1.3 * whole
     assert corridor @ surface.weights < 0.2
-    assert (mass @ corridor).min() > (0.999 if sharpen else 0.975)
+    assert (mass @ corridor).min() > (0.999 if entropy_limit else 0.975)
     assert all(figures["converged"] for figures in frames.records)
-    if sharpen:
+    if entropy_limit:
         places = mass @ (here - there) / whole
         # Paint on a hoof has its mean a little up the leg.
         np.testing.assert_allclose(places[1:-1], np.linspace(places[0], places[-1], 9)[1:-1], atol=0.06)

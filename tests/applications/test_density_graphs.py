@@ -34,7 +34,7 @@ def test_moments_between_two_lie_between_them():
 
 def test_a_star_is_the_barycenter_of_its_tips():
     tips = [cap(SPHERE, angle) for angle in (0.0, 0.5, 1.2)]
-    asked = DensitySettings(sharpen=None, tolerance=1e-6)
+    asked = DensitySettings(entropy_limit=None, tolerance=1e-6)
     frames = joined_frames(
         propagation_steps([(0, 3), (1, 3), (2, 3)], dict(enumerate(tips)), SPHERE, asked, edge_weights=[1, 2, 1])
     )

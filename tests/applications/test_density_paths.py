@@ -62,7 +62,7 @@ def test_a_cap_stays_a_cap_on_the_great_circle(steps):
 def test_without_a_bound_frames_spread_and_come_together_evenly():
     """No frame is sharper than both of its neighbors by more than the last digits: nothing flickers."""
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
-    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12, sharpen=None)))
+    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12, entropy_limit=None)))
     check_records(frames)
     entropies = np.array([figures["entropy"] for figures in frames.records])
     assert (np.diff(entropies[:7]) > 0).all()
@@ -74,7 +74,7 @@ def test_without_a_bound_frames_spread_and_come_together_evenly():
 
 def test_a_bound_in_nats_holds():
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
-    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=4, sharpen=-2.5)))
+    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=4, entropy_limit=-2.5)))
     assert max(figures["entropy"] for figures in frames.records) < -2.5 + 1e-3
 
 
@@ -136,7 +136,7 @@ def test_a_blend_of_one_is_that_one():
 
 def test_a_blend_without_a_bound_is_that_of_the_paper():
     groups = [cap(SPHERE, 0.0), cap(SPHERE, 0.8), cap(SPHERE, 0.4)]
-    settings_ = DensitySettings(sharpen=None)
+    settings_ = DensitySettings(entropy_limit=None)
     (density,) = joined_frames(blend_steps(groups, "ABC", [1, 1, 1], SPHERE, settings_)).densities
     assert off_center(SPHERE, density, 0.4) < 0.01
     assert entropy(density, SPHERE.weights) > entropy(groups[0], SPHERE.weights) + 0.5
@@ -200,11 +200,11 @@ def test_an_open_and_a_closed_mesh_of_few_triangles_work():
     st.sampled_from(["max", None, -1.0]),
     st.floats(1e-6, 1e6),
 )
-def test_any_paint_gives_as_many_honest_frames_as_asked_for(seed, steps, sharpen, scale):
+def test_any_paint_gives_as_many_honest_frames_as_asked_for(seed, steps, entropy_limit, scale):
     rng = np.random.default_rng(seed)
     groups = np.where(rng.random((2, *COARSE.shape)) < 0.2, rng.random((2, *COARSE.shape)), 0.0) * scale
     groups[:, 0] += scale
-    asked = DensitySettings(steps=steps, sharpen=sharpen, max_iterations=40)
+    asked = DensitySettings(steps=steps, entropy_limit=entropy_limit, max_iterations=40)
     frames = joined_frames(interpolation_steps(*groups, COARSE, asked))
     assert frames.densities.shape == (steps + 1, *COARSE.shape)
     check_records(frames)
@@ -249,10 +249,10 @@ def test_more_frames_than_memory_are_refused(monkeypatch):
         next(interpolation_steps(*ends, SPHERE, DensitySettings(steps=9000)))
 
 
-@pytest.mark.parametrize("sharpen", ["max", None])
-def test_a_job_in_the_background_is_cancelled_between_iterations(sharpen):
+@pytest.mark.parametrize("entropy_limit", ["max", None])
+def test_a_job_in_the_background_is_cancelled_between_iterations(entropy_limit):
     ends = cap(FINE, 0.0), cap(FINE, FAR)
-    slow = DensitySettings(steps=500, sharpen=sharpen, tolerance=1e-9, max_iterations=100_000)
+    slow = DensitySettings(steps=500, entropy_limit=entropy_limit, tolerance=1e-9, max_iterations=100_000)
     job = BackgroundJob(lambda check: interpolation_steps(*ends, FINE, slow, check=check))
     while not any(step.fraction == 0.0 for step in job.poll()):
         pass

@@ -134,7 +134,7 @@ def test_starting_from_other_weights_changes_only_the_iterations(midpoint):
 
 def test_bound_is_reached_after_convergence():
     materials = [Ggx(0.4, 0.1), Ggx(0.1, 0.4)]
-    bound = LobeBlend.of(materials, ReflectanceSettings(rows=ROWS, incoming=2, turns=2, entropy="mean"))
+    bound = LobeBlend.of(materials, ReflectanceSettings(rows=ROWS, incoming=2, turns=2, entropy_limit="mean"))
     found = finished(bound, [1, 1])
     domain = bound.domain
     for index, lobe in enumerate(found.table.lobes):
@@ -204,7 +204,7 @@ def test_bad_weights_are_refused(weights):
         lambda: ReflectanceSettings(turns=0),
         lambda: ReflectanceSettings(sigma=np.nan),
         lambda: ReflectanceSettings(sharpness=2),
-        lambda: ReflectanceSettings(entropy="max"),
+        lambda: ReflectanceSettings(entropy_limit="max"),
         lambda: ReflectanceSettings(tolerance=1),
         lambda: ReflectanceSettings(max_iterations=0),
     ],

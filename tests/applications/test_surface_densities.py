@@ -152,9 +152,9 @@ def test_heat_maps_tell_their_scale():
         ({"steps": 2.5}, "whole numbers"),
         ({"blur": -1.0}, "blur"),
         ({"blur": np.inf}, "blur"),
-        ({"sharpen": "most"}, "entropy limit"),
-        ({"sharpen": np.nan}, "entropy limit"),
-        ({"sharpen": True}, "entropy limit"),
+        ({"entropy_limit": "most"}, "entropy limit"),
+        ({"entropy_limit": np.nan}, "entropy limit"),
+        ({"entropy_limit": True}, "entropy limit"),
         ({"blend_sharpness": 1.5}, "sharpness"),
         ({"pieces": "drop"}, "Pieces"),
         ({"tolerance": 0.0}, "tolerance"),
@@ -168,10 +168,10 @@ def test_settings_that_make_no_sense_are_refused(settings, message):
 
 
 def test_settings_are_told_as_a_table():
-    assert DensitySettings(steps=5, sharpen=-2.0).as_dict() == {
+    assert DensitySettings(steps=5, entropy_limit=-2.0).as_dict() == {
         "steps": 5,
         "blur": None,
-        "sharpen": -2.0,
+        "entropy_limit": -2.0,
         "blend_sharpness": 0.75,
         "pieces": "keep",
         "tolerance": 1e-2,

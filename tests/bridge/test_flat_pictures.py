@@ -38,8 +38,8 @@ def picture(name, pixels, x=0.0):
     return obj
 
 
-def bake(folder, *objects, **options):
-    settings = {"frames": 4, "flat_resolution": 256, "flat_output": "PICTURE", "output_folder": str(folder)}
+def bake(place, *objects, **options):
+    settings = {"frames": 4, "flat_resolution": 256, "flat_output": "PICTURE", "folder": str(place)}
     settings["inputs"] = ",".join(obj.name for obj in objects)
     return bpy.ops.convwass.bake_morph(**{**settings, **options})
 
@@ -147,7 +147,7 @@ def test_a_bake_that_is_stopped_leaves_the_pictures_of_the_morph_that_it_would_r
         (lambda obj: setattr(obj, "scale", (1, 2, 1)), {}, "scaled unevenly"),
         (lambda obj: obj.data.pixels.foreach_set(np.ones(4 * 64 * 64, np.float32)), {}, "all of one tone"),
         (lambda obj: bpy.ops.object.text_add(), {"layout": "TRIANGLE", "inputs": "First,Last,Text"}, "another layout"),
-        (lambda obj: None, {"output_folder": "//convwass"}, "save that first"),
+        (lambda obj: None, {"folder": "//convwass"}, "save that first"),
         (lambda obj: None, {"words": "LETTERS"}, "has no letters"),
     ],
 )

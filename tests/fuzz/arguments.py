@@ -75,7 +75,7 @@ PATHS = (
     "file.cube",
     "ü 日本/🦆",
 )
-PATH_NAMES = {"folder", "output_folder", "filepath", "table"}
+PATH_NAMES = {"folder", "filepath", "table"}
 
 
 def arguments(properties: object, random: Random) -> dict[str, object]:

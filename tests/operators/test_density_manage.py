@@ -34,7 +34,15 @@ def call(name, **arguments):
 def obj():
     """A ball with an animated density of four steps."""
     made = ball()
-    call("interpolate_density", groups="A, B", steps=4, frames="1, 9", sharpen="NUMBER", entropy_bound=-1.5, blur=0.3)
+    call(
+        "interpolate_density",
+        groups="A, B",
+        steps=4,
+        frames="1, 9",
+        entropy_limit="NUMBER",
+        entropy_bound=-1.5,
+        blur=0.3,
+    )
     return made
 
 
@@ -117,10 +125,10 @@ def test_it_is_made_again_from_what_is_stored(obj, capfd):
     assert (last @ positions(obj) / last.sum())[1] < -0.85
 
 
-@pytest.mark.parametrize("sharpen", ["OFF", "BETWEEN", "MAX", "NUMBER"])
-def test_every_bound_comes_back(sharpen):
+@pytest.mark.parametrize("entropy_limit", ["OFF", "BETWEEN", "MAX", "NUMBER"])
+def test_every_bound_comes_back(entropy_limit):
     obj = ball()
-    call("interpolate_density", groups="A, B", steps=2, sharpen=sharpen, easing="SMOOTH", pieces="match")
+    call("interpolate_density", groups="A, B", steps=2, entropy_limit=entropy_limit, easing="SMOOTH", pieces="match")
     before = stored_density(obj, "Density").settings
     assert call("rebake_density") == {"FINISHED"}
     assert stored_density(obj, "Density").settings == before
@@ -141,7 +149,7 @@ def test_what_is_gone_is_noticed(obj):
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("steps", "many"), ("sharpen", "much"), ("frames", 3), ("frames", ["a"]), ("blur", "x"), ("pieces", "torn")],
+    [("steps", "many"), ("entropy_limit", "much"), ("frames", 3), ("frames", ["a"]), ("blur", "x"), ("pieces", "torn")],
 )
 def test_damaged_settings_are_told(obj, key, value):
     data = json.loads(obj[DENSITIES_KEY])

@@ -78,7 +78,7 @@ def test_a_density_travels_from_group_to_group(obj):
     assert obj.active_material.name == "Density Heat Map"
     stored = stored_density(obj, "Density")
     assert stored.inputs == ["A", "B"]
-    assert (stored.settings["steps"], stored.settings["sharpen"]) == (4, "between")
+    assert (stored.settings["steps"], stored.settings["entropy_limit"]) == (4, "between")
     assert len(stored.records) == 5
 
 
@@ -111,11 +111,11 @@ def test_scripts_name_groups_and_frames(obj):
     assert stored_density(obj, "Density").inputs == ["C", "C"]
 
 
-@pytest.mark.parametrize("sharpen", ["OFF", "BETWEEN", "MAX", "NUMBER"])
-def test_the_bound_keeps_it_from_spreading(obj, sharpen):
-    call("interpolate_density", groups="A, C", steps=4, sharpen=sharpen, entropy_bound=-1.8)
+@pytest.mark.parametrize("entropy_limit", ["OFF", "BETWEEN", "MAX", "NUMBER"])
+def test_the_bound_keeps_it_from_spreading(obj, entropy_limit):
+    call("interpolate_density", groups="A, C", steps=4, entropy_limit=entropy_limit, entropy_bound=-1.8)
     entropies = [record["entropy"] for record in stored_density(obj, "Density").records]
-    assert (max(entropies) > max(entropies[0], -1.8) + 0.05) == (sharpen == "OFF")
+    assert (max(entropies) > max(entropies[0], -1.8) + 0.05) == (entropy_limit == "OFF")
 
 
 def test_it_works_in_weight_paint_mode_and_not_in_edit_mode(obj):

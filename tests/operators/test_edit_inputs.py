@@ -278,7 +278,7 @@ def test_principal_axes_turn_a_copy_back(shapes):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "first"), [({}, 5), ({"start": "CURRENT"}, 40), ({"start": "CUSTOM", "start_frame": 7}, 7)]
+    ("arguments", "first"), [({}, 5), ({"start": "CURRENT"}, 40), ({"start": "CUSTOM", "frame_start": 7}, 7)]
 )
 def test_a_morph_begins_where_it_is_told(shapes, arguments, first):
     scene = bpy.context.scene
@@ -362,7 +362,7 @@ def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path):
     """A folder cannot be made inside of a file."""
     (tmp_path / "file").touch()
     folder = str(tmp_path / "file" / "folder")
-    made = bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output="CACHE", output_folder=folder)
+    made = bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output="CACHE", folder=folder)
     assert made == {"FINISHED"}
     assert len(frame_objects(morph_collection())) == 3
 
@@ -375,7 +375,7 @@ def test_a_folder_that_cannot_be_is_refused_before_the_bake(shapes, tmp_path, ou
         bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output)
     (tmp_path / "file").touch()
     with pytest.raises(RuntimeError, match="is a file; choose a folder"):
-        bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output, output_folder=str(tmp_path / "file"))
+        bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output, folder=str(tmp_path / "file"))
     assert len(bpy.data.objects) == known
 
 

@@ -71,7 +71,7 @@ def test_a_bake_puts_its_files_where_it_is_told(empty_scene, tmp_path, output, k
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(frames=2, resolution=24, output=output, output_folder=str(tmp_path), cache_format=kind)
+    bpy.ops.convwass.bake_morph(frames=2, resolution=24, output=output, folder=str(tmp_path), cache_format=kind)
     assert {file.suffix for file in tmp_path.rglob("*.*") if file.is_file()} == {suffix}
     assert bpy.context.object["convwass_output"] == output.lower()
 

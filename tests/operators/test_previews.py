@@ -284,7 +284,7 @@ def test_the_button_stops_as_escape_does(press, context):
 
 
 def test_without_a_bake_there_is_nothing_to_stop():
-    assert not bpy.ops.convwass.stop_bake.poll()
+    assert not bpy.ops.convwass.stop.poll()
 
 
 @pytest.mark.parametrize(

@@ -105,7 +105,7 @@ def test_settings_are_those_of_the_morph_and_not_of_the_panel(empty_scene):
     bpy.ops.convwass.rebake_morph()
     after = stored_morph(morph)
     assert after.first_frame == before.first_frame
-    same = {name: value for name, value in before.settings.items() if name not in ("start", "start_frame")}
+    same = {name: value for name, value in before.settings.items() if name not in ("start", "frame_start")}
     assert {name: after.settings[name] for name in same} == same
 
 

@@ -93,7 +93,7 @@ def test_a_list_takes_the_place_of_the_pair(obj):
 
 def test_every_setting_is_somewhere(played):
     own = played.convwass_density
-    own.sharpen, own.output = "NUMBER", "IMAGES"
+    own.entropy_limit, own.output = "NUMBER", "IMAGES"
     drawn = {name for kind, name in draw_all() if kind == "prop"}
     kinds = (*PathProperties.__mro__, *OutputProperties.__mro__, SurfaceProperties)
     expected = {name for kind in kinds for name in vars(kind).get("__annotations__", {})}
@@ -105,7 +105,7 @@ def test_every_operator_is_somewhere(played):
     bpy.ops.convwass.add_density_stop(which="ALL")
     kinds = [name for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
     own = {getattr(bpy.types, name).bl_idname for name in kinds if "density" in getattr(bpy.types, name).__module__}
-    assert own == (before | offered(draw_all())) - {"convwass.stop_bake"}
+    assert own == (before | offered(draw_all())) - {"convwass.stop"}
     assert len(own) == 18
 
 
@@ -146,7 +146,7 @@ def test_a_running_job_shows_its_bar_once(obj):
     bar = ("progress", "From A to B")
     assert bar not in above
     assert bar in drawn
-    assert "convwass.stop_bake" in offered(drawn)
+    assert "convwass.stop" in offered(drawn)
 
 
 def test_without_groups_there_is_little_to_see():

@@ -44,8 +44,8 @@ def draw(panel, context=None):
 
 
 def draw_all(context=None):
-    """Return what the panels of morphs draw; those of densities have tests of their own."""
-    shown = [panel for panel in panels() if "densit" not in panel.__name__]
+    """Return what the panels of morphs draw; the others have tests of their own."""
+    shown = [panel for panel in panels() if "morph" in panel.__name__]
     return [entry for panel in shown for entry in draw(panel, context)]
 
 
@@ -131,7 +131,7 @@ def test_every_setting_is_somewhere(shapes, layout):
     from convwass_addon.properties import MorphProperties
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
-    only |= dict.fromkeys(("frame_step", "start", "start_frame"), ("PATH",))
+    only |= dict.fromkeys(("frame_step", "start", "frame_start"), ("PATH",))
     flat = {"flat_resolution", "words", "flat_output", "grays"}
     expected = {name for name in MorphProperties.__annotations__ if layout in only.get(name, LAYOUTS)} - flat
     assert expected == drawn & set(MorphProperties.__annotations__)
@@ -139,9 +139,9 @@ def test_every_setting_is_somewhere(shapes, layout):
 
 def test_pictures_ask_for_their_grays_and_their_folder(shapes):
     settings().output, settings().flat_output = "OBJECTS", "CURVE"
-    assert not {("prop", "grays"), ("prop", "output_folder")} & set(draw_all())
+    assert not {("prop", "grays"), ("prop", "folder")} & set(draw_all())
     settings().flat_output = "PICTURE"
-    assert {("prop", "grays"), ("prop", "output_folder")} <= set(draw_all())
+    assert {("prop", "grays"), ("prop", "folder")} <= set(draw_all())
 
 
 def test_what_shows_all_frames_by_itself_offers_nothing_else(baked):
@@ -161,7 +161,7 @@ def test_a_running_bake_shows_its_bar_instead_of_the_button(shapes):
         progress.running = False
     assert ("progress", "Blend 1 of 2") in drawn
     assert ("operator", "convwass.bake_morph") not in drawn
-    assert ("operator", "convwass.stop_bake") in drawn
+    assert ("operator", "convwass.stop") in drawn
 
 
 def test_a_baked_morph_shows_its_buttons_and_its_health(baked):

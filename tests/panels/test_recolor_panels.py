@@ -68,7 +68,7 @@ def test_progress_takes_the_place_of_the_button():
         drawn = draw(bpy.types.CONVWASS_PT_recolor_image)
     finally:
         progress.running = False
-    assert ("progress", "Recoloring") in drawn and ("operator", "convwass.stop_bake") in drawn
+    assert ("progress", "Recoloring") in drawn and ("operator", "convwass.stop") in drawn
     assert ("operator", "convwass.recolor_image") not in drawn
 
 

@@ -82,7 +82,7 @@ def _stops_with_the_button(window: Window) -> Iterator[float]:
     yield from window.press("convwass.bake_morph")
     yield from window.wait(lambda: _progress().fraction > 0.3, 120, "the bake gets to a third")
     assert "left" in _progress().message, f"no time is told: {_progress().message}"
-    yield from window.press("convwass.stop_bake")
+    yield from window.press("convwass.stop")
     yield from window.wait(lambda: not _progress().running, 20, "the button stops the bake")
     window.say("the button stops a bake as well")
 

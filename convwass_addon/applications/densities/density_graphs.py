@@ -86,7 +86,7 @@ def propagation_steps(
             dict(zip(places, given, strict=True)),
             surface,
             size=size,
-            entropy_limit="max" if settings.sharpen == "between" else settings.sharpen,
+            entropy_limit="max" if settings.entropy_limit == "between" else settings.entropy_limit,
             tolerance=settings.tolerance,
             max_iterations=settings.max_iterations,
             monitor=monitor_of(check),

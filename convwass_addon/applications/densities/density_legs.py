@@ -53,7 +53,7 @@ class Leg:
         yield DensityStep(0.0, message)
         instants = np.arange(self.settings.steps + 1) / self.settings.steps
         # Without a bound the blur of midpoints of midpoints would come and go from frame to frame.
-        is_plain = self.settings.sharpen is None or len(instants) == 2
+        is_plain = self.settings.entropy_limit is None or len(instants) == 2
         for part in self._plain(instants) if is_plain else self._bounded(instants):
             frames = None if part.found is None else self._frames(part.found, start, end)
             yield DensityStep(part.fraction, message, frames)
@@ -68,7 +68,7 @@ class Leg:
 
     def _bounded(self, instants: NDArray[np.float64]) -> Iterator[_Part]:
         """By bisection, some midpoints of a level at a time."""
-        limit = self.settings.sharpen
+        limit = self.settings.entropy_limit
         steps = bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options)
         found = None
         while found is None:

@@ -125,7 +125,7 @@ def blend_steps(
     message = Sentence("Blending {names}", {"names": ", ".join(names)})
     yield DensityStep(0.0, message)
     active = np.flatnonzero(alphas)
-    bound = settings.sharpen
+    bound = settings.entropy_limit
     if bound == "between":
         entropies = [entropy(density, surface.weights) for density in densities]
         bound = float(entropy_between(entropies, alphas, surface.dimension))
@@ -191,7 +191,7 @@ def _among_several(
 
 
 def _sharpness(settings: DensitySettings) -> float:
-    return 0.0 if settings.sharpen is None else settings.blend_sharpness
+    return 0.0 if settings.entropy_limit is None else settings.blend_sharpness
 
 
 def _key_times(key_times: ArrayLike | None, count: int) -> NDArray[np.float64]:

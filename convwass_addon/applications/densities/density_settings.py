@@ -22,7 +22,7 @@ class DensitySettings:
         Steps from one density to the next: 24 make 23 frames between the two.
     blur : float or None
         Standard deviation of the kernel along the surface, in scene units; None is what suits the mesh.
-    sharpen : "between", "max", None or float
+    entropy_limit : "between", "max", None or float
         Bound for the entropy of all that is made, in nats; "between" goes from that of the density on one side to that
         of the other, by time or by weights (at the places of a graph it is "max"), "max" takes the larger of them,
         so that nothing spreads on its way; None lets it spread, as the plain barycenters of the paper do.
@@ -42,7 +42,7 @@ class DensitySettings:
 
     steps: int = 24
     blur: float | None = None
-    sharpen: Literal["between", "max"] | float | None = "between"
+    entropy_limit: Literal["between", "max"] | float | None = "between"
     blend_sharpness: float = 0.75
     pieces: Literal["keep", "match"] = "keep"
     tolerance: float = 1e-2
@@ -64,7 +64,7 @@ class DensitySettings:
             raise InputError("There must be between 1 and 10000 steps from one density to the next.")
         if self.blur is not None and not (np.isfinite(self.blur) and self.blur > 0):
             raise InputError("The blur must be a positive length, or left out.")
-        if not (self.sharpen in (None, "between", "max") or _is_number(self.sharpen)):
+        if not (self.entropy_limit in (None, "between", "max") or _is_number(self.entropy_limit)):
             raise InputError("The entropy limit must be 'between', 'max', a number, or off.")
         if not 0 <= self.blend_sharpness <= 1:
             raise InputError("The sharpness of blends must lie between 0 and 1.")

@@ -179,10 +179,10 @@ class LobeBlend:
         )
 
     def _exponent(self, index: int, alphas: NDArray[np.float64], found: Barycenter) -> float:
-        if self.settings.entropy == "free":
+        if self.settings.entropy_limit == "free":
             return 1.0
         own = self._inputs[index].entropies[alphas > 0]
-        limit = own.max() if self.settings.entropy == "largest" else alphas[alphas > 0] @ own
+        limit = own.max() if self.settings.entropy_limit == "largest" else alphas[alphas > 0] @ own
         with np.errstate(divide="ignore"):
             logs = np.log(found.density)
         return sharpening_exponent(logs, float(limit), self.domain.weights)

@@ -31,7 +31,7 @@ class ReflectanceSettings:
         Blur of the transport, in rows.
     sharpness : float
         0 is the paper's barycenter, 1 the debiased one.
-    entropy : "free", "largest" or "mean"
+    entropy_limit : "free", "largest" or "mean"
         Bound of the entropy, applied to every lobe once it is there: none, the largest of the materials', or their
         weighted mean. The largest one rarely acts.
     tolerance : float
@@ -45,7 +45,7 @@ class ReflectanceSettings:
     turns: int = 8
     sigma: float = 2.0
     sharpness: float = 1.0
-    entropy: Literal["free", "largest", "mean"] = "free"
+    entropy_limit: Literal["free", "largest", "mean"] = "free"
     tolerance: float = 1e-2
     max_iterations: int = 200
 
@@ -73,7 +73,7 @@ class ReflectanceSettings:
             raise InputError("The rows of a lobe must be an even number.")
         if not (np.isfinite(self.sharpness) and 0 <= self.sharpness <= 1):
             raise InputError("The sharpness must lie between 0 and 1.")
-        if self.entropy not in ("free", "largest", "mean"):
+        if self.entropy_limit not in ("free", "largest", "mean"):
             raise InputError("The bound of the entropy must be 'free', 'largest' or 'mean'.")
         if not 0 < self.tolerance < 1:
             raise InputError("The tolerance must lie between 0 and 1.")

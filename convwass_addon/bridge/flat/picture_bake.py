@@ -50,7 +50,7 @@ class PictureBake(MorphBake):
         grays: Sequence[GrayInput],
         replaces: str = "",
     ) -> Self:
-        """Make the collection, and the folder of the files, which `settings` name as `output_folder`.
+        """Make the collection, and the folder of the files, which `settings` name as `folder`.
 
         Where the morph called `replaces` is there, the folder and the files have its name.
 
@@ -67,7 +67,7 @@ class PictureBake(MorphBake):
         bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
         bake._grays, bake._drafts = tuple(grays), DraftFiles()
         try:
-            folder = str(settings.get("output_folder") or "//")
+            folder = str(settings.get("folder") or "//")
             named = bpy.data.collections.get(replaces) or bake._living(bake._collection)
             bake._folder = output_folder(folder, named)
         except InputError:

@@ -33,7 +33,7 @@ class PictureJob(WritesFlatFrames):
     ----------
     scene, depsgraph, inputs, blends, settings, options, first_frame
         As for :class:`.flat_job.FlatJob`; of the options also `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
-        `output_folder`.
+        `folder`.
     replaces : str
         Name of the morph whose place this one takes, and its files those of it; empty for a new one.
 
