@@ -9,6 +9,7 @@
     python3 run.py bench [ARGS]       measure the speed
     python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
     python3 run.py fuzz [ARGS]        try to break the add-on, such as  --minutes 10
+    python3 run.py gallery [ARGS]     draw the figures of the paper, into docs/; takes an hour (--only 7 draws one)
     python3 run.py lint               check the style of the code
     python3 run.py api                write the pages about the API from the docstrings, into docs/
     python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
@@ -43,6 +44,7 @@ COMMANDS = {
     "bench": [["-m", "benchmarks"]],
     "package": [["-m", "tools.package"]],
     "fuzz": [["-m", "tests.fuzz"]],
+    "gallery": [["docs/gallery.py"]],
     "api": [["-m", "tools.api_pages"]],
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
     "python": [[]],

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the figures of the paper with shapes of our own, and write docs/gallery.md: ``python3 docs/gallery.py``.
+"""Draw the figures of the paper with shapes of our own, and write docs/gallery.md: ``python3 run.py gallery``.
 
-It starts the scripts beside it, one after the other, with the project's Python; the longest, that of Fig. 8, takes a
-quarter of an hour. ``--only 7 14`` draws these two, ``--page`` none. Only the standard library is needed to start it.
+It starts the scripts beside it, one after the other; the longest, that of Fig. 8, takes a quarter of an hour.
+``--only 7 14`` draws these two, ``--page`` none. What drawing needs besides the project's own environment, the extra
+``docs`` of pyproject.toml, is installed at the first start.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import argparse
 import os
 import subprocess
 import sys
+import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -21,10 +23,9 @@ DOCS = Path(__file__).resolve().parent
 PROJECT = DOCS.parent
 _HEAD = """# The figures of the paper, with shapes of our own
 
-All figures of *Convolutional Wasserstein Distances* (Solomon et al. 2015), in its order. `python3 docs/gallery.py`
-draws them and writes this page, `--only 7 14` draws some; the environment needs the extra `docs` of
-`pyproject.toml`. Below each is what computes it: a command, or Python that goes on from names that speak for
-themselves.
+All figures of *Convolutional Wasserstein Distances* (Solomon et al. 2015), in its order. `python3 run.py gallery`
+draws them and writes this page, with `--only 7 14` some. Below each is what computes it: a command, or Python that
+goes on from names that speak for themselves.
 """
 
 
@@ -36,6 +37,8 @@ def main() -> int:
     parser.add_argument("--page", action="store_true", help="write the page and draw nothing")
     options = parser.parse_args()
     failed = []
+    if not options.page and not find_spec("matplotlib"):
+        install_drawing()
     for figure in FIGURES:
         if not options.page and (options.only is None or figure.number in options.only) and not drawn(figure):
             failed.append(figure.number)
@@ -45,6 +48,13 @@ def main() -> int:
     return 1 if failed else 0
 
 
+def install_drawing() -> None:
+    """Install what drawing needs besides, into the environment that this runs in."""
+    declared = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
+    wanted = declared["project"]["optional-dependencies"]["docs"]
+    subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", *wanted], check=True)
+
+
 def drawn(figure: Figure) -> bool:
     """Start the script of a figure; tell whether it did what it should."""
     name, *arguments = figure.script
@@ -52,9 +62,8 @@ def drawn(figure: Figure) -> bool:
         print(f"Fig. {figure.number}: docs/{name} is not there", file=sys.stderr)
         return False
     print(f"Fig. {figure.number}: docs/{' '.join(figure.script)}", flush=True)
-    program = [sys.executable] if find_spec("bpy") else [sys.executable, str(PROJECT / "run.py"), "python"]
     path = os.pathsep.join(filter(None, [str(PROJECT), os.environ.get("PYTHONPATH")]))
-    command = [*program, str(DOCS / name), *arguments]
+    command = [sys.executable, str(DOCS / name), *arguments]
     return subprocess.run(command, cwd=PROJECT, env={**os.environ, "PYTHONPATH": path}, check=False).returncode == 0
 
 

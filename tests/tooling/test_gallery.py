@@ -47,7 +47,7 @@ def test_all_figures_are_there_once_and_in_order(project, gallery):
 
 def test_the_page_is_what_the_script_writes(project, gallery):
     page = (project / "docs" / "gallery.md").read_text(encoding="utf-8")
-    assert page == gallery.page(gallery.FIGURES), "python3 docs/gallery.py --page writes it anew"
+    assert page == gallery.page(gallery.FIGURES), "python3 run.py gallery --page writes it anew"
 
 
 def test_pictures_are_there(project, gallery):
