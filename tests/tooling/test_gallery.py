@@ -55,6 +55,12 @@ def test_pictures_are_there(project, gallery):
         assert (project / "docs" / "pictures" / figure.picture).is_file(), figure.picture
 
 
+def test_the_readme_shows_four_of_them(project, gallery):
+    readme = (project / "README.md").read_text(encoding="utf-8")
+    shown = {f"Fig. {figure.number}: " for figure in gallery.FIGURES if f"(docs/pictures/{figure.picture})" in readme}
+    assert len(shown) == 4 and all(f"![{number}" in readme for number in shown)
+
+
 def test_new_pictures_are_light(project):
     for name in ("solids_path.jpg", "solids_triangle.jpg", "solids_grid.jpg", "two_maps.png", "side_by_side.jpg"):
         assert (project / "docs" / "pictures" / name).stat().st_size < LARGEST, name
