@@ -118,7 +118,8 @@ FIGURES = (
         ("reflectance.py",),
         "reflectance.png",
         "Four materials at the corners: mixed linearly, by barycenters, and by barycenters of bounded entropy.",
-        "At the left mixed linearly, at the right by transport: highlights move and turn, and do not double.",
+        "At the left mixed linearly, in the middle by transport, at the right with bounded entropy: highlights move "
+        "and turn, and do not double.",
         "python3 run.py python -m convwass_addon reflect ashikhmin:20,400 ashikhmin:400,20 principled:0.2 blinn:60 "
         "--out between.npz",
         SHELL,

@@ -176,11 +176,13 @@ def _ask_launcher(launcher: str, version: str) -> str | None:
 
 
 def _advice(wanted: tuple[str, ...], without_venv: Interpreter | None) -> str:
+    # A bare machine whose user is root may not have sudo.
+    sudo = "" if hasattr(os, "geteuid") and os.geteuid() == 0 else "sudo "
     if without_venv is not None:
         return (
             f"Python {without_venv.version} at {without_venv.path} would do, but its venv module is not installed.\n"
             f"On Debian and Ubuntu this line installs it; then run the same command again:\n\n"
-            f"    sudo apt-get install python{without_venv.minor}-venv"
+            f"    {sudo}apt-get install python{without_venv.minor}-venv"
         )
     best = wanted[0]
     return (
@@ -188,9 +190,9 @@ def _advice(wanted: tuple[str, ...], without_venv: Interpreter | None) -> str:
         f"Blender's module bpy exists for these versions only; run.py itself was started by Python "
         f"{'.'.join(map(str, sys.version_info[:3]))}.\n"
         f"Any of these lines installs one; then run the same command again:\n\n"
-        f"    sudo apt-get install python3.11 python3.11-venv   (Debian 12; Ubuntu with the deadsnakes archive)\n"
-        f"    sudo apt-get install python3.13 python3.13-venv   (Debian 13, Ubuntu 25.04)\n"
-        f"    sudo dnf install python{best}                       (Fedora)\n"
+        f"    {sudo}apt-get install python3.11 python3.11-venv   (Debian 12; Ubuntu with the deadsnakes archive)\n"
+        f"    {sudo}apt-get install python3.13 python3.13-venv   (Debian 13, Ubuntu 25.04)\n"
+        f"    {sudo}dnf install python{best}                       (Fedora)\n"
         f"    brew install python@{best}                          (macOS)\n"
         f"    winget install Python.Python.{best}                 (Windows)\n"
         f"    uv python install {best}                            (anywhere, with uv)"
