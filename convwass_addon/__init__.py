@@ -55,16 +55,11 @@ def _rooms() -> tuple[ModuleType, ...]:
     # Imported here, since they import bpy and the rest of the package must do without.
     try:
         from . import (
-            armature_properties,
             cli,
-            density_properties,
-            light_properties,
             operators,
             panels,
             preferences,
             properties,
-            recolor_properties,
-            soft_map_properties,
             solver_presets,
             translations,
         )
@@ -79,12 +74,7 @@ def _rooms() -> tuple[ModuleType, ...]:
         raise ModuleNotFoundError(message, name=package) from error
     return (
         translations,
-        properties,
-        density_properties,
-        soft_map_properties,
-        armature_properties,
-        recolor_properties,
-        light_properties,
+        *properties.registered(),
         solver_presets,
         preferences,
         operators,

@@ -11,13 +11,13 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..applications.skeletons.skeleton_fit import FitStep, FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
-from ..armature_properties import FitProperties, chosen_rig
 from ..bridge.armatures.auto_weights import bind_with_weights
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rigs import is_posed, move_joints, require_movable, resting_body, rig_graph
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..errors import InputError
+from ..properties.armatures import FitProperties, chosen_rig
 from ..sentence import Sentence
 from .armature_targets import OnBody
 from .density_job import Check, WritingDensityOperator

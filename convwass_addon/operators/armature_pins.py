@@ -7,9 +7,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..armature_properties import chosen_rig
 from ..bridge.armatures.rigs import clear_pins, pin_joints, pinned_ends, require_movable, rig_graph
 from ..errors import ConvwassError
+from ..properties.armatures import chosen_rig
 from .armature_targets import OnRig, chosen_joints, joints_property
 from .reporting import refuse
 

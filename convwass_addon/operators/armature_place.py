@@ -11,9 +11,9 @@ from bpy.props import FloatVectorProperty
 from numpy.typing import NDArray
 
 from ..applications.skeletons.inner_points import InnerPointFinder
-from ..armature_properties import chosen_rig, depth_property
 from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph
 from ..errors import ConvwassError, InputError
+from ..properties.armatures import chosen_rig, depth_property
 from .armature_targets import OnBody, chosen_joints, joints_property
 from .density_targets import length_text
 from .picking import PicksPoints, surface_point_at

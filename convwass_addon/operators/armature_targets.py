@@ -7,10 +7,10 @@ from __future__ import annotations
 import bpy
 from bpy.props import StringProperty
 
-from ..armature_properties import chosen_rig
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rigs import KINDS
 from ..errors import InputError
+from ..properties.armatures import chosen_rig
 from .background import is_idle
 from .chosen_inputs import split_names
 

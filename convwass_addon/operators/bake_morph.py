@@ -24,7 +24,7 @@ from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import InputError
 from ..preferences import preferences
-from ..properties import MorphProperties
+from ..properties.morphs import MorphProperties
 from ..sentence import Sentence
 from ..translations import translated
 from .background import BackgroundOperator

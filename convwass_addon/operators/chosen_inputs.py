@@ -11,7 +11,7 @@ import bpy
 from ..bridge.active import selected_objects
 from ..bridge.flat.flat_objects import is_shape
 from ..errors import InputError
-from ..properties import MorphProperties
+from ..properties.morphs import MorphProperties
 
 
 @dataclass(frozen=True)

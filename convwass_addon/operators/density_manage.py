@@ -22,8 +22,8 @@ from ..bridge.densities.density_outputs import show_heat_colors, write_step_colo
 from ..bridge.densities.density_player import density_modifier, remove_density
 from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
-from ..density_properties import LIMITS, OutputProperties
 from ..errors import ConvwassError, InputError
+from ..properties.densities import LIMITS, OutputProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .density_changes import changed_inputs

@@ -25,8 +25,8 @@ from ..applications.densities.surface_densities import Surface
 from ..applications.densities.vertex_distances import distances_from
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
-from ..density_properties import SurfaceProperties
 from ..errors import InputError
+from ..properties.densities import SurfaceProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
 from .density_job import Check, DensityJob, DensityOperator, FoundStep, WritingDensityOperator

@@ -19,7 +19,7 @@ from ..applications.densities.density_tools import diffused, sharpened, sharpene
 from ..applications.densities.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
-from ..density_properties import length_property, radius_property, share_property
+from ..properties.densities import length_property, radius_property, share_property
 from ..sentence import Sentence
 from .density_job import Check, DensityJob, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices

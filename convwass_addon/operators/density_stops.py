@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from ..density_properties import CONVWASS_PG_densities
 from ..errors import InputError
+from ..properties.densities import CONVWASS_PG_densities
 from .chosen_inputs import split_names
 from .density_targets import MODES, OnMesh, chosen_group, chosen_pair
 from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off

@@ -21,8 +21,8 @@ from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked, write_group
-from ..density_properties import PathProperties, TravelProperties
 from ..errors import InputError
+from ..properties.densities import PathProperties, TravelProperties
 from .density_changes import marks_of
 from .density_job import Check, DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops

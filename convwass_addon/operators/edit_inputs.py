@@ -14,7 +14,7 @@ from ..bridge.flat.flat_objects import flat_objects, is_shape, looks_flat
 from ..bridge.objects import triangle_mesh
 from ..errors import ConvwassError, InputError
 from ..preferences import preferences
-from ..properties import CONVWASS_PG_input
+from ..properties.morph_inputs import CONVWASS_PG_input
 from ..solver_presets import apply_preset, is_untouched
 from ..translations import translated
 from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off

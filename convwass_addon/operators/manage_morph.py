@@ -16,7 +16,7 @@ from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
 from ..errors import ConvwassError
-from ..properties import stored_arguments
+from ..properties.morphs import stored_arguments
 from .background import is_idle
 from .reporting import refuse
 

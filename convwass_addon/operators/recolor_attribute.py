@@ -11,7 +11,7 @@ from ..bridge.active import active_object
 from ..bridge.handles import Handle
 from ..bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from ..errors import InputError
-from ..recolor_properties import RecolorProperties, attribute_name_property
+from ..properties.recolor import RecolorProperties, attribute_name_property
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .recolor_image import RecolorJob

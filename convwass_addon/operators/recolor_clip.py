@@ -19,7 +19,7 @@ from ..bridge.palettes.clip_frames import ClipFrames, first_number, is_clip, seq
 from ..bridge.palettes.image_files import save_pixels
 from ..drafts import DraftFiles
 from ..errors import InputError
-from ..recolor_properties import RecolorProperties, clip_folder_property
+from ..properties.recolor import RecolorProperties, clip_folder_property
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
 from .reporting import tell

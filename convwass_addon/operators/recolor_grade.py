@@ -15,7 +15,7 @@ from ..bridge.handles import Handle
 from ..bridge.palettes.clip_frames import ClipFrames, is_clip
 from ..bridge.palettes.grade_nodes import grade_group
 from ..errors import InputError
-from ..recolor_properties import RecolorProperties, cube_size_property
+from ..properties.recolor import RecolorProperties, cube_size_property
 from .background import BackgroundOperator
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob

@@ -22,7 +22,7 @@ from ..bridge.handles import Handle
 from ..bridge.palettes.clip_frames import is_clip
 from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
 from ..errors import InputError
-from ..recolor_properties import RecolorProperties
+from ..properties.recolor import RecolorProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, read_pictures

@@ -23,7 +23,7 @@ from ..bridge.reflectance.lobe_materials import FittedLook, fitted_material, lob
 from ..bridge.reflectance.material_pad import material_pad
 from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
 from ..errors import InputError
-from ..light_properties import ReflectanceProperties, sun_of
+from ..properties.light import ReflectanceProperties, sun_of
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names

@@ -13,7 +13,7 @@ from bpy.props import StringProperty
 from ..bridge.reflectance.lobe_files import read_lobe_file
 from ..bridge.reflectance.lobe_materials import Frames, lobe_material
 from ..errors import ConvwassError
-from ..light_properties import sun_of
+from ..properties.light import sun_of
 from .background import is_idle
 from .reporting import refuse, tell
 

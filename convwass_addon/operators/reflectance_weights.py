@@ -15,7 +15,7 @@ from ..applications.reflectance.weight_sheets import PadSheet, way_weights
 from ..bridge.keyframes import curves_of
 from ..bridge.reflectance.lobe_frames import path_weights
 from ..errors import InputError
-from ..light_properties import MATERIALS, ReflectanceProperties
+from ..properties.light import MATERIALS, ReflectanceProperties
 
 
 @dataclass(frozen=True)

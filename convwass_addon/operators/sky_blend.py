@@ -17,7 +17,7 @@ from ..applications.skies.sky_settings import SkySettings
 from ..bridge.skies.sky_sequence import SkyFiles, SkyStep, fitting_height, sky_steps
 from ..bridge.skies.world_skies import sequence_world, world_sky
 from ..errors import InputError
-from ..light_properties import SkyProperties
+from ..properties.light import SkyProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names

@@ -23,8 +23,8 @@ from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map
 from ..errors import ConvwassError, InputError
+from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from ..sentence import Sentence
-from ..soft_map_properties import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from .background import BackgroundOperator
 from .density_job import Check
 from .density_targets import ignored_notice

@@ -12,7 +12,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ..bridge.soft_maps.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
 from ..errors import ConvwassError, InputError
-from ..soft_map_properties import CONVWASS_PG_soft_map, FromGroupsProperties
+from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties
 from .density_targets import selected_vertices
 from .lists import ACTIVE, index_property, taken_off
 from .reporting import listed, refuse

@@ -9,7 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..errors import InputError
-from ..soft_map_properties import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
+from ..properties.soft_maps import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
 from ..translations import translated
 from .picking import PicksPoints, vertex_at
 

@@ -17,8 +17,8 @@ from ..bridge.soft_maps.map_transfer import Carried, CarriedColors, CarriedGroup
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import InputError
+from ..properties.soft_maps import TRANSFERRED, TransferProperties
 from ..sentence import Sentence
-from ..soft_map_properties import TRANSFERRED, TransferProperties
 from .chosen_inputs import split_names
 from .density_job import Check, WritingDensityOperator
 from .object_job import ObjectJob

@@ -7,11 +7,11 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..armature_properties import FitProperties, chosen_rig
 from ..bridge.armatures.rigs import KINDS, pinned_ends
 from ..operators.armature_fit import CONVWASS_OT_fit_armature
 from ..operators.armature_pins import CONVWASS_OT_clear_pins, CONVWASS_OT_pin_joints, CONVWASS_OT_unpin_joints
 from ..operators.armature_place import CONVWASS_OT_place_joint
+from ..properties.armatures import FitProperties, chosen_rig
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 # More pins than these are counted and not listed.

@@ -9,7 +9,6 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.densities.density_player import density_value, played_densities
 from ..bridge.densities.density_store import stored_or_new
-from ..density_properties import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from ..errors import ConvwassError
 from ..operators.background import CONVWASS_OT_stop
 from ..operators.density_changes import lost_inputs
@@ -42,6 +41,7 @@ from ..operators.density_travel import (
     CONVWASS_OT_interpolate_density,
     CONVWASS_OT_propagate_densities,
 )
+from ..properties.densities import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..light_properties import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
 from ..operators.background import CONVWASS_OT_stop
 from ..operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
 from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_interpolate_sky
+from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
 from .sidebar import Sidebar, fill_operator
 
 # What counts for every kind of blend.

@@ -18,9 +18,10 @@ from ..operators.edit_inputs import (
     CONVWASS_OT_move_input,
     CONVWASS_OT_remove_input,
 )
-from ..properties import CONVWASS_PG_morph, MorphProperties
+from ..properties.morph_inputs import CONVWASS_PG_morph
+from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
-from .sidebar import Sidebar, draw_wrapped
+from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 # Selected shapes that are named; of more only the number is told.
 _NAMED = 8
@@ -101,8 +102,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         row.scale_y = 1.6
         row.enabled = count >= 2 if needed is None else count == needed
         operator = row.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
-        for name in MorphProperties.__annotations__:
-            setattr(operator, name, getattr(settings, name))
+        fill_operator(operator, settings, MorphProperties)
         if needed is not None and count != needed:
             text = iface_("This layout takes {:d} shapes, there are {:d}").format(needed, count)
             draw_wrapped(layout, context, text, "INFO")

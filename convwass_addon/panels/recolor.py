@@ -13,7 +13,7 @@ from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
 from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_lut
 from ..operators.recolor_image import CONVWASS_OT_recolor_image
 from ..operators.recolor_targets import shown_image
-from ..recolor_properties import PALETTES, CONVWASS_PG_recolor, RecolorProperties
+from ..properties.recolor import PALETTES, CONVWASS_PG_recolor, RecolorProperties
 from .sidebar import Sidebar, fill_operator
 
 

@@ -29,7 +29,7 @@ from ..operators.soft_map_view import (
     CONVWASS_OT_show_distribution,
     CONVWASS_OT_show_soft_map,
 )
-from ..soft_map_properties import CONVWASS_PG_soft_map, FromGroupsProperties, SoftMapProperties, TransferProperties
+from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties, SoftMapProperties, TransferProperties
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 

@@ -12,12 +12,12 @@ import pytest
 from mathutils import Vector
 
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
-from convwass_addon.armature_properties import FitProperties
 from convwass_addon.bridge.armatures.auto_weights import bind_with_weights, unweighted
 from convwass_addon.bridge.armatures.rigs import pinned_ends
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_fit, background
 from convwass_addon.operators.armature_fit import CONVWASS_OT_fit_armature, unweighted_notice
+from convwass_addon.properties.armatures import FitProperties
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, TIMER, Pressed, until, window_context
 from tests.rigs import armature, call, chain, choose, harmonic, harmonic_steps, lines, own, tube, world_ends

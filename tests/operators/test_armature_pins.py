@@ -12,11 +12,11 @@ import pytest
 from mathutils import Vector
 
 from convwass_addon.applications.skeletons.inner_points import InnerPoint
-from convwass_addon.armature_properties import _dotted_rig, _is_mesh, _is_rig, chosen_rig
 from convwass_addon.bridge.armatures.rigs import pinned_ends, rig_graph
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_place, picking
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint
+from convwass_addon.properties.armatures import _dotted_rig, _is_mesh, _is_rig, chosen_rig
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
 from tests.rigs import call, chain, choose, lines, own, select_joints, tube, world_ends
 

@@ -381,7 +381,8 @@ def test_a_folder_that_cannot_be_is_refused_before_the_bake(shapes, tmp_path, ou
 
 def test_every_property_and_operator_explains_itself():
     from convwass_addon.preferences import CONVWASS_AP_preferences
-    from convwass_addon.properties import CONVWASS_PG_input, CONVWASS_PG_morph, CONVWASS_PG_progress
+    from convwass_addon.properties.morph_inputs import CONVWASS_PG_input, CONVWASS_PG_morph
+    from convwass_addon.properties.progress import CONVWASS_PG_progress
 
     base = {prop.identifier for prop in bpy.types.PropertyGroup.bl_rna.properties}
     base |= {prop.identifier for prop in bpy.types.AddonPreferences.bl_rna.properties}

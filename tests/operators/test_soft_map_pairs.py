@@ -13,7 +13,7 @@ from mathutils import Matrix, Vector
 from convwass_addon.bridge import surfaces
 from convwass_addon.operators import picking, soft_map_pick
 from convwass_addon.operators.soft_map_pairs import CONVWASS_OT_add_map_pair
-from convwass_addon.soft_map_properties import labeled_vertices
+from convwass_addon.properties.soft_maps import labeled_vertices
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
 from tests.operators.soft_maps import call, choose, own, select, sphere
 
@@ -163,7 +163,7 @@ def test_only_meshes_can_be_chosen():
     assert kind.fixed_type.identifier == "Object"
     bpy.ops.object.empty_add()
     choose(None, None)
-    from convwass_addon.soft_map_properties import _is_mesh
+    from convwass_addon.properties.soft_maps import _is_mesh
 
     assert not _is_mesh(own(), bpy.context.object)
     assert _is_mesh(own(), sphere("Cow"))

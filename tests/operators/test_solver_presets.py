@@ -13,7 +13,7 @@ import pytest
 import convwass_addon
 from convwass_addon import preferences, solver_presets
 from convwass_addon.preferences import Preferences
-from convwass_addon.properties import MorphProperties
+from convwass_addon.properties.morph_solver import SolverProperties
 from convwass_addon.solver_presets import PRESET_PROPERTIES, SUBFOLDER, apply_preset, is_untouched, preset_names
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -56,7 +56,7 @@ def test_the_shipped_ones_set_everything(name):
 
 def test_presets_leave_what_belongs_to_the_shapes():
     solver = set(PRESET_PROPERTIES)
-    assert solver < set(MorphProperties.__annotations__)
+    assert solver < set(SolverProperties.__annotations__)
     assert not solver & {"thickness", "parts", "layout", "frames"}
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.armature_properties import FitProperties
+from convwass_addon.properties.armatures import FitProperties
 from tests.operators.densities import inventory
 from tests.rigs import call, chain, choose, lines, own, tube
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.density_properties import OUTPUTS, OutputProperties, PathProperties, SurfaceProperties
+from convwass_addon.properties.densities import OUTPUTS, OutputProperties, PathProperties, SurfaceProperties
 from tests.operators.densities import ball, inventory
 
 from .test_panels import draw, panels

@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.light_properties import ReflectanceProperties, SkyProperties
+from convwass_addon.properties.light import ReflectanceProperties, SkyProperties
 from tests.lights import principled
 from tests.operators.densities import inventory
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from convwass_addon.recolor_properties import RecolorProperties
+from convwass_addon.properties.recolor import RecolorProperties
 from tests.operators.densities import inventory
 from tests.pictures import blue_image, red_image
 

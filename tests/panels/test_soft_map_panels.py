@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.soft_map_properties import FromGroupsProperties, SoftMapProperties, TransferProperties
+from convwass_addon.properties.soft_maps import FromGroupsProperties, SoftMapProperties, TransferProperties
 from tests.operators.densities import inventory
 from tests.operators.soft_maps import call, choose, own, sphere, store_closest
 

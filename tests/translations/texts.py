@@ -31,15 +31,8 @@ def registered_texts() -> Iterator[str]:
     """Yield names and descriptions of all that is registered; needs the add-on."""
     import bpy
 
-    from convwass_addon import (
-        armature_properties,
-        density_properties,
-        light_properties,
-        preferences,
-        properties,
-        recolor_properties,
-        soft_map_properties,
-    )
+    from convwass_addon import preferences
+    from convwass_addon.properties import armatures, densities, light, morph_inputs, recolor, soft_maps
 
     for name in dir(bpy.types):
         if name.startswith("CONVWASS_PT_"):
@@ -51,16 +44,16 @@ def registered_texts() -> Iterator[str]:
             yield from (operator.name, operator.description)
             yield from _texts_of_properties(getattr(bpy.types, name), operator)
     for cls in (
-        properties.CONVWASS_PG_input,
-        properties.CONVWASS_PG_morph,
-        density_properties.CONVWASS_PG_density_stop,
-        density_properties.CONVWASS_PG_densities,
-        soft_map_properties.CONVWASS_PG_map_pair,
-        soft_map_properties.CONVWASS_PG_soft_map,
-        armature_properties.CONVWASS_PG_armature,
-        recolor_properties.CONVWASS_PG_recolor,
-        light_properties.CONVWASS_PG_reflectance,
-        light_properties.CONVWASS_PG_sky,
+        morph_inputs.CONVWASS_PG_input,
+        morph_inputs.CONVWASS_PG_morph,
+        densities.CONVWASS_PG_density_stop,
+        densities.CONVWASS_PG_densities,
+        soft_maps.CONVWASS_PG_map_pair,
+        soft_maps.CONVWASS_PG_soft_map,
+        armatures.CONVWASS_PG_armature,
+        recolor.CONVWASS_PG_recolor,
+        light.CONVWASS_PG_reflectance,
+        light.CONVWASS_PG_sky,
         preferences.CONVWASS_AP_preferences,
     ):
         yield from _texts_of_properties(cls, cls.bl_rna)

@@ -15,8 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from .applications.soft_maps.soft_map_settings import SoftMapSettings
-from .bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
+from ..applications.soft_maps.soft_map_settings import SoftMapSettings
+from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
 
 TRANSFERRED = (
     ("GROUPS", "Vertex Groups", "Weights of vertex groups"),

@@ -7,9 +7,9 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from .applications.reflectance.reflectance_settings import ReflectanceSettings
-from .applications.skies.sky_settings import SkySettings
-from .bridge.reflectance.lobe_materials import Frames
+from ..applications.reflectance.reflectance_settings import ReflectanceSettings
+from ..applications.skies.sky_settings import SkySettings
+from ..bridge.reflectance.lobe_materials import Frames
 
 MATERIALS = ("material", "material_2", "material_3", "material_4")
 """Names of the properties of materials; their weights are called weight, weight_2 and so on."""

@@ -15,8 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from .applications.densities.density_settings import DensitySettings
-from .bridge.densities.density_nodes import NAME
+from ..applications.densities.density_settings import DensitySettings
+from ..bridge.densities.density_nodes import NAME
 
 DEFAULT_FOLDER = "//density"
 """Beside the .blend file."""

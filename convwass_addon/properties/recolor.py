@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from .applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.palette_settings import RecolorSettings
 
 PALETTES = ("palette", "palette_2", "palette_3", "palette_4")
 """Names of the properties of palettes; their weights are called weight, weight_2 and so on."""

@@ -1,0 +1,14 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of scenes, objects and operators, a module for every panel, and the state of running work."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+
+def registered() -> tuple[ModuleType, ...]:
+    """Return the modules that add something to Blender; imported here, since they import bpy."""
+    from . import armatures, densities, light, morph_inputs, progress, recolor, soft_maps
+
+    return (progress, morph_inputs, densities, soft_maps, armatures, recolor, light)
