@@ -4,13 +4,17 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import bpy
 import numpy as np
 import pytest
 
 from convwass_addon.bridge.flat.gray_inputs import gray_inputs
+from convwass_addon.bridge.flat.picture_bake import pictures_of
 from convwass_addon.bridge.flat.picture_job import PictureJob
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.written_files import WRITTEN_KEY, drop_surplus
 from convwass_addon.cli import main
 from convwass_addon.errors import ConvwassError, InputError
 
@@ -139,6 +143,38 @@ def test_a_bake_that_is_stopped_leaves_the_pictures_of_the_morph_that_it_would_r
     with pytest.raises(RuntimeError, match="Stopped"):
         bpy.ops.convwass.rebake_morph()
     assert contents(tmp_path) == before
+
+
+def test_a_shorter_bake_takes_away_the_pictures_of_the_longer_one_and_nothing_else(tmp_path):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    bake(tmp_path, *objects, frames=7)
+    (morph,) = (own for own in bpy.data.collections if own.name.startswith("Morph"))
+    files = pictures_of(morph)
+    assert len(files) == 8
+    files[5].write_bytes(b"painted over by somebody")
+    foreign = [files[0].with_name(name) for name in ("notes.txt", f"{files[0].stem[:-5]}_0099.png", "other_0007.png")]
+    for path in foreign:
+        path.write_bytes(b"not of any bake")
+    bake(tmp_path, *objects, frames=3, replaces=morph.name)
+    assert sorted(files[0].parent.iterdir()) == sorted([*files[:4], files[5], *foreign])
+    # What is noted is that of the new bake: the next one knows its own files.
+    bake(tmp_path, *objects, frames=2, replaces=morph.name)
+    assert sorted(files[0].parent.iterdir()) == sorted([*files[:3], files[5], *foreign])
+
+
+@pytest.mark.parametrize(
+    "noted", ["", "[1]", "{", '{"../x.png": 3}', 7, '{"../keep.png": "DIGEST", "keep.png": "DIGEST"}']
+)
+def test_what_is_noted_about_files_is_not_trusted(noted, tmp_path):
+    outside, inside = tmp_path / "keep.png", tmp_path / "Morph" / "keep.png"
+    inside.parent.mkdir()
+    for path in (outside, inside):
+        path.write_bytes(b"mine")
+    morph = bpy.data.collections.new("Morph")
+    digest = hashlib.sha256(b"mine").hexdigest()[:32]
+    morph[WRITTEN_KEY] = noted.replace("DIGEST", digest) if isinstance(noted, str) else noted
+    drop_surplus(morph, inside.parent, "Morph", [])
+    assert outside.exists() and inside.exists()
 
 
 @pytest.mark.parametrize(

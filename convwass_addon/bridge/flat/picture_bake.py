@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -21,10 +22,11 @@ from ...drafts import DraftFiles
 from ...errors import InputError
 from ..handles import Handle, found
 from ..morphs.bake import MorphBake, check_first_frame
-from ..morphs.disk_output import for_blender, output_folder
+from ..morphs.disk_output import folder_of, for_blender, output_folder
 from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
+from ..morphs.written_files import drop_surplus, store_written
 from ..palettes.image_files import save_pixels
 from .gray_inputs import GrayInput
 
@@ -65,10 +67,12 @@ class PictureBake(MorphBake):
             raise InputError("Pictures show an animation or a single blend; choose another layout, or other frames.")
         shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]
         bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
-        bake._grays, bake._drafts = tuple(grays), DraftFiles()
+        bake._grays, bake._drafts, bake._replaces = tuple(grays), DraftFiles(), replaces
         try:
             folder = str(settings.get("folder") or "//")
             named = bpy.data.collections.get(replaces) or bake._living(bake._collection)
+            target = folder_of(folder, named)
+            bake._new_folders = [own for own in (target, *target.parents) if not own.exists()]
             bake._folder = output_folder(folder, named)
         except InputError:
             bake.discard()
@@ -77,7 +81,10 @@ class PictureBake(MorphBake):
 
     _grays: tuple[GrayInput, ...]
     _folder: Path
+    # Those that were made for it, the innermost first.
+    _new_folders: Sequence[Path] = ()
     _drafts: DraftFiles
+    _replaces: str
     _count: int = 0
     _plane: Handle | None = None
 
@@ -107,13 +114,21 @@ class PictureBake(MorphBake):
         return range(own, self._scene_frame(index + 1) if index + 1 < len(self._blends) else own + 1)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Put the files in their places, and make of the plane that shows them a morph; see :class:`.MorphBake`."""
-        self._living(self._collection)
+        """Put the files in their places, and make of the plane that shows them a morph; see :class:`.MorphBake`.
+
+        Pictures of the morph that this one replaces which have no successor are removed.
+        """
+        collection, files = self._living(self._collection), []
         if self._plane is not None and self._plane.find() is not None:
-            first = min(self._drafts.keep())
-            image = self._picture_node().image = bpy.data.images.load(str(first))
-            image.filepath = for_blender(first)
-        return super().finish(hide_inputs)
+            files = self._drafts.keep()
+            image = self._picture_node().image = bpy.data.images.load(str(min(files)))
+            image.filepath = for_blender(min(files))
+            store_written(collection, files)
+        super().finish(hide_inputs)
+        replaced = bpy.data.collections.get(self._replaces)
+        if replaced is not None and files:
+            drop_surplus(replaced, self._folder, self._folder.name, files)
+        return collection
 
     def _picture_node(self) -> bpy.types.Node:
         nodes = self._living(self._plane).data.materials[0].node_tree.nodes
@@ -128,9 +143,12 @@ class PictureBake(MorphBake):
         user.use_auto_refresh, user.use_cyclic = True, False
 
     def discard(self) -> None:
-        """Remove all that this bake has made and that is still there, unfinished files too."""
+        """Remove all that this bake has made and that is still there, unfinished files and empty folders too."""
         super().discard()
         self._drafts.discard()
+        for folder in self._new_folders:
+            with suppress(OSError):
+                folder.rmdir()
 
     def _drop_unused(self) -> None:
         super()._drop_unused()

@@ -47,6 +47,21 @@ class DiskOutput:
         return self.size / 1e6
 
 
+def folder_of(path: str, morph: bpy.types.Collection) -> Path:
+    """Return the folder of a morph's files, which need not be there; parameters are those of :func:`output_folder`.
+
+    Raises
+    ------
+    InputError
+        A path from a .blend file that has not been saved.
+    """
+    if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
+        raise InputError(
+            "The folder {path} lies beside the .blend file: save that first, or give a whole path.", path=path
+        )
+    return whole_path(bpy.path.abspath(path)) / bpy.path.clean_name(morph.name)
+
+
 def output_folder(path: str, morph: bpy.types.Collection) -> Path:
     """Make and return the folder of a morph's files.
 
@@ -62,11 +77,7 @@ def output_folder(path: str, morph: bpy.types.Collection) -> Path:
     InputError
         A path from a .blend file that has not been saved, or a folder that cannot be made or written to.
     """
-    if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
-        raise InputError(
-            "The folder {path} lies beside the .blend file: save that first, or give a whole path.", path=path
-        )
-    folder = whole_path(bpy.path.abspath(path)) / bpy.path.clean_name(morph.name)
+    folder = folder_of(path, morph)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -13,6 +13,7 @@ from .player import is_player, refresh_player
 from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
 from .stored import HEALTH_KEY, MORPH_KEY, frame_objects
+from .written_files import WRITTEN_KEY
 
 
 def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.types.Collection:
@@ -36,7 +37,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     remove_disk_outputs(old)
     for obj in frame_objects(new):
         old.objects.link(obj)
-    for key in (MORPH_KEY, HEALTH_KEY, SIGNATURES_KEY):
+    for key in (MORPH_KEY, HEALTH_KEY, SIGNATURES_KEY, WRITTEN_KEY):
         if key in new:
             old[key] = new[key]
     bpy.data.collections.remove(new)
