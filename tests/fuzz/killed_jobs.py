@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work in a Blender that is killed at one of its steps: python -m tests.fuzz.killed_jobs NAME FOLDER STEP."""
+"""Work in a Blender that is killed at one of its steps: python -m tests.fuzz.killed_jobs NAME FOLDER STEP.
+
+With "placing: " before the name, as one of its files is about to take its place.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,10 @@ import bpy
 from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.skies.sky_sequence import SkyFiles, sky_steps
-from convwass_addon.operators.background import BackgroundOperator
-from tests.fuzz.test_stopped import CASES, call, kinds_of
+from tests.fuzz.job_cases import prepare, with_steps
 from tests.lights import sky
+
+_PLACING = "placing: "
 
 Step = Callable[[], None]
 """Called at every step."""
@@ -28,12 +32,13 @@ def run(name: str, folder: Path, step: Step = lambda: None) -> None:
     if name in _WITH_FILES:
         _WITH_FILES[name](folder, step)
         return
-    make, arguments = CASES[name]
-    make()
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "work.blend"))
-    for kind in {found for found in kinds_of(BackgroundOperator) if "_steps" in vars(found)}:
+    folder.mkdir(exist_ok=True)
+    work = prepare(name, folder)
+    if not (folder / "work.blend").exists():
+        bpy.ops.wm.save_as_mainfile(filepath=str(folder / "work.blend"))
+    for kind in with_steps():
         kind._steps = _stepping(kind._steps, step)
-    call(name, **arguments)
+    work()
 
 
 def _stepping(own: Callable[[object], Callable], step: Step) -> Callable:
@@ -59,9 +64,7 @@ def _sky(folder: Path, step: Step) -> None:
 
 
 def _export(folder: Path, step: Step) -> None:
-    make, arguments = CASES["bake_morph"]
-    make()
-    call("bake_morph", **arguments)
+    prepare("bake_morph", folder)()
     whole = exports.require_whole
 
     def looked_at(*files: Path) -> None:
@@ -91,7 +94,19 @@ def main(name: str, folder: Path, last: int) -> None:
         if len(seen) > last:
             os.kill(os.getpid(), signal.SIGKILL)
 
-    run(name, folder, step)
+    if name.startswith(_PLACING):
+        place = os.replace
+
+        def placed(draft: str | Path, target: str | Path) -> None:
+            # Drafts are themselves written beside, and moved.
+            if "out" in Path(target).parts and not any(part.startswith(".") for part in Path(target).parts):
+                step()
+            place(draft, target)
+
+        os.replace = placed
+        run(name.removeprefix(_PLACING), folder)
+    else:
+        run(name, folder, step)
 
 
 if __name__ == "__main__":

@@ -11,15 +11,16 @@ import sys
 import time
 
 import bpy
+import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.morphs.runs import RUN_LENGTH
 from convwass_addon.drafts import _drop_old
 from tests.applications.test_frame_cache import assert_same
+from tests.fuzz.job_cases import CASES, call
 from tests.fuzz.killed_bake import FRAMES, bake
 from tests.fuzz.killed_jobs import run
-from tests.fuzz.test_stopped import CASES, call
 
 
 @pytest.fixture(scope="module")
@@ -110,3 +111,71 @@ def test_work_can_be_done_again_in_the_file_of_a_blender_that_was_killed(name, p
     assert [path.name for path in tmp_path.iterdir()] == ["work.blend"]
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "work.blend"))
     assert call(name, **CASES[name][1]) == {"FINISHED"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize(
+    ("name", "moments"),
+    [
+        ("bake_morph pictures", [("", 2), ("placing: ", 1)]),
+        ("recolor_clip", [("", 1), ("", 4), ("placing: ", 1)]),
+        ("interpolate_sky", [("", 1), ("placing: ", 1)]),
+    ],
+)
+def test_of_work_that_is_killed_no_half_file_is_left_and_the_next_one_makes_all_of_them(
+    name, moments, project, tmp_path
+):
+    run(name, tmp_path / "whole")
+    wanted = written(tmp_path / "whole")
+    assert len(wanted) >= 3
+    for number, (kind, step) in enumerate(moments):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        killed(project, kind + name, folder, step)
+        found = written(folder)
+        assert found.items() <= wanted.items()
+        assert len(found) == (step if kind else 0)
+        for left in folder.rglob(".convwass-*"):
+            os.utime(left, (0, 0))
+        _drop_old.cache_clear()
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        run(name, folder)
+        assert written(folder) == wanted
+        assert not list(folder.rglob(".convwass-*"))
+
+
+def written(folder):
+    """Return what is in the files of a work, drafts left out."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in (folder / "out").rglob("*")
+        if path.is_file() and not any(part.startswith(".convwass-") for part in path.parts)
+    }
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize("name", ["bake_morph", "bake_morph flat", "fit_armature", "measure_groups"])
+def test_the_file_on_disk_is_as_it_was_and_the_work_comes_out_the_same(name, project, tmp_path):
+    """What was killed is done again from the saved scene, to the same result as without."""
+    (tmp_path / "whole").mkdir()
+    run(name, tmp_path / "whole")
+    wanted = positions_of_all()
+    (tmp_path / "cut").mkdir()
+    killed(project, name, tmp_path / "cut", 1)
+    assert [path.name for path in (tmp_path / "cut").iterdir()] == ["work.blend"]
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "cut" / "work.blend"))
+    bpy.ops.object.select_all(action="SELECT")
+    assert call(name, **CASES[name][1]) == {"FINISHED"}
+    found = positions_of_all()
+    assert found.keys() == wanted.keys()
+    for key, points in wanted.items():
+        np.testing.assert_allclose(found[key], points, atol=1e-6)
+
+
+def positions_of_all():
+    """Return the points of all meshes and bones by name."""
+    found = {mesh.name: np.array([vertex.co for vertex in mesh.vertices]) for mesh in bpy.data.meshes}
+    found |= {f"{rig.name} bones": np.array([bone.tail_local for bone in rig.bones]) for rig in bpy.data.armatures}
+    return found

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import errno
 import gc
+import threading
+from contextlib import suppress
 
 import bpy
 import numpy as np
@@ -13,71 +15,10 @@ import pytest
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.operators.background import BackgroundOperator
-from tests.lights import principled
-from tests.operators.densities import ESCAPE, Pressed, ball, inventory, until, window_context
-from tests.pictures import image_of
-from tests.rigs import chain
+from tests.fuzz.job_cases import CASES, call, kinds_of, prepare, traces, two_cubes, with_steps
+from tests.operators.densities import ESCAPE, Pressed, inventory, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
-
-
-def two_cubes():
-    for place in (0, 3):
-        bpy.ops.mesh.primitive_cube_add(location=(place, 0, 0))
-    bpy.ops.object.select_all(action="SELECT")
-
-
-def two_circles():
-    for place in (0, 3):
-        bpy.ops.curve.primitive_bezier_circle_add(location=(place, 0, 0))
-        bpy.context.object.data.dimensions = "2D"
-    bpy.ops.object.select_all(action="SELECT")
-
-
-def painted_ball():
-    ball()
-
-
-def body_and_rig():
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6, radius=3)
-    own, body = bpy.context.scene.convwass_armature, bpy.context.object
-    own.body, own.rig = body, chain(3, 0.7)
-    bpy.ops.convwass.pin_joints(joints="A.head, C.tail")
-
-
-def two_balls():
-    own = bpy.context.scene.convwass_soft_map
-    for name in ("source", "target"):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
-        setattr(own, name, bpy.context.object)
-    own.pairs.add()
-
-
-def two_images():
-    for number, name in enumerate(("Red", "Blue")):
-        made = image_of(name, np.random.default_rng(number).random((8, 9, 4)))
-    bpy.context.scene.convwass_recolor.palette = made
-
-
-def two_metals():
-    principled("A", 0.4)
-    principled("B", 0.7)
-
-
-CASES = {
-    "bake_morph": (two_cubes, {"frames": 2, "resolution": 16, "use_custom_blur": True, "blur": 0.6}),
-    "bake_morph flat": (two_circles, {"frames": 2, "flat_resolution": 256}),
-    "interpolate_density": (painted_ball, {"first": "A", "second": "B", "steps": 2, "max_iterations": 10}),
-    "measure_groups": (painted_ball, {}),
-    "fit_armature": (body_and_rig, {"links": 1}),
-    "compute_soft_map": (two_balls, {"vertices": 50, "sweeps": 1}),
-    "recolor_image": (two_images, {"image": "Red"}),
-    "interpolate_reflectance": (two_metals, {"materials": "A, B", "detail": 8, "blends": 2}),
-}
-
-
-def call(name, **arguments):
-    return getattr(bpy.ops.convwass, name.split()[0])(**arguments)
 
 
 def stopped_after(monkeypatch, count, error):
@@ -101,37 +42,91 @@ def stopped_after(monkeypatch, count, error):
 
         return steps
 
-    for kind in {found for found in kinds_of(BackgroundOperator) if "_steps" in vars(found)}:
+    for kind in with_steps():
         monkeypatch.setattr(kind, "_steps", steps_of(kind))
     return ended
 
 
-def kinds_of(kind):
-    """All classes below one."""
-    for own in kind.__subclasses__():
-        yield own
-        yield from kinds_of(own)
-
-
 @pytest.mark.parametrize("name", CASES)
-def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch):
-    make, arguments = CASES[name]
-    make()
-    before = inventory()
+def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch, tmp_path):
+    work = prepare(name, tmp_path)
+    before = traces(tmp_path)
     # One of its steps is like the other, and each takes a while.
     for count in range(0, 100, 9 if name == "interpolate_reflectance" else 1):
         error = (Cancelled("Cancelled."), MemoryError(), OSError(errno.ENOSPC, "No space left on device"))[count % 3]
         with monkeypatch.context() as patch:
             ended = stopped_after(patch, count, error)
             try:
-                result = call(name, **arguments)
+                result = work()
             except RuntimeError as told:
                 assert "Traceback" not in str(told), told
-                assert inventory() == before
+                assert traces(tmp_path) == before
                 continue
             assert ended and result == {"FINISHED"}
             break
     assert count > 0 and not bpy.context.window_manager.convwass_progress.running
+
+
+class Checks:
+    """Counts how often a job asks whether to go on, and lets it be cancelled at one of these times."""
+
+    def __init__(self, last=None):
+        self.count, self._last, self._lock = 0, last, threading.Lock()
+
+    def __call__(self):
+        with self._lock:
+            self.count += 1
+            if self._last is not None and self.count > self._last:
+                raise Cancelled("Cancelled.")
+
+
+def checked_by(monkeypatch, checks):
+    """Let all jobs ask `checks`, and the steps end at it as those of a thread do."""
+
+    def steps_of(own):
+        def steps(self):
+            make = own(self)
+
+            def asking(_):
+                for step in make(checks):
+                    yield step
+                    checks()
+
+            return asking
+
+        return steps
+
+    for kind in with_steps():
+        monkeypatch.setattr(kind, "_steps", steps_of(kind._steps))
+    # Threads ask more or less often from run to run: one that comes to its end is stopped there.
+    for kind in kinds_of(BackgroundOperator):
+        if "_finish" in vars(kind):
+            monkeypatch.setattr(kind, "_finish", stopping)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, tmp_path):
+    """Inside of solves too; at twelve checks, from the first to the last. What comes after works as if nothing was."""
+    work = prepare(name, tmp_path)
+    before = traces(tmp_path)
+    whole = Checks()
+    with monkeypatch.context() as patch:
+        checked_by(patch, whole)
+        with suppress(RuntimeError):
+            work()
+    assert traces(tmp_path) == before
+    assert whole.count > 2, "it never asks"
+    for last in sorted(set(np.linspace(0, whole.count - 1, 12).astype(int).tolist())):
+        with monkeypatch.context() as patch:
+            checked_by(patch, Checks(last))
+            with suppress(RuntimeError):
+                assert work() == {"CANCELLED"}
+        assert traces(tmp_path) == before, f"at check {last} of {whole.count}"
+    assert work() == {"FINISHED"}
+
+
+def stopping(operator, context, job):
+    raise Cancelled("Cancelled.")
 
 
 @pytest.mark.parametrize("where", ["write", "_finish"])
@@ -139,7 +134,7 @@ def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, 
     """Otherwise nothing could be baked until Blender was started anew."""
     from convwass_addon.operators.bake_morph import CONVWASS_OT_bake_morph as Bake
 
-    two_cubes()
+    two_cubes(None)
     before = inventory()
     pressed, context = Pressed(Bake, **CASES["bake_morph"][1]), window_context()
     context.selected_objects, context.collection = bpy.context.selected_objects, bpy.context.collection
@@ -161,7 +156,7 @@ def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, 
 def test_two_bakes_at_once_do_not_mix():
     from convwass_addon.operators.bake_morph import CONVWASS_OT_bake_morph as Bake
 
-    two_cubes()
+    two_cubes(None)
     given = CASES["bake_morph"][1]
     contexts = [window_context(), window_context()]
     jobs = [Pressed(Bake, **given, inputs=names, layout="PATH") for names in ("Cube, Cube.001", "Cube.001, Cube")]
@@ -176,7 +171,7 @@ def test_two_bakes_at_once_do_not_mix():
 
 
 def test_bakes_in_a_row_leave_no_more_than_one():
-    two_cubes()
+    two_cubes(None)
     given = CASES["bake_morph"][1]
     counts = []
     for _ in range(4):

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two pieces of work at once: in two processes that write the same files, and in one Blender, where one has to wait."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+
+import bpy
+import pytest
+
+from convwass_addon.operators.background import BackgroundOperator
+from tests.fuzz.job_cases import CASES, kinds_of, prepare
+from tests.fuzz.killed_jobs import run
+from tests.fuzz.test_killed import written
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+NEVER = "1000000"
+
+
+@pytest.mark.parametrize("name", ["bake_morph pictures", "interpolate_sky"])
+def test_two_processes_that_write_the_same_files_leave_whole_ones(name, project, tmp_path):
+    run(name, tmp_path)
+    wanted = written(tmp_path)
+    shutil.rmtree(tmp_path / "out")
+    command = [sys.executable, "-m", "tests.fuzz.killed_jobs", name, str(tmp_path), NEVER]
+    children = [
+        subprocess.Popen(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for _ in range(2)
+    ]
+    said = [child.communicate()[0].decode() for child in children]
+    assert [child.returncode for child in children] == [0, 0], said
+    assert written(tmp_path) == wanted
+    assert not list(tmp_path.rglob(".convwass-*"))
+
+
+def test_two_verbs_may_write_one_file_and_share_a_cache(project, tmp_path):
+    shapes = [project / "assets" / "shapes" / f"{name}.ply" for name in ("letter_a", "letter_b")]
+    target = tmp_path / "out.blend"
+    command = [sys.executable, "-m", "convwass_addon", "morph", *map(str, shapes), "--frames", "2"]
+    command += ["--resolution", "32", "--cache", str(tmp_path / "cache"), "--out", str(target)]
+    children = [
+        subprocess.Popen(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for _ in range(2)
+    ]
+    said = [child.communicate()[0].decode() for child in children]
+    assert [child.returncode for child in children] == [0, 0], said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "out.blend"]
+    bpy.ops.wm.open_mainfile(filepath=str(target))
+    (morph,) = (own for own in bpy.data.collections if own.name.startswith("Morph"))
+    assert len(morph.objects) >= 3
+
+
+def operators():
+    return sorted({kind.bl_idname for kind in kinds_of(BackgroundOperator) if hasattr(kind, "bl_idname")})
+
+
+def test_every_kind_of_work_is_known_here():
+    assert {name.split()[0] for name in CASES} <= {name.split(".")[1] for name in operators()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_nothing_else_can_be_begun_while_something_is_computed(name, tmp_path):
+    """Whatever runs first, whatever comes second: it can be pressed before and after, and not meanwhile."""
+    work = prepare(name, tmp_path)
+    operator = getattr(bpy.ops.convwass, name.split()[0])
+    progress = bpy.context.window_manager.convwass_progress
+    assert operator.poll()
+    progress.running = True
+    try:
+        assert not [own for own in operators() if getattr(bpy.ops.convwass, own.split(".")[1]).poll()]
+        with pytest.raises(RuntimeError, match="poll"):
+            work()
+    finally:
+        progress.running = False
+    assert operator.poll()
