@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
 from ..errors import InputError
+from .delaunay import closed_surface, flipped_to_delaunay, triangle_areas
 from .edges import distinct_corners
 from .mesh import TriangleMesh
 
@@ -21,6 +23,8 @@ _MARGIN = 1e-5
 # Weights are cotangents, of order one. What the tufted cover leaves below zero (its edges are flipped until none is
 # below -1e-6) and rounding stay under this.
 _NOTICEABLE = 1e-5
+# Triangles that are looked at together.
+_AT_ONCE = 1 << 16
 # Squared lengths, and their squares, must stay within float64.
 _LARGEST = 1e75
 
@@ -53,10 +57,11 @@ class Laplacian:
     clamped: int
 
 
-def laplacian(mesh: TriangleMesh) -> Laplacian:
+def laplacian(mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> Laplacian:
     """Return the tufted Laplacian of `mesh` where it can be had, the cotangent Laplacian otherwise.
 
-    The tufted one needs robust_laplacian, and numbers that float64 can still tell apart after many edge flips.
+    The tufted one needs numbers that float64 can still tell apart after many edge flips and, where edges have more than
+    two triangles, robust_laplacian. `check` is called now and then; what it raises ends the work.
 
     Raises
     ------
@@ -64,28 +69,62 @@ def laplacian(mesh: TriangleMesh) -> Laplacian:
         No triangle of the mesh has any area, or its size is beyond what can be calculated with.
     """
     with suppress(ImportError, TuftedLaplacianError):
-        return tufted_laplacian(mesh)
+        return tufted_laplacian(mesh, check)
     return cotangent_laplacian(mesh)
 
 
-def tufted_laplacian(mesh: TriangleMesh) -> Laplacian:
+def tufted_laplacian(mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> Laplacian:
     """Return the Laplacian of the intrinsic Delaunay triangulation of the mesh's tufted cover.
 
     It has no negative weights but for rounding, and takes edges of any number of triangles. N. Sharp and K. Crane, "A
     Laplacian for Nonmanifold Triangle Meshes", Computer Graphics Forum 39(5), 2020.
 
+    robust_laplacian makes it for every mesh, but nothing else in Blender can happen meanwhile, 40 s for a million
+    vertices. It is left to where more than two triangles share an edge, and to where rounding keeps the flips of
+    :mod:`.delaunay` from ending.
+
     Raises
     ------
     ImportError
-        robust_laplacian is not there.
+        robust_laplacian is needed, and not there.
     InputError
         No triangle of the mesh has any area, or its size is beyond what can be calculated with.
     TuftedLaplacianError
         robust_laplacian failed, as it may where edges differ in length by more than about 1e10.
     """
+    surface = _unit_surface(mesh)
+    check()
+    return _by_flips(surface, check) or _by_robust_laplacian(surface)
+
+
+def _by_flips(surface: _UnitSurface, check: Callable[[], None]) -> Laplacian | None:
+    """Flip many edges at once; None where more than two triangles share an edge, or numbers do not suffice."""
+    # Lengths of the sides that start from every corner.
+    lengths = np.roll(_mollified(_edge_lengths(surface)), -2, axis=1)
+    check()
+    closed = closed_surface(surface.faces, lengths)
+    if closed is None:
+        return None
+    check()
+    with np.errstate(all="ignore"):
+        flipped = flipped_to_delaunay(closed, check)
+    if flipped is None:
+        return None
+    check()
+    count = len(surface.vertices)
+    tails = flipped.tails.reshape(-1, 3)
+    heads = np.roll(tails, -1, axis=1)
+    # Half of each, for the edge is there from its other side too.
+    weights = (0.5 / closed.sheets) * flipped.cotangents
+    halves = coo_array((weights.ravel(), (tails.ravel(), heads.ravel())), shape=(count, count))
+    areas = np.bincount(tails.ravel(), np.repeat(flipped.areas / (3.0 * closed.sheets), 3), count)
+    check()
+    return _assemble(surface, halves, areas, "tufted", check) if areas.min() > 0 else None
+
+
+def _by_robust_laplacian(surface: _UnitSurface) -> Laplacian:
     from robust_laplacian import mesh_laplacian
 
-    surface = _unit_surface(mesh)
     try:
         stiffness, masses = mesh_laplacian(surface.vertices, surface.faces, mollify_factor=_MARGIN)
     except RuntimeError as error:
@@ -114,7 +153,7 @@ def cotangent_laplacian(mesh: TriangleMesh) -> Laplacian:
     """
     surface = _unit_surface(mesh)
     lengths = _mollified(_edge_lengths(surface))
-    areas = _triangle_areas(lengths)
+    areas = triangle_areas(lengths)
     squares = lengths**2
     # Column c belongs to the edge opposite corner c; half the cotangent of the angle at c is its weight.
     weights = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (8.0 * areas[:, None])
@@ -151,9 +190,13 @@ class _UnitSurface:
 
 
 def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
-    used, faces = np.unique(mesh.faces[distinct_corners(mesh.faces)], return_inverse=True)
+    proper = mesh.faces[distinct_corners(mesh.faces)]
+    is_used = np.zeros(len(mesh.vertices), bool)
+    is_used[proper] = True
+    used = np.flatnonzero(is_used)
     if not len(used):
         raise InputError("The mesh has no triangle with three different vertices.")
+    faces = (np.cumsum(is_used) - 1)[proper]
     vertices = mesh.vertices[used]
     reach = float(np.abs(vertices).max())
     if reach > _LARGEST:
@@ -163,7 +206,7 @@ def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
     if 0 < scale < 1.0 / _LARGEST:
         raise InputError("The mesh is too small to calculate with: it is {scale:.3g} long.", scale=scale)
     if scale > 0:
-        surface = _UnitSurface(vertices / scale, faces.reshape(-1, 3), used, len(mesh.vertices), scale)
+        surface = _UnitSurface(vertices / scale, faces, used, len(mesh.vertices), scale)
         if _has_area(surface, reach / scale):
             return surface
     raise InputError("The mesh has no area: the corners of every triangle lie on a line or in a point.")
@@ -171,14 +214,25 @@ def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
 
 def _has_area(surface: _UnitSurface, reach: float) -> bool:
     """Tell whether any triangle is higher than coordinates of size `reach` are exact."""
-    a, b, c = np.moveaxis(surface.vertices[surface.faces], 1, 0)
-    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return bool((doubled > 8.0 * np.finfo(float).eps * max(reach, 1.0) * _edge_lengths(surface).max(axis=1)).any())
+    least = 8.0 * np.finfo(float).eps * max(reach, 1.0)
+    # Most often one of the first few has.
+    for start in range(0, len(surface.faces), _AT_ONCE):
+        corners = surface.vertices[surface.faces[start : start + _AT_ONCE]]
+        a, b, c = np.moveaxis(corners, 1, 0)
+        doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        if (doubled > least * _lengths(corners).max(axis=1)).any():
+            return True
+    return False
 
 
 def _edge_lengths(surface: _UnitSurface) -> NDArray[np.float64]:
     """Length of the edge opposite each corner, (j, 3)."""
-    corners = surface.vertices[surface.faces]
+    points, (a, b, c) = surface.vertices, surface.faces.T
+    return np.stack([np.linalg.norm(points[one] - points[other], axis=1) for one, other in ((b, c), (c, a), (a, b))], 1)
+
+
+def _lengths(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the same of triangles by their corners, (j, 3, 3)."""
     return np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
 
 
@@ -187,21 +241,18 @@ def _mollified(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     return lengths + max(0.0, _MARGIN * lengths.mean() - slack.min())
 
 
-def _triangle_areas(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Areas from edge lengths, (m, 3), by Heron's formula in the order that keeps needles exact (Kahan 2014)."""
-    c, b, a = np.sort(lengths, axis=1).T
-    return 0.25 * np.sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)))
-
-
 def _assemble(
     surface: _UnitSurface,
     halves: coo_array,
     areas: NDArray[np.float64],
     method: Literal["tufted", "cotangent"],
+    check: Callable[[], None] = lambda: None,
 ) -> Laplacian:
     """Sum the weights of every edge in both directions, clamp them and put them where the mesh has its vertices."""
     one_way = halves.tocsc()
+    check()
     weights = (one_way + one_way.T).tocoo()
+    check()
     rows, columns = weights.coords
     clamped = np.count_nonzero((weights.data < -_NOTICEABLE) & (rows < columns))
     keep = (weights.data > 0) & (rows != columns)
@@ -209,6 +260,7 @@ def _assemble(
     # No negative weight makes D_a + t L an M-matrix: its inverse has no negative entry, and a Cholesky solve only
     # adds numbers of one sign, so that even heat of 1e-200 is right to many digits.
     diagonal = np.bincount(columns, values, len(areas))
+    check()
     used = surface.used
     matrix = coo_array(
         (

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from scipy.spatial import Delaunay
+
+from convwass_addon.errors import Cancelled
+from convwass_addon.geometry import laplacian as laplacians
+from convwass_addon.geometry.delaunay import closed_surface, flipped_to_delaunay
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.shapes import ball, box, torus
+
+
+def side_lengths(mesh):
+    """Lengths of the sides that start from every corner, (m, 3)."""
+    corners = mesh.corners
+    return np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+
+
+def surface_of(mesh):
+    return closed_surface(mesh.faces, side_lengths(mesh))
+
+
+def sheet(seed, waves=3.0):
+    """A crumpled open sheet, none of whose triangles has been made with its shape in mind."""
+    plane = np.random.default_rng(seed).random((150, 2))
+    points = np.column_stack([plane, 0.3 * np.sin(waves * plane[:, 0] * 6)])
+    return TriangleMesh.from_arrays(points, Delaunay(plane).simplices)
+
+
+def moebius(count=40, rows=5):
+    """A strip that closes on itself after half a turn."""
+    angles, across = np.linspace(0, 2 * np.pi, count, endpoint=False), np.linspace(-0.4, 0.4, rows)
+    a, b = (axis.ravel() for axis in np.meshgrid(angles, across, indexing="ij"))
+    radius = 1 + b * np.cos(a / 2)
+    points = np.column_stack([radius * np.cos(a), radius * np.sin(a), b * np.sin(a / 2)])
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(count), np.arange(rows - 1), indexing="ij"))
+    last = i == count - 1
+    here, above = i * rows + j, i * rows + j + 1
+    beyond = np.where(last, rows - 1 - j, here + rows)
+    beyond_above = np.where(last, rows - 2 - j, above + rows)
+    faces = np.concatenate([np.stack([here, beyond, above], 1), np.stack([above, beyond, beyond_above], 1)])
+    return TriangleMesh.from_arrays(points, faces)
+
+
+def some_turned(mesh):
+    faces = mesh.faces.copy()
+    faces[::3] = faces[::3, ::-1]
+    return TriangleMesh(mesh.vertices, faces)
+
+
+STRETCHED = TriangleMesh(ball(points=200).vertices * (1, 1, 20), ball(points=200).faces)
+HALF = TriangleMesh(STRETCHED.vertices, STRETCHED.faces[STRETCHED.corners[:, :, 2].mean(axis=1) > 0])
+MESHES = {
+    "ball": ball(points=200),
+    "box": box(),
+    "torus": torus(),
+    "stretched": STRETCHED,
+    "open": HALF,
+    "turned": some_turned(STRETCHED),
+    "open and turned": some_turned(HALF),
+    "moebius": moebius(),
+    "sheet": sheet(0),
+}
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_the_laplacian_is_that_of_another_implementation(name):
+    """Both make the one Delaunay triangulation of the tufted cover."""
+    pytest.importorskip("robust_laplacian")
+    surface = laplacians._unit_surface(MESHES[name])
+    own = laplacians._by_flips(surface, lambda: None)
+    other = laplacians._by_robust_laplacian(surface)
+    np.testing.assert_allclose(own.matrix.toarray(), other.matrix.toarray(), atol=1e-5)
+    np.testing.assert_allclose(own.areas, other.areas, rtol=1e-6)
+    assert own.clamped == other.clamped == 0
+
+
+@given(st.integers(0, 10_000), st.floats(0.1, 20.0))
+def test_flips_keep_the_area_of_what_is_flat(seed, stretch):
+    """And no triangle is turned over: with the back of the sheet it is all there twice."""
+    plane = np.random.default_rng(seed).random((40, 2))
+    mesh = TriangleMesh.from_arrays(np.column_stack([plane * (1, stretch), np.zeros(40)]), Delaunay(plane).simplices)
+    found = flipped_to_delaunay(surface_of(mesh))
+    assert found.areas.sum() == pytest.approx(2.0 * mesh.area, rel=1e-9)
+    assert (found.areas > 0).all()
+
+
+def test_a_square_with_the_wrong_diagonal_is_flipped():
+    """Four points of a kite: the short diagonal is the Delaunay one. Its closed double has two such edges."""
+    points = [(-3, 0, 0), (0, -1, 0), (3, 0, 0), (0, 1, 0)]
+    mesh = TriangleMesh.from_arrays(points, [(0, 1, 2), (0, 2, 3)])
+    found = flipped_to_delaunay(surface_of(mesh))
+    sides = {
+        frozenset(pair) for pair in zip(found.tails, np.roll(found.tails.reshape(-1, 3), -1, 1).ravel(), strict=True)
+    }
+    assert frozenset({1, 3}) in sides and frozenset({0, 2}) not in sides
+
+
+def test_what_is_closed_is_one_sheet_and_all_else_two():
+    sheets = {name: surface_of(mesh).sheets for name, mesh in MESHES.items()}
+    assert {name for name, count in sheets.items() if count == 1} == {"ball", "box", "torus", "stretched"}
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_twins_are_twins(name):
+    """Two sides of one edge, of the same length, that run against each other."""
+    surface = surface_of(MESHES[name])
+    sides = np.arange(len(surface.tails))
+    np.testing.assert_array_equal(surface.twins[surface.twins], sides)
+    assert (surface.twins != sides).all()
+    heads = np.roll(surface.tails.reshape(-1, 3), -1, axis=1).ravel()
+    np.testing.assert_array_equal(surface.tails[surface.twins], heads)
+    np.testing.assert_allclose(surface.lengths[surface.twins], surface.lengths)
+
+
+def test_three_triangles_at_an_edge_are_left_to_others():
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)]
+    mesh = TriangleMesh.from_arrays(points, [(0, 1, 2), (0, 1, 3), (0, 1, 4)])
+    assert surface_of(mesh) is None
+
+
+def test_flips_can_be_stopped():
+    def stop():
+        raise Cancelled("Cancelled.")
+
+    with pytest.raises(Cancelled):
+        flipped_to_delaunay(surface_of(STRETCHED), stop)
+    with pytest.raises(Cancelled):
+        laplacians.laplacian(STRETCHED, stop)
