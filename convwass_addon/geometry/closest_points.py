@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -72,21 +72,26 @@ class ClosestPointFinder:
         samples, self._owners, self._radius = _samples(self._corners)
         self._tree = cKDTree(samples, leafsize=32)
 
-    def find(self, points: ArrayLike) -> ClosestPoints:
-        """Find the point of the surface that is closest to each of `points`, (n, 3) finite numbers."""
+    def find(self, points: ArrayLike, check: Callable[[], None] = lambda: None) -> ClosestPoints:
+        """Find the point of the surface that is closest to each of `points`, (n, 3) finite numbers.
+
+        `check` is called now and then; what it raises ends the search.
+        """
         wanted, found = _begun(points)
         for some in _chunks(len(wanted)):
+            check()
             reached = self._look_about(wanted[some], some.start, found)
             self._look_further(wanted[some], some.start, found, reached)
         return found
 
-    def find_about(self, points: ArrayLike) -> ClosestPoints:
+    def find_about(self, points: ArrayLike, check: Callable[[], None] = lambda: None) -> ClosestPoints:
         """Find the closest points of the triangles whose samples are nearest, (n, 3): a fifth of the work.
 
         They are farther away than the closest of all by r at the most, and hardly ever farther at all.
         """
         wanted, found = _begun(points)
         for some in _chunks(len(wanted)):
+            check()
             self._look_about(wanted[some], some.start, found)
         return found
 

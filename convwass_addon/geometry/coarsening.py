@@ -96,7 +96,7 @@ def coarsened(
     Coarsening or None
         None where even the coarser mesh would have more than half of the vertices, or would fall apart.
     """
-    fine = _Fine.of(mesh, areas)
+    fine = _Fine.of(mesh, areas, check)
     if fine is None:
         return None
     limit = _LARGEST_SHARE * len(fine.points)
@@ -105,7 +105,9 @@ def coarsened(
         check()
         if len(seeds) > limit:
             return None
-        seeds = fine.centered(fine.grown(seeds))
+        clusters = fine.grown(seeds)
+        check()
+        seeds = fine.centered(clusters)
     if kept is not None:
         seeds = fine.with_kept(fine.grown(seeds), kept)
     for _ in range(_DIVIDING_ROUNDS):
@@ -113,12 +115,14 @@ def coarsened(
         if len(seeds) > limit:
             return None
         clusters = fine.grown(seeds)
+        check()
         more = fine.dividing(clusters)
         if not len(more):
             break
         seeds = np.concatenate([seeds, more])
     else:
         clusters = fine.grown(seeds)
+    check()
     labels = clusters.labels[fine.faces]
     a, b, c = labels.T
     coarse = TriangleMesh(fine.points[seeds], labels[(a != b) & (b != c) & (c != a)])
@@ -126,7 +130,7 @@ def coarsened(
         return None
     own = np.full(len(mesh.vertices), -1, np.int64)
     own[fine.used] = clusters.labels
-    return Coarsening(coarse, fine.used[seeds], own, _prolongation(mesh, own, coarse))
+    return Coarsening(coarse, fine.used[seeds], own, _prolongation(mesh, own, coarse, check))
 
 
 @dataclass(frozen=True)
@@ -149,9 +153,12 @@ class _Clusters:
 
     def farthest(self, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the vertex farthest from its seed in each chosen cluster that has more than the seed."""
-        order = np.lexsort((self.distances, self.labels))
-        last = np.flatnonzero(np.diff(self.labels[order], append=len(self.seeds)))
-        farthest = order[last]
+        most = np.zeros(len(self.seeds))
+        np.maximum.at(most, self.labels, self.distances)
+        last = np.flatnonzero(self.distances == most[self.labels])
+        farthest = np.empty(len(self.seeds), np.int64)
+        # Of equally far ones the last stays.
+        farthest[self.labels[last]] = last
         return np.setdiff1d(farthest[chosen], self.seeds)
 
 
@@ -183,7 +190,7 @@ class _Fine:
     pieces: NDArray[np.int64]
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, areas: NDArray[np.float64]) -> _Fine | None:
+    def of(cls, mesh: TriangleMesh, areas: NDArray[np.float64], check: Callable[[], None]) -> _Fine | None:
         """Strip a mesh; None where nothing is left."""
         proper = mesh.faces[distinct_corners(mesh.faces)]
         is_used = np.zeros(len(mesh.vertices), bool)
@@ -193,11 +200,13 @@ class _Fine:
             return None
         faces = _without_doubles((np.cumsum(is_used) - 1)[proper], len(used))
         points = mesh.vertices[used]
+        check()
         ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
         # Sorted by hand: NumPy's unique takes several times as long for millions of numbers.
         keys = np.sort(ends[:, 0] * len(used) + ends[:, 1])
         edges = np.stack(np.divmod(keys[np.diff(keys, prepend=-1) > 0], len(used)), axis=1)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+        check()
         # An edge without length is still an edge.
         lengths = np.maximum(lengths, np.finfo(float).tiny)
         graph = coo_array((lengths, edges.T), shape=(len(used), len(used))).tocsr()
@@ -235,8 +244,13 @@ class _Fine:
         mass = np.bincount(clusters.labels, self.areas)
         centers = np.stack([np.bincount(clusters.labels, self.areas * x) / mass for x in self.points.T], axis=1)
         away = np.square(self.points - centers[clusters.labels]).sum(axis=1)
-        order = np.lexsort((away, clusters.labels))
-        return order[np.flatnonzero(np.diff(clusters.labels[order], prepend=-1))]
+        least = np.full(len(mass), np.inf)
+        np.minimum.at(least, clusters.labels, away)
+        closest = np.flatnonzero(away == least[clusters.labels])[::-1]
+        found = np.empty(len(mass), np.int64)
+        # The first of equally close ones is written last, and stays.
+        found[clusters.labels[closest]] = closest
+        return found
 
     def with_kept(self, clusters: _Clusters, kept: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return seeds with vertices of the mesh among them; one of each cluster takes the place of its seed."""
@@ -310,7 +324,9 @@ def _along_curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
     return place
 
 
-def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: TriangleMesh) -> csr_array:
+def _prolongation(
+    mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: TriangleMesh, check: Callable[[], None]
+) -> csr_array:
     """Interpolate at the closest points of the triangles around every vertex's own seed."""
     vertices = np.flatnonzero(clusters >= 0)
     # Triangles by the vertex that they lie around.
@@ -320,6 +336,7 @@ def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: Trian
     columns = np.empty((len(vertices), 3), np.int64)
     shares = np.empty((len(vertices), 3))
     for some in _chunks(counts[clusters[vertices]]):
+        check()
         own = clusters[vertices[some]]
         number = counts[own]
         first = np.cumsum(number) - number

@@ -73,9 +73,9 @@ class Topology:
         return self.open_edges == 0 and self.uneven_edges == 0
 
 
-def topology(mesh: TriangleMesh) -> Topology:
-    """Count the Euler number and irregular edges of `mesh`."""
-    use = edge_use(mesh.faces)
+def topology(mesh: TriangleMesh, use: EdgeUse | None = None) -> Topology:
+    """Count the Euler number and irregular edges of `mesh`; `use` is that of its faces, where it is known."""
+    use = edge_use(mesh.faces) if use is None else use
     agree = np.add.reduceat(np.where(use.forward, 1, -1), use.start) == 0 if len(use.start) else np.empty(0, bool)
     return Topology(
         euler=_different(mesh.faces.ravel()) - len(use.start) + len(mesh.faces),
@@ -103,8 +103,12 @@ def vertex_components(mesh: TriangleMesh) -> NDArray[np.int64]:
     """
     faces = mesh.faces[distinct_corners(mesh.faces)]
     labels = np.full(len(mesh.vertices), -1, np.int64)
-    used = np.unique(faces)
-    labels[used] = np.unique(_joined_vertices(faces, len(labels))[used], return_inverse=True)[1]
+    used = np.zeros(len(labels), bool)
+    used[faces] = True
+    found = _joined_vertices(faces, len(labels))[used]
+    # Numbered anew by hand: NumPy's unique takes seconds for millions of labels.
+    is_label = np.bincount(found) > 0
+    labels[used] = (np.cumsum(is_label) - 1)[found]
     return labels
 
 

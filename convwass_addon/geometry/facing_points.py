@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,8 @@ _AWAY = 0.2
 _TURN = 0.05
 # Triangles that are measured for each point.
 _CANDIDATES = 8
+# Points that are looked up together.
+_AT_ONCE = 1 << 16
 # Normals shorter than this say nothing.
 _VAGUE = 0.2
 
@@ -40,7 +43,9 @@ class FacingPointFinder:
         self._turn = _TURN * np.sqrt(mesh.area)
         self._tree: cKDTree | None = None
 
-    def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> ClosestPoints:
+    def find(
+        self, points: NDArray[np.float64], normals: NDArray[np.float64], check: Callable[[], None] = lambda: None
+    ) -> ClosestPoints:
         """Find the point of the surface for each of `points`, (n, 3).
 
         Parameters
@@ -49,19 +54,26 @@ class FacingPointFinder:
             Anywhere.
         normals : (n, 3)
             Where the surface should face there; not longer than 1, and the shorter the less is known.
+        check : callable
+            Called now and then; what it raises ends the search.
         """
-        found = self._closest.find_about(points)
+        found = self._closest.find_about(points, check)
         lengths = np.linalg.norm(normals, axis=1)
         agreement = np.einsum("nd,nd->n", self._normals[found.triangles], normals)
         again = np.flatnonzero((lengths > _VAGUE) & (agreement < _AWAY * lengths))
-        return self._refound(found, again, points, normals / np.maximum(lengths, _VAGUE)[:, None])
-
-    def _refound(
-        self, found: ClosestPoints, again: NDArray[np.int64], points: NDArray[np.float64], normals: NDArray[np.float64]
-    ) -> ClosestPoints:
-        """Replace some of what was found by triangles that lie and face nearly as they should."""
         if not len(again):
             return found
+        found = replace(found, **{name: values.copy() for name, values in vars(found).items()})
+        units = normals / np.maximum(lengths, _VAGUE)[:, None]
+        for start in range(0, len(again), _AT_ONCE):
+            check()
+            self._refind(found, again[start : start + _AT_ONCE], points, units)
+        return found
+
+    def _refind(
+        self, found: ClosestPoints, again: NDArray[np.int64], points: NDArray[np.float64], normals: NDArray[np.float64]
+    ) -> None:
+        """Replace some of what was found by triangles that lie and face nearly as they should."""
         if self._tree is None:
             self._tree = cKDTree(np.concatenate([self._corners.mean(axis=1), self._turn * self._normals], axis=1))
         count = min(_CANDIDATES, len(self._corners))
@@ -74,6 +86,5 @@ class FacingPointFinder:
         turned = 2.0 * self._turn**2 * (1.0 - np.einsum("nd,nd->n", self._normals[flat], normals[repeats]))
         costs = (np.square(own.distances) + turned).reshape(candidates.shape)
         best = np.arange(len(again)) * candidates.shape[1] + costs.argmin(axis=1)
-        triangles, shares, distances = found.triangles.copy(), found.shares.copy(), found.distances.copy()
-        triangles[again], shares[again], distances[again] = flat[best], own.shares[best], own.distances[best]
-        return replace(found, triangles=triangles, shares=shares, distances=distances)
+        found.triangles[again], found.shares[again] = flat[best], own.shares[best]
+        found.distances[again] = own.distances[best]

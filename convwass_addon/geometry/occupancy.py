@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +17,9 @@ _RAYS = 4
 _NUDGE = (1.23e-5, 2.77e-5)
 
 
-def occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> NDArray[np.float32]:
+def occupancy(
+    corners: NDArray[np.float64], shape: tuple[int, int, int], check: Callable[[], None] = lambda: None
+) -> NDArray[np.float32]:
     """Fraction of every voxel that is inside.
 
     Voxels that the surface passes through get the median of the fractions measured along the three axes: on an open
@@ -28,21 +32,27 @@ def occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> NDAr
         Outward triangles in cells, a cell or more away from the walls of the grid.
     shape : (int, int, int)
         Cells per axis.
+    check : callable
+        Called now and then; what it raises ends the work.
 
     Returns
     -------
     ndarray of float32, shape `shape`
         Values in [0, 1]. A sheet thinner than a voxel keeps its volume.
     """
-    filled = (lattice_winding(corners, shape) > 0.5).astype(np.float32)
+    filled = (lattice_winding(corners, shape, check) > 0.5).astype(np.float32)
     touched = np.zeros(shape, bool)
-    lengths = [_axis_coverage(corners, shape, axis, touched) for axis in range(3)]
+    lengths = [_axis_coverage(corners, shape, axis, touched, check) for axis in range(3)]
     filled[touched] = np.median([length[touched] for length in lengths], axis=0)
     return filled
 
 
 def _axis_coverage(
-    corners: NDArray[np.float64], shape: tuple[int, int, int], axis: int, touched: NDArray[np.bool_]
+    corners: NDArray[np.float64],
+    shape: tuple[int, int, int],
+    axis: int,
+    touched: NDArray[np.bool_],
+    check: Callable[[], None],
 ) -> NDArray[np.float32]:
     """Covered length per voxel along one axis, the mean over its rays; marks the voxels that a ray crosses in."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
@@ -55,7 +65,12 @@ def _axis_coverage(
         axis=-1,
     )
     rows = shape[b] * _RAYS
-    found = _changes(list(crossings(sheared)), rows)
+    chunks = []
+    for chunk in crossings(sheared):
+        check()
+        chunks.append(chunk)
+    found = _changes(chunks, rows)
+    check()
     ray, height, step = found
     layer = np.floor(height).astype(np.int64)
     voxel = (layer * shape[a] + ray // rows // _RAYS) * shape[b] + ray % rows // _RAYS

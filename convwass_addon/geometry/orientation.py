@@ -16,7 +16,7 @@ from .mesh import TriangleMesh
 _PROBES = 9
 
 
-def orient_outward(mesh: TriangleMesh) -> TriangleMesh:
+def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMesh:
     """Turn faces over so that the solid is where it is meant to be.
 
     Pieces whose neighbouring faces disagree are made consistent and positive in volume. Consistent pieces keep their
@@ -27,23 +27,30 @@ def orient_outward(mesh: TriangleMesh) -> TriangleMesh:
     ----------
     mesh : TriangleMesh
         Any triangles; open and non-manifold edges are left out of the comparison.
+    use : EdgeUse, optional
+        That of its faces, where it is known.
 
     Returns
     -------
     TriangleMesh
-        The same vertices and triangles, some of them turned over.
+        The same vertices and triangles, some of them turned over; `mesh` itself where none are.
     """
-    use = edge_use(mesh.faces)
+    use = edge_use(mesh.faces) if use is None else use
     pieces = face_components(mesh.faces)
     turn, repaired = _disagreeing_faces(len(mesh.faces), use, pieces)
-    faces = mesh.faces.copy()
-    faces[turn] = faces[turn, ::-1]
-    outward = TriangleMesh(mesh.vertices, faces)
+    outward = mesh
+    if turn.any():
+        faces = mesh.faces.copy()
+        faces[turn] = faces[turn, ::-1]
+        outward = TriangleMesh(mesh.vertices, faces)
     volumes = np.bincount(pieces, weights=outward.face_volumes)
     inward = repaired & (volumes < 0)
     for piece in np.flatnonzero((volumes < 0) & ~repaired):
         inward[piece] = not _inside_others(outward, pieces, piece)
+    if not inward.any():
+        return outward
     turn = inward[pieces]
+    faces = outward.faces.copy()
     faces[turn] = faces[turn, ::-1]
     return TriangleMesh(mesh.vertices, faces)
 

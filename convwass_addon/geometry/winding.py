@@ -10,6 +10,8 @@ triangles. Exact on closed meshes; close enough to tell inside from outside on o
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,7 +30,9 @@ _LINES = (
 )
 
 
-def lattice_winding(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> NDArray[np.float32]:
+def lattice_winding(
+    corners: NDArray[np.float64], shape: tuple[int, int, int], check: Callable[[], None] = lambda: None
+) -> NDArray[np.float32]:
     """Winding number at the voxel centers.
 
     Parameters
@@ -38,6 +42,8 @@ def lattice_winding(corners: NDArray[np.float64], shape: tuple[int, int, int]) -
         cell of distance from the walls of the grid.
     shape : (int, int, int)
         Cells per axis.
+    check : callable
+        Called now and then; what it raises ends the work.
 
     Returns
     -------
@@ -47,14 +53,14 @@ def lattice_winding(corners: NDArray[np.float64], shape: tuple[int, int, int]) -
     total = sum(line[3] for line in _LINES)
     by_axis = [np.zeros(shape, np.float32) for _ in range(3)]
     for axis, alone in enumerate(by_axis):
-        _add_line_winding(_turned(alone, axis), corners, axis, 0, 0, 0.5)
+        _add_line_winding(_turned(alone, axis), corners, axis, 0, 0, 0.5, check)
     # On a closed mesh every line sees a whole number, the same from both of its ends.
     if not any(np.any(alone - np.rint(alone)) for alone in by_axis):
         return _median(*by_axis)
     winding = sum(np.float32(line[3] / total) * alone for line, alone in zip(_LINES[:3], by_axis, strict=True))
     del by_axis
     for axis, shear_a, shear_b, weight in _LINES[3:]:
-        _add_line_winding(_turned(winding, axis), corners, axis, shear_a, shear_b, weight / total / 2)
+        _add_line_winding(_turned(winding, axis), corners, axis, shear_a, shear_b, weight / total / 2, check)
     return winding
 
 
@@ -72,7 +78,13 @@ def _turned(volume: NDArray[np.float32], axis: int) -> NDArray[np.float32]:
 
 
 def _add_line_winding(
-    along: NDArray[np.float32], corners: NDArray[np.float64], axis: int, shear_a: int, shear_b: int, weight: float
+    along: NDArray[np.float32],
+    corners: NDArray[np.float64],
+    axis: int,
+    shear_a: int,
+    shear_b: int,
+    weight: float,
+    check: Callable[[], None],
 ) -> None:
     """Add `weight` times the crossings seen behind and ahead along one lattice direction.
 
@@ -90,6 +102,7 @@ def _add_line_winding(
     )
     behind, ahead = np.zeros(along.shape, np.int16), np.zeros(along.shape, np.int16)
     for found in crossings(sheared):
+        check()
         layer = np.ceil(found.height).astype(np.int64)
         _scatter(behind, layer, found.column + shear_a * layer, found.row + shear_b * layer, found.sign)
         layer -= 1

@@ -77,7 +77,7 @@ class DensityJob(ObjectJob):
     def steps(self, check: Check | None = None) -> Iterator[DensityStep]:
         """Yield the steps of the work, the first one of which is to make the surface."""
         yield DensityStep(0.0, Sentence("Measuring the surface"))
-        surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps)
+        surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps, check)
         notice = blur_notice(surface)
         self.warnings += [] if notice is None else [notice]
         for step in self._solve(surface, check):

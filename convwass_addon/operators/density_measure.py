@@ -18,7 +18,7 @@ from ..applications.densities.density_measures import (
     DensityDistance,
     DistanceTable,
     distance_table_steps,
-    measured_distance,
+    measuring_steps,
 )
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import Surface
@@ -98,11 +98,9 @@ def _distance_steps(
     surface: Surface,
     check: Check | None,
 ) -> Iterator[FoundStep]:
-    message = Sentence("From {first} to {second}", {"first": names[0], "second": names[1]})
-    yield FoundStep(0.0, message)
     match = settings.pieces == "match"
-    found = measured_distance(*pair, surface, names, debias=debias, match_pieces=match, check=check)
-    yield FoundStep(1.0, message, found=found)
+    for step in measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, check=check):
+        yield FoundStep(step.fraction, step.message, found=step.found)
 
 
 def _inexact(converged: bool) -> list[Sentence]:

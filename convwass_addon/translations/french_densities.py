@@ -29,6 +29,7 @@ TEXTS: dict[str, str] = {
     "Choose two groups to measure between.": "Choisir deux groupes entre lesquels mesurer.",
     "Clear Stops": "Vider les étapes",
     "Click on the surface    Esc: cancel": "Cliquer sur la surface    Échap : annuler",
+    "Coarsening the surface, {done} of {count}": "Simplification de la surface, {done} sur {count}",
     "Color": "Couleur",
     "Color Attributes": "Attributs de couleur",
     "Color of what moss and frost grow on": "Couleur de ce sur quoi poussent la mousse et le givre",
@@ -137,6 +138,9 @@ TEXTS: dict[str, str] = {
     "Pixels along each side of an image": "Pixels le long de chaque côté d'un fichier image",
     "Pixels around the islands of the UV map that are filled, so that no seams show": "Pixels autour des îlots de la carte UV qui sont remplis, pour qu'aucune couture ne se voie",
     "Place to Fill In": "Lieu à remplir",
+    "Preparing the flow of heat; this takes a while and cannot be interrupted": (
+        "Préparation du flux de chaleur ; cela prend du temps et ne peut être interrompu"
+    ),
     "Propagate": "Propager",
     "Put a material that shows an animated density into the active material slot, or into a new one": "Mettre un matériau qui montre une densité animée dans l'emplacement de matériau actif, ou dans un nouveau",
     "Put vertex groups on the list of stops, each some frames after the one before": "Mettre des groupes de sommets dans la liste des étapes, chacun quelques images après le précédent",

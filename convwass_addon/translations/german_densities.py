@@ -29,6 +29,7 @@ TEXTS: dict[str, str] = {
     "Choose two groups to measure between.": "Zwei Gruppen wählen, zwischen denen gemessen wird.",
     "Clear Stops": "Stationen leeren",
     "Click on the surface    Esc: cancel": "Auf die Oberfläche klicken    Esc: abbrechen",
+    "Coarsening the surface, {done} of {count}": "Die Oberfläche wird vergröbert, {done} von {count}",
     "Color": "Farbe",
     "Color Attributes": "Farbattribute",
     "Color of what moss and frost grow on": "Farbe dessen, worauf Moos und Frost wachsen",
@@ -137,6 +138,9 @@ TEXTS: dict[str, str] = {
     "Pixels along each side of an image": "Pixel entlang jeder Seite einer Bilddatei",
     "Pixels around the islands of the UV map that are filled, so that no seams show": "Pixel um die Inseln der UV-Map, die gefüllt werden, damit keine Nähte zu sehen sind",
     "Place to Fill In": "Ort zum Auffüllen",
+    "Preparing the flow of heat; this takes a while and cannot be interrupted": (
+        "Der Wärmefluss wird vorbereitet; das dauert und lässt sich nicht unterbrechen"
+    ),
     "Propagate": "Fortpflanzen",
     "Put a material that shows an animated density into the active material slot, or into a new one": "Ein Material, das eine animierte Dichte zeigt, in den aktiven Materialslot setzen, oder in einen neuen",
     "Put vertex groups on the list of stops, each some frames after the one before": "Vertexgruppen auf die Liste der Stationen setzen, jede einige Bilder nach der vorigen",

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from .checks import check_entropy_limit, check_pair, check_solver
 from .domain import Domain
 from .interpolation import Interpolation, check_times, furthest_numerics
-from .propagation import propagate
+from .propagation import propagation
 from .sharpening import entropy, entropy_between
 from .sinkhorn import Monitor
+from .stepwise import Round, RoundsDone
 
 # Halvings by default: frames themselves, and those next to which frames at other times are put. With an eighth of the
 # way from one to the next, costs are quadratic enough for any weights.
@@ -24,6 +25,8 @@ _LEVELS, _LEVELS_BELOW_TIMES = 5, 3
 # Frames that are solved together where each takes few sweeps: as many as have so many values, but at least four, whose
 # columns fill the solves of a mesh.
 _VALUES_AT_ONCE, _FEWEST_AT_ONCE = 1 << 17, 4
+# On domains of so many elements, progress is told after every sweep.
+_LARGE = 100_000
 # Nats by which a bound is raised at frames that do not converge under it.
 _RELIEF = 1.0
 
@@ -131,7 +134,7 @@ def bisection(
     Yields
     ------
     BisectionStep
-        After every few frames; the last one has the result.
+        After every few frames, on large domains after every sweep; the last one has the result.
     """
     ends = check_pair(mu0, mu1, domain)
     if entropy_limit != "between":
@@ -150,7 +153,16 @@ def bisection(
     for stage in stages:
         sweeps = []
         for block in path.blocks(stage):
-            sweeps.append(path.insert(block))
+            share = RoundsDone(int(np.prod(domain.shape)), tolerance)
+            rounds = path.insert(block)
+            while True:
+                try:
+                    found = share.after(next(rounds))
+                except StopIteration as end:
+                    sweeps.append(end.value)
+                    break
+                if np.prod(domain.shape) >= _LARGE:
+                    yield BisectionStep((done + found * len(block)) / total)
             done += len(block)
             if done < total:
                 yield BisectionStep(done / total)
@@ -199,7 +211,7 @@ class _Path:
             size = max(_FEWEST_AT_ONCE, _VALUES_AT_ONCE // int(np.prod(self.domain.shape)))
         return [times[start : start + size] for start in range(0, len(times), size)]
 
-    def insert(self, times: NDArray[np.float64]) -> int:
+    def insert(self, times: NDArray[np.float64]) -> Generator[Round, None, int]:
         """Solve frames between their neighbors in time, in one propagation over separate parts of a graph.
 
         Frames at `times` are vertices count, count + 1, ... after the known ones. Returns the sweeps that it took.
@@ -226,7 +238,7 @@ class _Path:
                 own = entropy_between([low, high], [1.0 - share, share], self.domain.dimension)
             limits = np.concatenate([bases, own + inherited])
             relief = _RELIEF if self.domain.has_fast_propagation else 0.0
-        solved = propagate(
+        solved = yield from propagation(
             edges,
             np.concatenate([1.0 - share, share]),
             {vertex: frame.density for vertex, frame in enumerate(frames)},

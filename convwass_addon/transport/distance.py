@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from .checks import check_distributions, check_pair, check_solver
 from .domain import Domain
 from .region import Region
-from .sinkhorn import Monitor, Scalings, balance, self_balance
+from .sinkhorn import Monitor, Scalings, balancing, self_balance, self_balancing
+from .stepwise import Round, finished
 
 # Coarser levels only give the finest one its start.
 _COARSE_TOLERANCE = 1e-3
@@ -147,13 +148,43 @@ def distance(
     KernelTooNarrowError
         gamma is too small for numerics of any kind to get from one distribution to the other.
     """
+    return finished(
+        distance_rounds(
+            mu0, mu1, domain, debias=debias, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor
+        )
+    )
+
+
+def distance_rounds(
+    mu0: ArrayLike,
+    mu1: ArrayLike,
+    domain: Domain,
+    *,
+    debias: bool = True,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    monitor: Monitor | None = None,
+) -> Generator[Round, None, Distance]:
+    """Do the same as :func:`distance` round by round; parameters and errors are the same.
+
+    Yields
+    ------
+    Round
+        Of the plan between the two and, debiased, of those of both to themselves.
+
+    Returns
+    -------
+    Distance
+    """
     pair = check_pair(mu0, mu1, domain)
     check_solver(tolerance, max_iterations)
-    solved, iterations = _coarse_to_fine(pair[:1], pair[1:], domain, tolerance, max_iterations, monitor)
+    solved, iterations = yield from _coarse_to_fine(pair[:1], pair[1:], domain, tolerance, max_iterations, monitor)
     entropic = float(_entropic_values(solved, pair[:1], pair[1:], domain)[0])
     value, divergence, error = entropic, None, float(solved.errors[0])
     if debias:
-        own = self_balance(pair, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
+        own = yield from self_balancing(
+            pair, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor
+        )
         divergence = entropic - 0.5 * float(_self_values(own, pair, domain).sum())
         value = float(_squared_distances(np.array(divergence), domain))
         error = max(error, float(own.errors.max()))
@@ -196,7 +227,9 @@ def distance_matrix_steps(
     at_once = min(max(1, _VALUES_AT_ONCE // densities[0].size), _PAIRS_AT_ONCE)
     for start in range(0, len(first), at_once):
         i, j = first[start : start + at_once], second[start : start + at_once]
-        solved, rounds = _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, monitor)
+        solved, rounds = finished(
+            _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, monitor)
+        )
         found = _entropic_values(solved, densities[i], densities[j], domain)
         divergences = found - 0.5 * (self_values[i] + self_values[j])
         values[i, j] = values[j, i] = _squared_distances(divergences, domain)
@@ -212,18 +245,18 @@ def _coarse_to_fine(
     tolerance: float,
     max_iterations: int,
     monitor: Monitor | None,
-) -> tuple[Scalings, int]:
+) -> Generator[Round, None, tuple[Scalings, int]]:
     """Balance pairs on ever finer domains; the scalings of the finest one, and the iterations of all."""
     coarser = None if domain.has_fast_balance else domain.coarser()
     start, before = None, 0
     if coarser is not None:
         loose = max(tolerance, _COARSE_TOLERANCE)
-        coarse, before = _coarse_to_fine(
+        coarse, before = yield from _coarse_to_fine(
             domain.restrict(mus), domain.restrict(nus), coarser, loose, max_iterations, monitor
         )
         # The potential is -gamma log H(a w).
         start = domain.fall_of_gamma * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
-    solved = balance(
+    solved = yield from balancing(
         mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, monitor=monitor
     )
     return solved, before + solved.iterations

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -32,13 +34,16 @@ class MeshLevel:
     laplacian : Laplacian
         Its stiffness; its areas are those of the finest mesh, so that lengths are the same on all levels, and heat
         spreads over a crumpled surface as slowly as its area says.
+    check : callable
+        Called now and then during long work; what it raises ends the work.
     """
 
     mesh: TriangleMesh
     laplacian: Laplacian
+    check: Callable[[], None] = lambda: None
 
     @classmethod
-    def of(cls, mesh: TriangleMesh) -> MeshLevel:
+    def of(cls, mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> MeshLevel:
         """Calculate the Laplacian of a mesh.
 
         Raises
@@ -46,14 +51,17 @@ class MeshLevel:
         InputError
             The mesh has no area, or its size is beyond what can be calculated with.
         """
-        return cls(mesh, laplacian(mesh))
+        return cls(mesh, laplacian(mesh, check), check)
 
     @cached_property
     def mean_edge_length(self) -> float:
         """In units of the vertices; edges of two triangles count twice."""
         faces, points = self.mesh.faces, self.mesh.vertices
-        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        return float(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1).mean())
+        lengths = []
+        for tail, head in ((0, 1), (1, 2), (2, 0)):
+            self.check()
+            lengths.append(np.linalg.norm(points[faces[:, tail]] - points[faces[:, head]], axis=1))
+        return float(np.concatenate(lengths).mean())
 
     @cached_property
     def coarser(self) -> CoarserLevel | None:
@@ -62,16 +70,22 @@ class MeshLevel:
         used = int(np.count_nonzero(areas))
         if used < _FEWEST_VERTICES:
             return None
-        coarsening = coarsened(self.mesh, areas, round(_SHARE * used))
+        coarsening = coarsened(self.mesh, areas, round(_SHARE * used), check=self.check)
         if coarsening is None:
             return None
         try:
-            stiffness = laplacian(coarsening.mesh)
+            stiffness = laplacian(coarsening.mesh, self.check)
         except InputError:
             # Nothing but needles is left.
             return None
         summed = replace(stiffness, areas=coarsening.sums(areas[None])[0])
-        return CoarserLevel(coarsening, MeshLevel(coarsening.mesh, summed))
+        return CoarserLevel(coarsening, MeshLevel(coarsening.mesh, summed, self.check))
+
+    @property
+    def levels_below(self) -> int:
+        """About how many coarser meshes there are."""
+        used = np.count_nonzero(self.laplacian.areas)
+        return max(0, math.ceil(math.log(max(used, 1) / _FEWEST_VERTICES, 1.0 / _SHARE)))
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,6 +17,7 @@ from .graph import PropagationGraph
 from .propagation_sweeps import PropagationIteration
 from .sharpening import entropy
 from .sinkhorn import Monitor
+from .stepwise import Round, finished
 
 # Sweeps after which bounds are raised where that is allowed. What converges at all takes ten to thirty on meshes.
 _PATIENCE = 60
@@ -127,6 +128,48 @@ def propagate(
     A line of many edges is not the interpolation of its ends by a barycenter: every edge adds the blur of one kernel,
     so that without an entropy limit long lines diffuse; :func:`bisect` does not.
     """
+    return finished(
+        propagation(
+            edges,
+            edge_weights,
+            fixed,
+            domain,
+            size=size,
+            entropy_limit=entropy_limit,
+            relief=relief,
+            initial=initial,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            monitor=monitor,
+        )
+    )
+
+
+def propagation(
+    edges: ArrayLike,
+    edge_weights: ArrayLike | float,
+    fixed: Mapping[int, ArrayLike],
+    domain: Domain,
+    *,
+    size: int | None = None,
+    entropy_limit: Literal["max"] | ArrayLike | None = None,
+    relief: float = 0.0,
+    initial: Propagation | None = None,
+    tolerance: float = 1e-2,
+    max_iterations: int = 500,
+    monitor: Monitor | None = None,
+) -> Generator[Round, None, Propagation]:
+    """Do the same as :func:`propagate` sweep by sweep; parameters and errors are the same.
+
+    Yields
+    ------
+    Round
+        After every sweep, on coarser domains too.
+
+    Returns
+    -------
+    Propagation
+    """
     graph = PropagationGraph.from_edges(edges, edge_weights, fixed.keys(), size)
     check_solver(tolerance, max_iterations)
     vertices = sorted(fixed)
@@ -139,7 +182,7 @@ def propagate(
     if start is not None and start.shape != (len(graph.vertex_of_end), *domain.shape):
         raise ValueError("initial must be a solution for the same graph on the same domain")
     problem = _Problem(graph, vertices, relief, tolerance, max_iterations, monitor)
-    state, counts = problem.solved(domain, given, limits, start)
+    state, counts = yield from problem.solved(domain, given, limits, start)
     return Propagation(
         densities=state.densities,
         iterations=counts[-1],
@@ -189,11 +232,11 @@ class _Problem:
         given: NDArray[np.float64],
         limits: NDArray[np.float64],
         start: NDArray[np.float64] | None,
-    ) -> tuple[PropagationIteration, tuple[int, ...]]:
+    ) -> Generator[Round, None, tuple[PropagationIteration, tuple[int, ...]]]:
         """Solve it, from coarser domains where there is no start and the domain asks for it; and count the sweeps."""
         counts: tuple[int, ...] = ()
         if start is None and domain.has_fast_propagation and (coarser := domain.coarser()) is not None:
-            coarse, counts = self.solved(coarser, domain.restrict(given), limits, None)
+            coarse, counts = yield from self.solved(coarser, domain.restrict(given), limits, None)
             start = coarse.lifted(domain)
             limits = coarse.limits
         state = PropagationIteration(domain, self.graph, dict(zip(self.vertices, given, strict=True)), limits, start)
@@ -202,6 +245,7 @@ class _Problem:
             state.sweep(self.tolerance)
             if self.monitor is not None:
                 self.monitor(given[0].size, iteration, state.error)
+            yield Round(given[0].size, state.error)
             if state.error < self.tolerance:
                 break
             if self.relief and iteration == _PATIENCE:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .domain import LOG_NOTHING, Domain, KernelTooNarrowError
 from .relaxation import AdaptiveRelaxation
+from .stepwise import Round, finished
 
 # Exponents of what is only compared with a density.
 _LARGEST = 50.0
@@ -130,6 +131,22 @@ def balance(
     Scalings
         Of all pairs, in their order.
     """
+    return finished(
+        balancing(mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=log_kw, monitor=monitor)
+    )
+
+
+def balancing(
+    mus: NDArray[np.float64],
+    nus: NDArray[np.float64],
+    domain: Domain,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    log_kw: NDArray[np.float64] | None = None,
+    monitor: Monitor | None = None,
+) -> Generator[Round, None, Scalings]:
+    """Do the same as :func:`balance` round by round."""
     kernel = KernelInLogarithms(domain)
     log_mus, log_nus = log_density(mus), log_density(nus)
     log_kw = np.zeros_like(mus) if log_kw is None else log_kw.copy()
@@ -154,6 +171,7 @@ def balance(
         log_v[live] = _relaxed(log_v[live], log_mus[live] - log_kw[live], np.where(done, 1.0, factors), first)
         if monitor is not None:
             monitor(mus[0].size, iteration, float(errors.max()))
+        yield Round(mus[0].size, float(errors.max()))
         live = live[~done]
         if not len(live):
             break
@@ -173,6 +191,18 @@ def self_balance(
     The square root makes both sides of the plan one; it takes about a dozen rounds at any gamma (Feydy et al. 2019,
     "Interpolating between optimal transport and MMD using Sinkhorn divergences", section 3).
     """
+    return finished(self_balancing(mus, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor))
+
+
+def self_balancing(
+    mus: NDArray[np.float64],
+    domain: Domain,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    monitor: Monitor | None = None,
+) -> Generator[Round, None, Scalings]:
+    """Do the same as :func:`self_balance` round by round."""
     kernel = KernelInLogarithms(domain)
     log_mus = log_density(mus)
     inside = mus > 0
@@ -182,6 +212,7 @@ def self_balance(
         errors = marginal_errors(log_v + log_kv, mus, domain.weights)
         if monitor is not None:
             monitor(mus[0].size, iteration, float(errors.max()))
+        yield Round(mus[0].size, float(errors.max()))
         if errors.max() < tolerance:
             break
         log_v = np.where(inside, 0.5 * (log_v + log_mus - log_kv), LOG_NOTHING)

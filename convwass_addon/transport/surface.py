@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -54,6 +55,9 @@ class Surface(ThroughWholeArrays):
     steps : int
         Implicit Euler steps per application of the kernel. More steps make long distances truer: the relative
         shortfall at distance d is about d^2 / (11 gamma steps).
+    check : callable, optional
+        Called now and then in long work, as between Euler steps on many vertices; what it raises ends the work. It
+        stays with the surface and the coarser ones.
 
     Attributes
     ----------
@@ -81,8 +85,16 @@ class Surface(ThroughWholeArrays):
     relaxation = 1.0
     far_numerics = "dense log domain"
 
-    def __init__(self, vertices: ArrayLike, faces: ArrayLike, gamma: float | None = None, steps: int = 10) -> None:
-        self._build(MeshLevel.of(TriangleMesh.from_arrays(vertices, faces)), gamma, steps)
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        gamma: float | None = None,
+        steps: int = 10,
+        check: Callable[[], None] | None = None,
+    ) -> None:
+        mesh = TriangleMesh.from_arrays(vertices, faces)
+        self._build(MeshLevel.of(mesh) if check is None else MeshLevel.of(mesh, check), gamma, steps)
 
     def with_kernel(self, gamma: float | None = None, steps: int = 10) -> Surface:
         """Return the same mesh with another kernel; the Laplacian and the coarser meshes are shared."""
@@ -121,6 +133,16 @@ class Surface(ThroughWholeArrays):
         part = self.laplacian.matrix[self._used][:, self._used]
         system = diags_array(self._area_weights) + (self.gamma / 4.0 / self.steps) * part
         return factorize(system.tocsc())
+
+    def factorize(self) -> None:
+        """Prepare the kernel now rather than where it is applied for the first time, as that may take a while."""
+        self._level.check()
+        _ = self._factor
+
+    @property
+    def levels_below(self) -> int:
+        """About how many coarser surfaces there are."""
+        return self._level.levels_below
 
     @property
     def solver(self) -> str:
@@ -268,6 +290,7 @@ class Surface(ThroughWholeArrays):
         for start in range(0, len(columns), _COLUMNS):
             some = columns[start : start + _COLUMNS]
             for _ in range(self.steps):
+                self._level.check()
                 some = self._factor.solve(some * self._area_weights)
             result[start : start + _COLUMNS] = some
         return result

@@ -21,6 +21,7 @@ from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, record
 from .density_memory import check_frames_memory
 from .density_pieces import on_same_pieces
+from .density_preparing import preparing_levels
 from .density_settings import DensitySettings
 from .density_solving import Check, monitor_of, reachable
 from .surface_densities import distribution
@@ -76,6 +77,7 @@ def propagation_steps(
     given = np.stack([distribution(fixed[place], surface, known[place]) for place in places])
     given = on_same_pieces(given, given_names, surface, settings.pieces == "match")
     check_frames_memory(surface, size, len(pairs))
+    yield from preparing_levels(surface)
     filled = size - len(places)
     message = Sentence("Filling in {count} of {total} places", {"count": filled, "total": size})
     yield DensityStep(0.0, message)

@@ -12,13 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...sentence import Sentence
-from ...transport import Surface, distance
-from ...transport.distance import distance_matrix_steps
+from ...transport import Surface
+from ...transport.distance import distance_matrix_steps, distance_rounds
+from ...transport.stepwise import RoundsDone
 from ..workers import one_blas_thread
+from .density_frames import DensityStep
 from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
+from .density_preparing import preparing
 from .density_solving import Check, monitor_of, reachable
 from .surface_densities import distribution
 
+# On surfaces of so many vertices, progress is told after every round.
+_LARGE = 100_000
 MEASURING_SUBSTEPS = 20
 """Substeps with which distances are right to a few percent; 10 will do for interpolations."""
 
@@ -126,20 +131,71 @@ def measured_distance(
     InputError
         Weights that are no distributions, or that lie on different pieces.
     """
+    *_, last = measuring_steps(
+        first,
+        second,
+        surface,
+        names,
+        debias=debias,
+        match_pieces=match_pieces,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        check=check,
+    )
+    return last.found
+
+
+@dataclass(frozen=True)
+class MeasuringStep(DensityStep):
+    """A step of measuring, the last one with what was found."""
+
+    found: DensityDistance | None = None
+
+
+def measuring_steps(
+    first: ArrayLike,
+    second: ArrayLike,
+    surface: Surface,
+    names: tuple[str, str],
+    *,
+    debias: bool = True,
+    match_pieces: bool = False,
+    tolerance: float = 1e-5,
+    max_iterations: int = 1000,
+    check: Check | None = None,
+) -> Iterator[MeasuringStep]:
+    """Yield a step now and then, on large surfaces after every round, and last what :func:`measured_distance` returns.
+
+    Parameters and errors are the same; errors are raised at the first step.
+    """
     pair = np.stack([distribution(w, surface, name) for w, name in zip((first, second), names, strict=True)])
     pair = on_same_pieces(pair, names, surface, match_pieces)
-    with one_blas_thread(), reachable(surface, names):
-        found = distance(
-            pair[0],
-            pair[1],
-            surface,
-            debias=debias,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            monitor=monitor_of(check),
-        )
+    for step in preparing(surface):
+        yield MeasuringStep(step.fraction, step.message)
+    message = Sentence("From {first} to {second}", {"first": names[0], "second": names[1]})
+    yield MeasuringStep(0.0, message)
+    rounds = distance_rounds(
+        pair[0],
+        pair[1],
+        surface,
+        debias=debias,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        monitor=monitor_of(check),
+    )
+    share = RoundsDone(surface.shape[0], tolerance)
+    while True:
+        try:
+            # The limit of threads is not for those who take the steps.
+            with one_blas_thread(), reachable(surface, names):
+                fraction = share.after(next(rounds))
+        except StopIteration as end:
+            found = end.value
+            break
+        if surface.shape[0] >= _LARGE:
+            yield MeasuringStep(fraction, message)
     figures = found.iterations, found.marginal_error, found.converged, found.numerics
-    return DensityDistance(found.length, found.value, debias, *figures)
+    yield MeasuringStep(1.0, message, found=DensityDistance(found.length, found.value, debias, *figures))
 
 
 def distance_table(

@@ -21,6 +21,7 @@ from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, comparable, record
 from .density_legs import Leg
 from .density_memory import check_frames_memory
+from .density_preparing import preparing_levels
 from .density_settings import DensitySettings
 from .density_solving import Check, monitor_of, reachable
 
@@ -79,6 +80,7 @@ def path_steps(
     times = _key_times(key_times, len(densities))
     legs = len(densities) - 1
     check_frames_memory(surface, legs * settings.steps + 1)
+    yield from preparing_levels(surface)
     for leg in range(legs):
         way = Leg(densities[leg : leg + 2], (names[leg], names[leg + 1]), surface, settings, check)
         for step in way.steps(times[leg], times[leg + 1]):
@@ -122,6 +124,7 @@ def blend_steps(
     densities = comparable(weights, names, surface, settings)
     alphas = _shares(shares, names)
     check_frames_memory(surface, 1, edges=len(densities))
+    yield from preparing_levels(surface)
     message = Sentence("Blending {names}", {"names": ", ".join(names)})
     yield DensityStep(0.0, message)
     active = np.flatnonzero(alphas)

@@ -8,6 +8,7 @@ density times area. All lengths that come in or go out are in scene units, those
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,9 @@ _LEAST_BLUR = 1.0
 _GOOD_BLUR = 2.0
 
 
-def density_surface(mesh: TriangleMesh, blur: float | None = None, substeps: int = 10) -> Surface:
+def density_surface(
+    mesh: TriangleMesh, blur: float | None = None, substeps: int = 10, check: Callable[[], None] | None = None
+) -> Surface:
     """Return the surface on which densities of a mesh live.
 
     Parameters
@@ -38,6 +41,8 @@ def density_surface(mesh: TriangleMesh, blur: float | None = None, substeps: int
         default what suits the mesh.
     substeps : int
         Steps of time that the kernel takes.
+    check : callable, optional
+        Called now and then in all work on the surface, also later; what it raises ends the work.
 
     Raises
     ------
@@ -48,7 +53,7 @@ def density_surface(mesh: TriangleMesh, blur: float | None = None, substeps: int
     """
     check_surface_memory(mesh)
     if blur is None or not mesh.area > 0:
-        return Surface(mesh.vertices, mesh.faces, None, substeps)
+        return Surface(mesh.vertices, mesh.faces, None, substeps, check)
     size = float(np.sqrt(mesh.area))
     if not (np.isfinite(blur) and blur > 0):
         raise InputError("The blur must be a positive length, or left out.")
@@ -69,7 +74,7 @@ def density_surface(mesh: TriangleMesh, blur: float | None = None, substeps: int
             # Rounded for the message, it must still do.
             least=1.01 * _LEAST_BLUR * edge,
         )
-    return Surface(mesh.vertices, mesh.faces, 2.0 * (blur / size) ** 2, substeps)
+    return Surface(mesh.vertices, mesh.faces, 2.0 * (blur / size) ** 2, substeps, check)
 
 
 def blur_of(surface: Surface) -> float:

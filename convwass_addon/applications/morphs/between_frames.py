@@ -143,7 +143,7 @@ def between_frames(
         yield from _steps(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return
     side_by_side = min(workers or 1, max(len(missing), len(places)))
-    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side)
+    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, check=check)
     most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
     yield from _complete(store, problem, missing, check, most, executor)
     frames = _stored_frames(store, runs)

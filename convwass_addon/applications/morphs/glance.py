@@ -49,12 +49,12 @@ def glance(
         return None
     coarse = replace(settings, resolution=_RESOLUTION, blur=None)
     lattice = Lattice.around(shapes, coarse.resolution, coarse.sigma, 1, matching.count)
+    heed = check or (lambda: None)
     try:
         volumes = []
         for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
-            volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching))
-            if check is not None:
-                check()
+            volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching, heed))
+            heed()
         problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, coarse)
         frame = next(iter(sketch_blends(problem, [blend], check))).frame
     except (InputError, ResourceError):

@@ -154,7 +154,7 @@ def morph(
             threads = workers or os.cpu_count() or 1
             if previews and executor is None:
                 yield from _glanced(shapes, names, _looked_at(missing, looked_at), settings, matching, check)
-            problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads)
+            problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads, check)
             problem = replace(problem, keeps_potentials=store is not None and store.keeps_potentials)
             most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
             if previews and executor is None and problem.sketch_depth:
@@ -221,12 +221,13 @@ def prepared_problem(
     settings: MorphSettings,
     workers: int,
     threads: int = 1,
+    check: Callable[[], None] | None = None,
 ) -> Generator[MorphStep, None, MorphProblem]:
     """Yield the steps of voxelizing the shapes, and return what all runs have in common.
 
     Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
     """
-    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads)
+    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, check)
     return _with_connectivity(problem, min(threads, len(shapes)))
 
 
@@ -237,13 +238,17 @@ def sketchable_problem(
     settings: MorphSettings,
     workers: int,
     threads: int = 1,
+    check: Callable[[], None] | None = None,
 ) -> Generator[MorphStep, None, MorphProblem]:
     """Do the same, and leave out what only finished blends need."""
     yield MorphStep(0.0, Sentence("Laying out the grid"))
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
 
+    heed = check or (lambda: None)
+    heed()
+
     def volumes_of(index: int) -> list[NDArray[np.float32]]:
-        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching)
+        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching, heed)
 
     volumes = []
     with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 
@@ -184,10 +184,16 @@ def _listed(first: Sentence, second: Sentence) -> Sentence:
 
 
 def voxelized_parts(
-    shape: TriangleMesh, name: str, index: int, lattice: Lattice, thickness: float, matching: Matching
+    shape: TriangleMesh,
+    name: str,
+    index: int,
+    lattice: Lattice,
+    thickness: float,
+    matching: Matching,
+    check: Callable[[], None] = lambda: None,
 ) -> list[NDArray[np.float32]]:
     """Voxelize shape `index`, and split what it fills into its parts; for the parameters see :func:`.voxelized`."""
-    filled = voxelized(shape, name, index, lattice, thickness)
+    filled = voxelized(shape, name, index, lattice, thickness, check)
     return part_volumes(filled, lattice.to_cells(shape, index), matching.faces[index], matching.count)
 
 

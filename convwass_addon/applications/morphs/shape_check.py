@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ...errors import InputError
-from ...geometry.edges import topology
+from ...geometry.edges import edge_use, topology
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.welding import welded
@@ -64,8 +64,9 @@ def check_shape(mesh: TriangleMesh) -> ShapeFindings:
     joined = welded(mesh)
     if not len(joined.faces):
         return ShapeFindings(has_volume=False, open_edges=0, flipped_faces=0)
-    outward = orient_outward(joined)
-    found = topology(outward)
+    use = edge_use(joined.faces)
+    outward = orient_outward(joined, use)
+    found = topology(outward, use if outward is joined else None)
     return ShapeFindings(
         has_volume=(found.closed and _is_clear(outward)) or _has_volume(mesh),
         open_edges=found.open_edges,

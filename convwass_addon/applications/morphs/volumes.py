@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -168,10 +168,22 @@ def voxelize(
         yield voxelized(shape, name, index, lattice, thickness)
 
 
-def voxelized(shape: TriangleMesh, name: str, index: int, lattice: Lattice, thickness: float) -> NDArray[np.float32]:
-    """Return the occupancy of input `index` alone; see :func:`voxelize`."""
-    corners = lattice.to_cells(orient_outward(shape), index)
-    filled = occupancy(corners, lattice.shape)
+def voxelized(
+    shape: TriangleMesh,
+    name: str,
+    index: int,
+    lattice: Lattice,
+    thickness: float,
+    check: Callable[[], None] = lambda: None,
+) -> NDArray[np.float32]:
+    """Return the occupancy of input `index` alone; see :func:`voxelize`.
+
+    `check` is called now and then; what it raises ends the work.
+    """
+    outward = orient_outward(shape)
+    check()
+    corners = lattice.to_cells(outward, index)
+    filled = occupancy(corners, lattice.shape, check)
     if filled.sum() < _LEAST_CELLS and thickness > 0:
         cells = lattice.shell_cells(thickness)
         filled = shell_occupancy(corners, lattice.shape, cells)

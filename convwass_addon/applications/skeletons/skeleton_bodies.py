@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.coarsening import coarsened
-from ...geometry.edges import edge_use, topology, vertex_components
+from ...geometry.edges import EdgeUse, edge_use, topology, vertex_components
 from ...geometry.isosurface import surface_at_level
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
@@ -105,10 +105,12 @@ def skeleton_body(
     check()
     if not len(joined.faces):
         raise InputError("The body has no faces; choose a mesh with a surface.")
-    outward = orient_outward(joined)
+    use = edge_use(joined.faces)
+    outward = orient_outward(joined, use)
     check()
-    found = topology(outward)
-    if found.closed and _hangs_together(outward) and not thickness > 0 and outward.volume > 0:
+    found = topology(outward, use if outward is joined else None)
+    check()
+    if found.closed and _hangs_together(outward, use) and not thickness > 0 and outward.volume > 0:
         sized = _sized(outward, check)
         if sized is not None:
             surface, made = sized
@@ -120,9 +122,11 @@ def _go_on() -> None:
     """Check nothing."""
 
 
-def _hangs_together(mesh: TriangleMesh) -> bool:
-    """Tell whether all triangles are joined across edges; at a vertex alone, no heat gets from one part to another."""
-    use = edge_use(mesh.faces)
+def _hangs_together(mesh: TriangleMesh, use: EdgeUse) -> bool:
+    """Tell whether all triangles are joined across edges; at a vertex alone, no heat gets from one part to another.
+
+    Which way faces are turned makes no difference to the edge use that is looked at.
+    """
     count = len(mesh.faces)
     same = np.ones(len(use.face), bool)
     same[use.start] = False
@@ -139,34 +143,36 @@ def _solid_body(
     check: Callable[[], None],
 ) -> SkeletonBody:
     resolution = _THICK_RESOLUTION if thickness > 0 else _RESOLUTION
-    piece = _piece_around(_solid(mesh, resolution, thickness), pins, names)
+    piece = _piece_around(_solid(mesh, resolution, thickness, check), pins, names)
     check()
     if topology(piece).euler < 2 - 2 * _MOST_HANDLES:
         # Where larger cells lose what holds the pins together, it takes the time that it takes.
         with suppress(InputError):
-            piece = _piece_around(_solid(mesh, resolution // 2, thickness), pins, names)
+            piece = _piece_around(_solid(mesh, resolution // 2, thickness, check), pins, names)
     sized = _sized(piece, check)
     surface = piece if sized is None else sized[0]
     own = piece if thickness > 0 or len(mesh.faces) > _MOST_FACES else mesh
     return SkeletonBody(surface, Inside(own), "solid")
 
 
-def _solid(mesh: TriangleMesh, resolution: int, thickness: float) -> TriangleMesh:
+def _solid(mesh: TriangleMesh, resolution: int, thickness: float, check: Callable[[], None]) -> TriangleMesh:
     """Return the surface of what a mesh, or a shell of some thickness around it, fills."""
     lattice = Lattice.around([mesh], resolution, _SIGMA)
     if thickness > 0:
         corners = lattice.to_cells(mesh, 0)
         cells = lattice.shell_cells(thickness)
-        filled = np.maximum(occupancy(corners, lattice.shape), shell_occupancy(corners, lattice.shape, cells))
+        inner = occupancy(corners, lattice.shape, check)
+        filled = np.maximum(inner, shell_occupancy(corners, lattice.shape, cells))
     else:
-        filled = _enclosed(mesh, lattice)
+        filled = _enclosed(mesh, lattice, check)
+    check()
     return lattice.to_scene(surface_at_level(filled, 0.5).mesh, np.ones(1))
 
 
-def _enclosed(mesh: TriangleMesh, lattice: Lattice) -> NDArray[np.float32]:
+def _enclosed(mesh: TriangleMesh, lattice: Lattice, check: Callable[[], None]) -> NDArray[np.float32]:
     """Return which share of every cell the mesh encloses."""
     try:
-        return voxelized(mesh, "", 0, lattice, 0.0)
+        return voxelized(mesh, "", 0, lattice, 0.0, check)
     except InputError as error:
         raise InputError(
             "The body encloses no volume: it is open, or thinner than the eye can see. Close it, or give it thickness "
@@ -200,6 +206,7 @@ def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequenc
 def _sized(mesh: TriangleMesh, check: Callable[[], None]) -> tuple[TriangleMesh, str] | None:
     """Bring a closed mesh to a moderate number of vertices; None where that would open it."""
     if len(mesh.vertices) > _MOST_VERTICES:
+        check()
         areas = np.maximum(mesh.vertex_areas, _LEAST_AREA * mesh.vertex_areas.mean())
         reduced = coarsened(mesh, areas, _REDUCED_VERTICES, check=check)
         if reduced is None or not topology(reduced.mesh).closed:

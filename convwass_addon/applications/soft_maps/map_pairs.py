@@ -53,7 +53,9 @@ def _check_vertices(vertices: NDArray[np.int64], side: MapSide) -> None:
             name=side.name,
             count=count,
         )
-    loose = np.setdiff1d(vertices, side.mesh.faces[distinct_corners(side.mesh.faces)])
+    is_used = np.zeros(count, bool)
+    is_used[side.mesh.faces[distinct_corners(side.mesh.faces)]] = True
+    loose = np.unique(vertices[~is_used[vertices]])
     if len(loose):
         raise InputError(
             "Vertex {vertex} of {name} belongs to no face; choose another one.", vertex=int(loose[0]), name=side.name

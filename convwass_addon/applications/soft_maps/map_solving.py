@@ -91,6 +91,8 @@ def soft_map_steps(
     yield SoftMapStep(0.0, Sentence("Reading the meshes"))
     for side in (source, target):
         _check_side(side)
+        if check is not None:
+            check()
     couples_of = checked_pairs(pairs, source, target)
     matches = matched_pieces(source, target, couples_of)
     if not matches:
@@ -152,7 +154,7 @@ def _match_steps(
     judged = pairs[:0] if match.is_guessed else pairs
     notices = tuple(pair_notices(judged, sides[0].side.mesh, sides[1].side.mesh, match.pairs))
     with one_blas_thread():
-        parts.add(match, *sides, rows, back, pairs, compared.overlay.is_mirrored, notices)
+        parts.add(match, *sides, rows, back, pairs, compared.overlay.is_mirrored, notices, check or _go_on)
 
 
 def _go_on() -> None:
