@@ -9,6 +9,8 @@ Blender's manual.
 from __future__ import annotations
 
 import ast
+import re
+import struct
 import tomllib
 from pathlib import Path
 
@@ -20,6 +22,8 @@ from convwass_addon.cli.morph_choices import Computing
 from convwass_addon.errors import InputError
 
 PACKAGE = Path(convwass_addon.__file__).parent
+PROJECT = PACKAGE.parent
+LISTING = PROJECT / "assets" / "listing"
 SHIPPED = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 
 # Only these may look at where they lie, and only to read: presets, the samples of a checkout, their own code.
@@ -32,7 +36,7 @@ PROCESSES = {"multiprocessing", "pip", "subprocess"}
 
 @pytest.fixture(scope="module")
 def manifest() -> dict:
-    return tomllib.loads((PACKAGE.parent / "blender_manifest.toml").read_text(encoding="utf-8"))
+    return tomllib.loads((PROJECT / "blender_manifest.toml").read_text(encoding="utf-8"))
 
 
 def tree(name: str) -> ast.Module:
@@ -75,6 +79,44 @@ def test_the_manifest_says_what_is_wanted_and_no_more(manifest):
     assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
     assert not {"website", "blender_version_max", "platforms", "wheels"} & manifest.keys()
     assert all(owner.partition(" ")[0].isdigit() for owner in manifest["copyright"])
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "most", "color"), [("icon.png", (256, 256), 120e3, 6), ("featured.png", (1920, 1080), 3e6, 2)]
+)
+def test_pictures_of_the_listing_have_the_sizes_that_the_platform_asks_for(name, size, most, color):
+    """The icon stands on any background, so its own is transparent."""
+    data = (LISTING / name).read_bytes()
+    assert data.startswith(b"\x89PNG\r\n\x1a\n") and data[12:16] == b"IHDR"
+    *found, depth, kind = struct.unpack(">IIBB", data[16:26])
+    assert (tuple(found), depth, kind) == (size, 8, color)
+    assert len(data) < most
+    # Unless it is told not to, Blender writes from which file and when.
+    assert not re.search(rb"tEXt(File|Date|Hostname)\0", data)
+
+
+def test_the_listing_names_all_that_comes_along_and_every_permission(manifest):
+    text = (LISTING / "description.md").read_text(encoding="utf-8")
+    wheels = re.findall(r"(?m)^([a-z-]+)==", (PROJECT / "tools" / "wheels.txt").read_text(encoding="utf-8"))
+    assert len(wheels) >= 6
+    listed = re.findall(r"(?m)^- ([A-Za-z-]+): [A-Z]", text)
+    assert sorted(map(str.lower, listed)) == sorted(wheels)
+    permissions = re.findall(r"(?m)^- \*\*(\w+)\*\*: ", text.partition("## Permissions")[2])
+    assert sorted(map(str.lower, permissions)) == sorted(manifest["permissions"])
+
+
+def test_the_listing_leads_nowhere():
+    """Addresses would be read as those of the project, which has none of its own."""
+    assert not re.search(r"https?:|www\.", (LISTING / "description.md").read_text(encoding="utf-8"))
+
+
+def test_nothing_of_the_listing_is_shipped(manifest):
+    assert "/assets/" in manifest["build"]["paths_exclude_pattern"]
+
+
+def test_who_has_too_old_a_blender_is_told_what_it_says(manifest):
+    page = (PROJECT / "docs" / "walkthrough.md").read_text(encoding="utf-8")
+    assert f"doesn't meet the minimum supported version ({manifest['blender_version_min']})" in page
 
 
 def test_tags_are_known_to_blender(manifest):
