@@ -114,7 +114,7 @@ TEXTS: dict[str, str] = {
     "{material} does not end in a Principled or Glossy BSDF, so its highlight is not known.": "{material} ne se termine pas par un Principled ou Glossy BSDF, son reflet est donc inconnu.",
     "{name} ends neither in .npz nor in .exr.": "{name} ne se termine ni par .npz ni par .exr.",
     "{name} ends neither in .npz, .exr nor in .blend.": "{name} ne se termine ni par .npz, ni par .exr, ni par .blend.",
-    "{name} is no picture of OpenEXR.": "{name} n'est pas une image OpenEXR.",
+    "{name} is no picture of OpenEXR, or is damaged.": "{name} n'est pas une image OpenEXR, ou est endommagé.",
     "{name} is no table of highlights; those end in .exr, .npz or .binary.": "{name} n'est pas une table de reflets ; elles se terminent par .exr, .npz ou .binary.",
     "{name} of {material} comes from another node; its unlinked color counts.": "{name} de {material} vient d'un autre nœud ; la couleur sans lien compte.",
     "{name} of {material} comes from another node; unlink it and give it one value.": "{name} de {material} vient d'un autre nœud ; le délier et lui donner une valeur.",

@@ -114,7 +114,7 @@ TEXTS: dict[str, str] = {
     "{material} does not end in a Principled or Glossy BSDF, so its highlight is not known.": "{material} endet nicht in einem Principled oder Glossy BSDF, also ist sein Glanzlicht nicht bekannt.",
     "{name} ends neither in .npz nor in .exr.": "{name} endet weder auf .npz noch auf .exr.",
     "{name} ends neither in .npz, .exr nor in .blend.": "{name} endet weder auf .npz noch auf .exr oder .blend.",
-    "{name} is no picture of OpenEXR.": "{name} ist kein OpenEXR-Bild.",
+    "{name} is no picture of OpenEXR, or is damaged.": "{name} ist kein OpenEXR-Bild oder beschädigt.",
     "{name} is no table of highlights; those end in .exr, .npz or .binary.": "{name} ist keine Tabelle von Glanzlichtern; solche enden auf .exr, .npz oder .binary.",
     "{name} of {material} comes from another node; its unlinked color counts.": "{name} von {material} kommt aus einem anderen Node; es zählt die Farbe ohne ihn.",
     "{name} of {material} comes from another node; unlink it and give it one value.": "{name} von {material} kommt aus einem anderen Node; die Verbindung lösen und einen Wert setzen.",
