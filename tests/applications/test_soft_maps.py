@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from convwass_addon.applications.soft_maps.map_extension import DOUBTFUL
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
@@ -98,6 +100,29 @@ def test_confidence_is_less_where_the_error_is_more():
     error, confidence = errors(found.forward, target, target.vertices[place]), found.forward.confidence
     assert confidence.mean() < good.forward.confidence.mean() - 0.2
     doubtful = confidence < np.quantile(confidence, 0.3)
+    assert error[doubtful].mean() > 3.0 * error[~doubtful].mean()
+    assert any("is mapped with little confidence" in str(notice) for notice in found.notices)
+
+
+def test_a_soft_map_is_no_doubtful_map():
+    """With all of the blur left in its rows, it is as right as the sharp one, and as sure."""
+    source, target, place, chosen, sharp = posed_horse()
+    pairs = np.stack([chosen, place[chosen]], axis=1)
+    truth = target.vertices[place]
+    soft = solved(source, target, pairs, replace(QUICK, sharpness=0.0))
+    assert np.median(soft.forward.spread) > 3.0 * np.median(sharp.forward.spread)
+    assert errors(soft.forward, target, truth).mean() < 1.5 * errors(sharp.forward, target, truth).mean()
+    assert (soft.forward.confidence < DOUBTFUL).mean() < 0.05
+    assert not soft.notices
+
+
+def test_a_soft_map_that_is_wrong_is_doubtful():
+    source, target, place, chosen, _ = posed_horse()
+    pairs = np.stack([chosen, place[chosen]], axis=1)
+    pairs[:2, 1] = pairs[1::-1, 1]
+    found = solved(source, target, pairs, replace(QUICK, sharpness=0.0))
+    error, doubtful = errors(found.forward, target, target.vertices[place]), found.forward.confidence < DOUBTFUL
+    assert 0.2 < doubtful.mean() < 0.7
     assert error[doubtful].mean() > 3.0 * error[~doubtful].mean()
     assert any("is mapped with little confidence" in str(notice) for notice in found.notices)
 

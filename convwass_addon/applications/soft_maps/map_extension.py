@@ -28,8 +28,8 @@ DOUBTFUL = 0.3
 
 # More of a surface that is doubtful than this share of its area is told of.
 _MUCH = 0.3
-# A point spread over so much, or missed by so much on the way back, in sizes of the surface (the square root of its
-# area), has a confidence of 0.6.
+# A point of a sharp map that is spread over so much, or missed by so much on the way back, in sizes of the surface (the
+# square root of its area), has a confidence of 0.6.
 _VAGUE = 0.08
 
 
@@ -40,10 +40,13 @@ class Parts:
     ----------
     source, target : MapSide
         The whole sides.
+    sharpness : float
+        Of the maps, 0 to 1. How wide their rows are tells doubt only as far as the kernel's blur was taken from them.
     """
 
-    def __init__(self, source: MapSide, target: MapSide) -> None:
+    def __init__(self, source: MapSide, target: MapSide, sharpness: float) -> None:
         self.source, self.target = source, target
+        self._sharpness = sharpness
         self.notices: list[Sentence] = []
         self._records: list[dict[str, object]] = []
         self._rows: list[csr_array] = []
@@ -130,7 +133,8 @@ class Parts:
         points, back = self._points[way], self._points[1 - way]
         home = back.at(here.mesh, here.mesh.vertices)
         missed = np.linalg.norm(points.at(there.mesh, home) - here.mesh.vertices, axis=1)[vertices]
-        wide = _beyond(points.spread[vertices], other.side.mesh)
+        # Rows that keep their blur are wide where their points are right, too; there the way back alone tells.
+        wide = self._sharpness * _beyond(points.spread[vertices], other.side.mesh)
         lost = np.square(missed) / own.side.mesh.area
         points.confidence[vertices] = np.exp(-0.5 * (wide + lost) / _VAGUE**2)
 

@@ -103,7 +103,7 @@ def soft_map_steps(
         )
     sizes = np.array([len(match.source) + len(match.target) for match in matches], float)
     ends = np.concatenate([[0.0], np.cumsum(sizes) / sizes.sum()])
-    parts = Parts(source, target)
+    parts = Parts(source, target, settings.sharpness)
     for number, match in enumerate(matches):
         low, width = ends[number], ends[number + 1] - ends[number]
         if not len(match.pairs):
