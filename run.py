@@ -125,10 +125,11 @@ def run_child(command, folder=None, variables=None):
         if len(presses) > 1:
             child.kill()
 
-    before = signal.signal(signal.SIGINT, interrupt)
-    signal.signal(signal.SIGTERM, lambda *_: child.terminate())
+    handlers = {signal.SIGINT: interrupt, signal.SIGTERM: lambda *_: child.terminate()}
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     code = child.wait()
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
     if presses:
         return INTERRUPTED
     return code if code >= 0 else 128 - code

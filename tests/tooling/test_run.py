@@ -105,6 +105,21 @@ def test_killed_program_has_the_shells_code_for_it():
     assert run.run_child([sys.executable, "-c", program]) == 128 + signal.SIGKILL
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_are_heeded_as_before_once_the_program_has_ended(number):
+    before = signal.getsignal(number)
+
+    def own(*_):
+        """Stand for what the caller does."""
+
+    signal.signal(number, own)
+    try:
+        run.run_child([sys.executable, "-c", ""])
+        assert signal.getsignal(number) is own
+    finally:
+        signal.signal(number, before)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals are POSIX")
 def test_interrupt_ends_with_130_and_lets_the_program_tidy_up(project, tmp_path):
     tidy = tmp_path / "tidied"
