@@ -64,10 +64,14 @@ def draft_of(path: Path, suffix: str | None = None) -> Iterator[Path]:
     Parameters
     ----------
     path : Path
-        The file; one that is there already is replaced.
+        The file; one that is there already is replaced. A draft, as of :class:`DraftFiles`, needs none of its own and
+        is given as it is; whoever made it puts it into its place.
     suffix : str, optional
         Of the draft, with its dot; by default that of the file.
     """
+    if _DRAFT.fullmatch(path.name):
+        yield path
+        return
     draft = new_draft(path, suffix)
     try:
         yield draft

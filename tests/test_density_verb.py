@@ -160,6 +160,19 @@ def test_distances_are_in_scene_units(files, capfd, tmp_path):
     assert not list(tmp_path.glob("*.blend"))
 
 
+@pytest.mark.parametrize("words", [["--measure", "East", "North"], ["--matrix"]])
+def test_distances_are_as_exact_as_asked_for(files, capfd, words):
+    found = {}
+    for name, own in {"usual": [], "loose": ["--tolerance", "0.1"], "short": ["--max-iterations", "2"]}.items():
+        code, printed, said = run(capfd, f"{files / 'scene.blend'}:Ball", *words, *own, "--json")
+        assert code == 0, said
+        found[name] = json.loads(printed)
+    assert found["usual"]["converged"] and found["usual"]["marginal_error"] < 1e-5
+    assert found["loose"]["converged"] and found["loose"]["marginal_error"] > 1e-5
+    assert found["loose"]["iterations"] < found["usual"]["iterations"]
+    assert not found["short"]["converged"]
+
+
 def test_a_matrix_of_all_groups(files, capfd):
     source = f"{files / 'scene.blend'}:Ball"
     code, printed, said = run(capfd, source, "--matrix")
@@ -200,6 +213,7 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
         (["{in}/scene.blend:Ball", "--measure", "East", "North", "--out", "a.blend"], 3, "leave --out"),
         (["{in}/scene.blend:Ball", "--distance-from", "0", "--biased"], 3, "--biased"),
         (["{in}/scene.blend:Ball", "--distance-from", "9999"], 3, "0 to 641"),
+        (["{in}/scene.blend:Ball", "--distance-from", "0", "--tolerance", "0.1"], 3, "leave --tolerance"),
         (["{in}/scene.blend:Ball", "--blend", "East"], 2, "such as A=0.3"),
         (["{in}/scene.blend:Ball", "--blend", "East=much"], 2, "such as A=0.3"),
         (["{in}/scene.blend:Ball", "--blend", "East=-1,North=1"], 3, "positive"),

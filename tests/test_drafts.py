@@ -8,7 +8,7 @@ import os
 
 import pytest
 
-from convwass_addon.drafts import _drop_old, draft_of, new_draft, written_whole
+from convwass_addon.drafts import DraftFiles, _drop_old, draft_of, new_draft, written_whole
 from convwass_addon.errors import ConvwassError
 
 
@@ -36,6 +36,31 @@ def test_what_goes_wrong_is_told(tmp_path, error):
         raise error
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
     assert file.read_text() == "old"
+
+
+def test_a_draft_has_no_draft_of_its_own(tmp_path):
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+    drafts = DraftFiles()
+    given = drafts.draft_of(file)
+    with written_whole(given) as draft:
+        assert draft == given
+        draft.write_text("new")
+        assert len(list(tmp_path.iterdir())) == 2
+    assert file.read_text() == "old" and given.read_text() == "new"
+    drafts.keep()
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    assert file.read_text() == "new"
+
+
+def test_a_draft_that_is_not_finished_goes_with_the_others(tmp_path):
+    drafts = DraftFiles()
+    given = drafts.draft_of(tmp_path / "a.txt")
+    with pytest.raises(ConvwassError, match="disk full"), written_whole(given) as draft:
+        draft.write_text("half")
+        raise OSError("disk full")
+    drafts.discard()
+    assert not list(tmp_path.iterdir())
 
 
 def test_other_errors_go_on(tmp_path):

@@ -91,6 +91,6 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         help="scale what lies on each connected piece of the mesh to the share that the first group has there",
     )
     group.add_argument("--biased", action="store_true", help="measure: the plain value of eq. (10), with its blur")
-    group.add_argument("--tolerance", type=float, default=1e-2, help="marginal error of a frame (%(default)s)")
-    group.add_argument("--max-iterations", type=int, default=500, help="of the solver (%(default)s)")
+    group.add_argument("--tolerance", type=float, help="marginal error (0.01; 0.00001 for distances between groups)")
+    group.add_argument("--max-iterations", type=int, help="of the solver (500; 1000 for distances between groups)")
     group.add_argument("--substeps", type=int, help="steps of the kernel (10; 20 for distances)")

@@ -45,15 +45,16 @@ def run_density(options: Namespace) -> Answer:
         raise InputError("--from and --to belong together; name both groups.")
     if options.biased and not options.measure:
         raise InputError("--biased is for --measure; leave it out.")
+    if options.distance_from and _chosen_limits(options):
+        raise InputError("--distance-from needs no iterations; leave --tolerance and --max-iterations out.")
     target = _target(options)
     settings = DensitySettings(
         steps=options.steps,
         blur=options.blur,
         entropy_limit=options.entropy_limit,
         pieces="match" if options.match_pieces else "keep",
-        tolerance=options.tolerance,
-        max_iterations=options.max_iterations,
         substeps=_substeps(options),
+        **_chosen_limits(options),
     )
     with ProgressBar("Reading the mesh") as bar:
         scene = open_mesh(options.mesh, settings)
@@ -63,7 +64,7 @@ def run_density(options: Namespace) -> Answer:
     if options.measure:
         return _measured(options, scene)
     if options.matrix:
-        return _matrix(scene)
+        return _matrix(options, scene)
     if options.distance_from:
         return _distances(options, scene, target)
     if options.propagate:
@@ -77,6 +78,12 @@ def _substeps(options: Namespace) -> int:
     if options.substeps is not None:
         return options.substeps
     return DensitySettings().substeps if _makes_densities(options) else MEASURING_SUBSTEPS
+
+
+def _chosen_limits(options: Namespace) -> dict[str, float | int]:
+    """Return what the user says about when to stop; what is left out depends on what is done."""
+    chosen = {name: getattr(options, name) for name in ("tolerance", "max_iterations")}
+    return {name: value for name, value in chosen.items() if value is not None}
 
 
 def _makes_densities(options: Namespace) -> bool:
@@ -144,6 +151,7 @@ def _measured(options: Namespace, scene: DensityScene) -> Answer:
         (first, second),
         debias=not options.biased,
         match_pieces=options.match_pieces,
+        **_chosen_limits(options),
     )
     if not found.converged:
         note("the distance is less exact than asked for; more --blur helps")
@@ -151,7 +159,7 @@ def _measured(options: Namespace, scene: DensityScene) -> Answer:
     return Answer({**record, "written": []}, (f"{found.squared if options.biased else found.length:.{_DIGITS}g}",))
 
 
-def _matrix(scene: DensityScene) -> Answer:
+def _matrix(options: Namespace, scene: DensityScene) -> Answer:
     groups = {name: scene.weights(name) for name in group_names(scene.object)}
     names = [name for name, weights in groups.items() if weights.any()]
     if len(names) < 2:
@@ -161,7 +169,7 @@ def _matrix(scene: DensityScene) -> Answer:
         )
     if len(names) < len(groups):
         note(f"empty groups that are left out: {len(groups) - len(names)}")
-    table = distance_table([groups[name] for name in names], names, scene.surface)
+    table = distance_table([groups[name] for name in names], names, scene.surface, **_chosen_limits(options))
     for notice in table.notices:
         note(notice)
     width = max(*map(len, names), _DIGITS + 6)

@@ -18,6 +18,7 @@ from ..operators.edit_inputs import (
     CONVWASS_OT_move_input,
     CONVWASS_OT_remove_input,
 )
+from ..operators.manage_morph import CONVWASS_OT_select_morph_inputs, active_morph
 from ..properties.morph_inputs import CONVWASS_PG_morph
 from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
@@ -89,7 +90,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         if flat:
             column.prop(settings, "flat_resolution")
             column.prop(settings, "words")
-        else:
+        elif shapes:
             column.prop(settings, "resolution")
 
         progress = context.window_manager.convwass_progress
@@ -103,7 +104,8 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         row.enabled = count >= 2 if needed is None else count == needed
         operator = row.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
         fill_operator(operator, settings, MorphProperties)
-        if needed is not None and count != needed:
+        # Of fewer shapes that are selected the box has told.
+        if needed is not None and count != needed and (count >= 2 or settings.inputs):
             text = iface_("This layout takes {:d} shapes, there are {:d}").format(needed, count)
             draw_wrapped(layout, context, text, "INFO")
 
@@ -130,7 +132,10 @@ def _draw_selection(
     shapes = settings.sorted_shapes([obj for obj in context.selected_objects if is_shape(obj)])
     box = layout.box().column(align=True)
     if len(shapes) < 2:
-        box.label(text="Select two or more shapes", icon="INFO")
+        box.label(text=_hint(settings.layout), icon="INFO", translate=False)
+        # After a bake, whose frame is selected and whose shapes are hidden.
+        if active_morph(context) is not None:
+            box.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
     for index, obj in enumerate(shapes[:_NAMED]):
         box.label(text=obj.name, icon=_icon(obj) if index == 0 else "FORWARD", translate=False)
     if len(shapes) > _NAMED:
@@ -141,6 +146,15 @@ def _draw_selection(
     row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
     column.operator(CONVWASS_OT_add_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
     return shapes
+
+
+def _hint(layout: str) -> str:
+    """Say in the user's language how many shapes a layout takes."""
+    if layout == "GRID":
+        return iface_("Select four shapes")
+    if layout == "TRIANGLE":
+        return iface_("Select three shapes")
+    return iface_("Select two or more shapes")
 
 
 def _icon(obj: bpy.types.Object) -> str:

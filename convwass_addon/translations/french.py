@@ -185,6 +185,8 @@ TEXTS: dict[str, str] = {
     "Select an object of a baked morph": "Sélectionner un objet d'un morphing précalculé",
     "Select at least two shapes": "Sélectionner au moins deux formes",
     "Select meshes, texts, curves, drawings or images to add": "Sélectionner des maillages, des textes, des courbes, des dessins ou des images à ajouter",
+    "Select four shapes": "Sélectionner quatre formes",
+    "Select three shapes": "Sélectionner trois formes",
     "Select two or more shapes": "Sélectionner deux formes ou plus",
     "Set Blur": "Régler le flou",
     "Set Sharpness": "Régler la netteté",

@@ -185,6 +185,8 @@ TEXTS: dict[str, str] = {
     "Select an object of a baked morph": "Ein Objekt eines gebackenen Morphs auswählen",
     "Select at least two shapes": "Mindestens zwei Formen auswählen",
     "Select meshes, texts, curves, drawings or images to add": "Netze, Texte, Kurven, Zeichnungen oder Bilder zum Hinzufügen auswählen",
+    "Select four shapes": "Vier Formen auswählen",
+    "Select three shapes": "Drei Formen auswählen",
     "Select two or more shapes": "Zwei oder mehr Formen auswählen",
     "Set Blur": "Unschärfe setzen",
     "Set Sharpness": "Schärfe setzen",

@@ -165,6 +165,12 @@ def test_no_frames_and_no_folder_are_said(collection, tmp_path):
         as_cache(collection, tmp_path, "usd")
 
 
+def test_a_blender_without_openvdb_is_said_to_be_one(collection, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "openvdb", None)
+    with pytest.raises(InputError, match="this Blender was built without; use another Blender, or Make Cache"):
+        as_volume(collection, tmp_path / "volumes")
+
+
 def test_paths_are_relative_where_the_file_has_a_place(tmp_path):
     assert for_blender(tmp_path / "x.vdb") == str(tmp_path / "x.vdb")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "here.blend"))

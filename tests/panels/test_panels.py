@@ -70,6 +70,38 @@ def test_an_empty_scene_says_what_to_do():
     assert ("label", "Select two or more shapes") in draw_all()
 
 
+@pytest.mark.parametrize(("layout", "wanted"), {"GRID": "four", "TRIANGLE": "three", "BLEND": "two or more"}.items())
+def test_without_a_selection_the_layout_says_how_many_it_takes(layout, wanted):
+    settings().layout = layout
+    drawn = draw(bpy.types.CONVWASS_PT_morph)
+    assert ("label", f"Select {wanted} shapes") in drawn
+    assert "This layout takes" not in " ".join(text for _, text in drawn)
+
+
+def test_without_shapes_there_is_no_resolution():
+    """Flat shapes have another one than solid ones."""
+    drawn = draw(bpy.types.CONVWASS_PT_morph)
+    assert not {("prop", "resolution"), ("prop", "flat_resolution")} & set(drawn)
+    bpy.ops.mesh.primitive_cube_add()
+    assert ("prop", "resolution") in draw(bpy.types.CONVWASS_PT_morph)
+
+
+def test_a_baked_sheet_offers_its_shapes_which_are_hidden(shapes):
+    bpy.ops.mesh.primitive_cone_add(location=(3, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    assert ("operator", "convwass.select_morph_inputs") not in draw_all()
+    settings().layout = "TRIANGLE"
+    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=2, resolution=24, hide_inputs=True)
+    # As after a bake whose objects are shown by something else.
+    bpy.ops.object.select_all(action="DESELECT")
+    drawn = draw(bpy.types.CONVWASS_PT_morph)
+    assert {("label", "Select three shapes"), ("operator", "convwass.select_morph_inputs")} <= set(drawn)
+    bpy.ops.convwass.select_morph_inputs()
+    drawn = draw(bpy.types.CONVWASS_PT_morph)
+    assert {("label", "Cone"), ("label", "Cube"), ("label", "Sphere")} <= set(drawn)
+    assert ("operator", "convwass.select_morph_inputs") not in drawn
+
+
 def test_the_selection_is_named_until_there_is_a_list(shapes):
     assert {("label", "Cube"), ("label", "Sphere"), ("text", "Make a List")} <= set(draw_all())
     bpy.ops.convwass.add_inputs()

@@ -82,7 +82,9 @@ def _openvdb() -> ModuleType:
     try:
         import openvdb
     except ImportError as error:
-        raise InputError("Volumes need Blender 4.5 or newer, which brings OpenVDB along.") from error
+        raise InputError(
+            "Volumes need OpenVDB for Python, which this Blender was built without; use another Blender, or Make Cache."
+        ) from error
     return openvdb
 
 
