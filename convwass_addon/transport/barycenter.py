@@ -15,10 +15,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bregman import BregmanIteration, Potentials
+from .bregman import BregmanIteration
 from .checks import check_entropy_limit, check_sharpness, check_solver, check_weights
 from .domain import LOG_NOTHING, Domain
 from .inputs import Inputs, Level
+from .potentials import Potentials
 from .region import Region
 from .sharpening import entropy
 from .sinkhorn import Monitor

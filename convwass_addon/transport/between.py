@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .barycenter import Barycenter, barycenter
-from .bregman import Potentials
 from .domain import LOG_NOTHING
 from .inputs import Inputs
+from .potentials import Potentials
 from .region import Region
 from .sinkhorn import Monitor
 

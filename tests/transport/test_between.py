@@ -9,8 +9,8 @@ import pytest
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_beside, barycenter_between
-from convwass_addon.transport.bregman import Potentials
 from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.potentials import Potentials
 from convwass_addon.transport.region import Region
 
 GRID = Grid((48, 40), 1.3)
