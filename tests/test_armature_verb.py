@@ -95,7 +95,7 @@ def test_pins_of_the_file_and_settings(tmp_path, asked):
     tube()
     rig = chain(3)
     rig.data.bones["C"].use_deform = False
-    pin_joints(rig, rig_graph(rig), [0], True)
+    pin_joints(rig, rig_graph(rig), [0])
     path = save(tmp_path / "pinned.blend")
     words = ("--blur", "0.005", "--lengths", "alike", "--links", "4", "--slack", "2", "--thickness", "0.1")
     words += ("--placement", "expected")

@@ -54,6 +54,7 @@ APPLICATIONS = {
         "merl": ("read_merl",),
         "lobe_table": ("LobeTable", "incoming_directions", "tabulated"),
         "lobe_interpolation": ("LobeBlend", "InterpolatedLobes"),
+        "lobe_frames": ("lobe_frames", "LobeFrameStep", "LobeFrame", "path_weights"),
         "reflectance_settings": ("ReflectanceSettings",),
         "ggx_fit": ("fit_ggx",),
         "table_files": ("write_table", "read_table"),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
+from .workshop import reason
 
 # Per cent, of JPEG.
 _QUALITY = 95
@@ -40,6 +41,16 @@ class ImageFormat:
     color_depth: str
 
 
+def loaded_image(file: Path) -> bpy.types.Image:
+    """Load an image that is there, for good; raises InputError where Blender cannot read it."""
+    try:
+        return bpy.data.images.load(str(file))
+    except RuntimeError as error:
+        raise InputError(
+            "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)
+        ) from error
+
+
 @contextmanager
 def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
     """Load an image, and remove it afterwards.
@@ -52,10 +63,7 @@ def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
     file = whole_path(path)
     if not file.is_file():
         raise InputError("There is no file {file}.", file=str(file))
-    try:
-        image = bpy.data.images.load(str(file))
-    except RuntimeError as error:
-        raise InputError("{file} could not be read: {reason}", file=str(file), reason=str(error).strip()) from error
+    image = loaded_image(file)
     try:
         yield image
     finally:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keyframes that show an object in some frames and hide it in all others."""
+"""Keyframes: in which frames an object is shown, and how values go from key to key."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
 
 VISIBILITY_PATHS = ("hide_viewport", "hide_render")
+
+EASINGS = {"LINEAR": "LINEAR", "SMOOTH": "SINE"}
+"""How a value goes from key to key, and Blender's word for it."""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import math
 import bpy
 
 from .framing import View, broad_view, orbit
+from .node_trees import own_tree
 from .studio import LENS, opening, pose_matrix, world_points
 
 _ELEVATION = math.radians(16.0)
@@ -41,9 +42,7 @@ def set_up_photograph(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
         scene.collection.objects.link(own)
     scene.camera = camera
     scene.world = bpy.data.worlds.new("Sky")
-    if scene.world.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
-        scene.world.use_nodes = True
-    background = next(node for node in scene.world.node_tree.nodes if node.type == "BACKGROUND")
+    background = next(node for node in own_tree(scene.world).nodes if node.type == "BACKGROUND")
     background.inputs["Color"].default_value = _SKY
     scene.render.engine = "CYCLES"
     scene.cycles.samples = 64

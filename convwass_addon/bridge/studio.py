@@ -20,14 +20,12 @@ from mathutils import Matrix
 from ..disk_room import require_whole
 from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
+from .files import checked_target
 from .framing import Pose, View
+from .studio_set import even_sky, floor_material, floor_mesh
 
-FLOOR_COLOR = (0.85, 0.85, 0.86, 1.0)
 FLOOR_REACH = 60.0
 """Edge of the floor in radii of what stands on it, far enough that no camera here sees its end."""
-
-SKY_BRIGHTNESS = 0.46
-"""The same everywhere: unshadowed floor is then free of noise, however few light paths are followed."""
 
 LENS = 0.24
 """Tangent of half the angle that the camera sees across: a portrait lens."""
@@ -58,7 +56,7 @@ class Studio:
             _set_renderer(self.scene)
             self._camera = self._add("Studio Camera", self._keep(bpy.data.cameras.new("Studio Camera")))
             self.scene.camera = self._camera
-            self.scene.world = self._keep(_sky())
+            self.scene.world = self._keep(even_sky())
         except BaseException:
             self._clear()
             raise
@@ -103,8 +101,8 @@ class Studio:
         low, high = (pick([pick(shape, axis=0) for shape in points], axis=0) for pick in (np.min, np.max))
         middle = np.array([*(low + high)[:2] / 2.0, low[2]])
         radius = float(np.linalg.norm(high - low))
-        mesh = self._keep(_floor(radius * FLOOR_REACH))
-        mesh.materials.append(self._keep(_floor_material()))
+        mesh = self._keep(floor_mesh(radius * FLOOR_REACH))
+        mesh.materials.append(self._keep(floor_material()))
         self._add("Studio Floor", mesh).location = middle
         for name, strength, width, color, turn, elevation in (
             ("Studio Key", 2.45, 24.0, (1.0, 0.97, 0.94), -50.0, 50.0),
@@ -175,20 +173,14 @@ def checked_output(path: str | Path, suffix: str) -> Path:
     Raises
     ------
     InputError
-        The name does not end with `suffix`, or the folder does not exist.
+        As `checked_target`, or the name does not end with `suffix`.
     """
-    path = Path(path).absolute()
-    if path.suffix.lower() != suffix:
+    target = checked_target(Path(path))
+    if target.suffix.lower() != suffix:
         raise InputError(
-            "{name} cannot be written: choose a file name that ends with {suffix}.", name=path.name, suffix=suffix
+            "{name} cannot be written: choose a file name that ends with {suffix}.", name=target.name, suffix=suffix
         )
-    if not path.parent.is_dir():
-        raise InputError(
-            "The folder {folder} does not exist; create it, or choose another one for {name}.",
-            folder=str(path.parent),
-            name=path.name,
-        )
-    return path
+    return target
 
 
 def choose_cycles(scene: bpy.types.Scene) -> None:
@@ -319,40 +311,3 @@ def _set_denoiser(cycles: bpy.types.PropertyGroup) -> None:
     cycles.use_denoising = True
     cycles.denoising_prefilter = "FAST"
     cycles.denoising_quality = "BALANCED"
-
-
-def _sky() -> bpy.types.World:
-    """Make surroundings that shine evenly."""
-    world = bpy.data.worlds.new("Studio Sky")
-    tree = _emptied_tree(world)
-    background = tree.nodes.new("ShaderNodeBackground")
-    background.inputs["Color"].default_value = (*3 * (SKY_BRIGHTNESS,), 1.0)
-    output = tree.nodes.new("ShaderNodeOutputWorld")
-    tree.links.new(background.outputs["Background"], output.inputs["Surface"])
-    return world
-
-
-def _floor(reach: float) -> bpy.types.Mesh:
-    mesh = bpy.data.meshes.new("Studio Floor")
-    corners = [(-reach, -reach, 0.0), (reach, -reach, 0.0), (reach, reach, 0.0), (-reach, reach, 0.0)]
-    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
-    return mesh
-
-
-def _floor_material() -> bpy.types.Material:
-    """Make a matte, nearly white floor."""
-    material = bpy.data.materials.new("Studio Floor")
-    tree = _emptied_tree(material)
-    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = FLOOR_COLOR
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
-    return material
-
-
-def _emptied_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
-    """Return the node tree of a new data-block, without nodes."""
-    if block.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
-        block.use_nodes = True
-    block.node_tree.nodes.clear()
-    return block.node_tree

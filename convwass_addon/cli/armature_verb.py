@@ -14,6 +14,7 @@ from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.armatures.auto_weights import bind_with_weights
+from ..bridge.armatures.fit_notices import short_notice, unweighted_notice
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
 from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph, with_pins
@@ -72,18 +73,15 @@ def _fitted(options: Namespace, settings: SkeletonSettings) -> dict[str, object]
             bar.show(step.fraction, str(step.message))
     found = step.found
     # Before they are moved, for the lengths of their bones.
-    pin_joints(pair.rig, rig, np.flatnonzero(rig.graph.pinned).tolist(), True)
+    pin_joints(pair.rig, rig, np.flatnonzero(rig.graph.pinned).tolist())
     short = move_joints(pair.rig, rig, found.positions)
-    for notice in found.notices:
-        note(notice)
-    if short:
-        note(f"these bones came out without length and are tiny now: {', '.join(short)}")
+    notices = [*found.notices, *short_notice(short)]
     record = _record(pair, rig, found)
     if options.auto_weights:
-        count = bind_with_weights(pair.body, pair.rig)
-        record["unweighted"] = count
-        if count:
-            note(f"automatic weights left {count} of {len(pair.body.data.vertices)} vertices without a bone")
+        record["unweighted"] = bind_with_weights(pair.body, pair.rig)
+        notices += unweighted_notice(record["unweighted"], pair.body)
+    for notice in notices:
+        note(notice)
     return record
 
 

@@ -109,7 +109,13 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
 
 
 def opened_object(source: Source) -> bpy.types.Object:
-    """Open a .blend and return the object meant in it: the one named, or the only mesh there is."""
+    """Open a .blend and return the object meant in it: the one named, or the only mesh there is.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be opened, or no such object, or several meshes of which none is named.
+    """
     open_blend(source.path)
     if source.object_name is not None:
         return object_in_scene(source)

@@ -14,6 +14,7 @@ from .. import extension_id
 from ..applications.flat.flat_frames import FlatStep
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.cluster import cluster_workers
+from ..applications.morphs.computation import Computation
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
 from ..applications.morphs.morph_settings import MorphSettings
@@ -88,7 +89,7 @@ def run_job(
     with cluster as executor, ProgressBar("Morphing") as bar:
         where = {"workers": computing.workers, "executor": executor}
         if computing.between is None:
-            steps = job.steps(cache=computing.cache, wanted=computing.wanted, **where)
+            steps = job.steps(how=Computation(cache=computing.cache, wanted=computing.wanted, **where))
         else:
             steps = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
         for step in steps:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..applications.reflectance.lobe_frames import LobeFrame, blended_frames, path_weights
 from ..applications.reflectance.lobe_interpolation import LobeBlend
 from ..applications.reflectance.lobe_table import LobeTable
 from ..applications.reflectance.materials import AshikhminShirley, BlinnPhong, Ggx, Material
@@ -19,7 +20,6 @@ from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import MOST_ON_PAD, PadSheet, spread_out, way_weights
 from ..bridge.files import checked_target, save_blend
 from ..bridge.reflectance.lobe_files import is_whole, read_whole_table, write_whole_table
-from ..bridge.reflectance.lobe_frames import LobeFrame, blended_frames, path_weights
 from ..bridge.reflectance.lobe_images import write_lobe_exr
 from ..bridge.reflectance.lobe_scene import show_on_balls
 from ..console import ProgressBar

@@ -20,8 +20,11 @@ from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target, save_blend
+from ..bridge.soft_maps.carried_groups import CarriedGroups
+from ..bridge.soft_maps.carried_keys import CarriedKeys
+from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
-from ..bridge.soft_maps.map_transfer import CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
+from ..bridge.soft_maps.map_transfer import TransferEnds
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap

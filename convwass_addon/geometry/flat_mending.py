@@ -131,12 +131,12 @@ def mended_outline(density: NDArray[np.floating], area: float, most: FlatConnect
 
 
 def regions_above(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int32], int]:
-    """Label the cells above a level, joined along their sides; return how many regions there are."""
+    """Label the cells, (nx, ny), above a level, joined along their sides; return how many regions there are."""
     return label(density > level)
 
 
 def holes_below(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int32], int]:
-    """Label the cells that regions surround, joined at their corners too; return how many holes there are."""
+    """Label the cells, (nx, ny), that regions surround, joined at corners too; return how many holes there are."""
     labels, count = label(np.pad(density <= level, 1, constant_values=True), _ALL_AROUND)
     # The first is what is outside.
     return np.maximum(labels[1:-1, 1:-1] - 1, 0), count - 1

@@ -122,7 +122,7 @@ def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: f
 
 
 def level_enclosing(density: NDArray[np.floating], volume: float, shortfall: float = 0.0) -> float:
-    """Estimate the level that :func:`surface_enclosing` looks for; the parameters and errors are the same."""
+    """Estimate the level of a density, (nx, ny, nz), that :func:`surface_enclosing` looks for; errors are the same."""
     density = as_floats(density)
     return _estimated(density, volume + shortfall, _Ranks.of(density, volume))
 

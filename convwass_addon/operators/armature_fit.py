@@ -9,18 +9,20 @@ from collections.abc import Iterator
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..applications.checks import Check
 from ..applications.skeletons.skeleton_fit import FitStep, FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..bridge.armatures.auto_weights import bind_with_weights
+from ..bridge.armatures.fit_notices import posed_notice, short_notice, unweighted_notice
 from ..bridge.armatures.rig_graphs import RigGraph
-from ..bridge.armatures.rigs import is_posed, move_joints, require_movable, resting_body, rig_graph
+from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..errors import InputError
 from ..properties.armatures import FitProperties, chosen_rig
 from ..sentence import Sentence
 from .armature_targets import OnBody
-from .density_job import Check, WritingDensityOperator
+from .mesh_writing import MeshWritingOperator
 from .reporting import tell
 
 
@@ -88,7 +90,7 @@ class FitJob:
         return "" if rig is None else rig.name
 
 
-class CONVWASS_OT_fit_armature(FitProperties, WritingDensityOperator, OnBody, bpy.types.Operator):
+class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.types.Operator):
     """Move the joints of the armature that are not pinned into the body. Names, parents, connections, constraints and weights stay, bones keep the proportions of their lengths, and their roll turns with them"""  # noqa: E501
 
     bl_idname = "convwass.fit_armature"
@@ -132,7 +134,7 @@ class CONVWASS_OT_fit_armature(FitProperties, WritingDensityOperator, OnBody, bp
         if self.auto_weights:
             _require_bindable(body, rig)
         short = move_joints(rig, job.graph, found.positions)
-        warnings = [*found.notices, *_short_notice(short)]
+        warnings = [*found.notices, *short_notice(short)]
         if self.auto_weights:
             warnings += unweighted_notice(bind_with_weights(body, rig), body)
         text = rpt_("{:s} is fitted into {:s}: {:d} of {:d} joints are inside")
@@ -148,42 +150,6 @@ def _require_bindable(body: bpy.types.Object, rig: bpy.types.Object) -> None:
     writable_mesh(body)
     if rig.mode == "EDIT":
         raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=rig.name)
-
-
-def _short_notice(names: list[str]) -> list[Sentence]:
-    if not names:
-        return []
-    return [
-        Sentence(
-            "These bones came out without length and are tiny now: {names}; pin more joints near them.",
-            {"names": ", ".join(names)},
-        )
-    ]
-
-
-def unweighted_notice(count: int, body: bpy.types.Object) -> list[Sentence]:
-    """Say that automatic weights have left vertices out."""
-    if not count:
-        return []
-    return [
-        Sentence(
-            "Automatic weights left {count} of {total} vertices of {object} without a bone; merge doubles, join loose "
-            "parts and remove inner faces, or paint there.",
-            {"count": count, "total": len(body.data.vertices), "object": body.name},
-        )
-    ]
-
-
-def posed_notice(rig: bpy.types.Object) -> list[Sentence]:
-    """Say that what has been fitted is not what is seen, where the rig is posed."""
-    if not is_posed(rig):
-        return []
-    return [
-        Sentence(
-            "{object} is posed, and was fitted at rest, as Edit Mode shows it; clear its pose to see it so.",
-            {"object": rig.name},
-        )
-    ]
 
 
 classes = (CONVWASS_OT_fit_armature,)

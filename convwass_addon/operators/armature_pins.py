@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..bridge.armatures.rigs import clear_pins, pin_joints, pinned_ends, require_movable, rig_graph
+from ..bridge.armatures.rigs import clear_pins, pin_joints, pinned_ends, require_movable, rig_graph, unpin_joints
 from ..errors import ConvwassError
 from ..properties.armatures import chosen_rig
 from .armature_targets import OnRig, chosen_joints, joints_property
@@ -26,7 +26,7 @@ class _PinsJoints(OnRig):
             require_movable(rig)
             graph = rig_graph(rig, only_deforming=False)
             joints = chosen_joints(rig, graph, self.joints)
-            pin_joints(rig, graph, joints, self._pinned)
+            (pin_joints if self._pinned else unpin_joints)(rig, graph, joints)
         except ConvwassError as error:
             return refuse(self, error)
         text = rpt_("Pinned: {:s}") if self._pinned else rpt_("No longer pinned: {:s}")

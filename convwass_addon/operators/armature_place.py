@@ -15,7 +15,7 @@ from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, re
 from ..errors import ConvwassError, InputError
 from ..properties.armatures import chosen_rig, depth_property
 from .armature_targets import OnBody, chosen_joints, joints_property
-from .density_targets import length_text
+from .mesh_targets import length_text
 from .picking import PicksPoints, surface_point_at
 from .reporting import refuse
 
@@ -101,7 +101,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
         positions = graph.graph.positions.copy()
         positions[joint] = found.position
         # Before it is moved, for the lengths of its bones.
-        pin_joints(rig, graph, [joint], True)
+        pin_joints(rig, graph, [joint])
         move_joints(rig, graph, positions)
         text = rpt_("{:s} is pinned {:s} behind the surface")
         self.report({"INFO"}, text.format(name, length_text(context.scene, found.depth)))

@@ -11,6 +11,8 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
+from ..applications.checks import Check
+from ..applications.morphs.computation import Computation
 from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from ..applications.morphs.morph import MorphStep
 from ..bridge.files import absolute_folder
@@ -22,6 +24,7 @@ from ..bridge.morphs.job import MorphJob
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
+from ..bridge.workshop import reason
 from ..errors import InputError
 from ..preferences import preferences
 from ..properties.morphs import MorphProperties
@@ -74,7 +77,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     )
 
     _job: MorphJob | FlatJob | PictureJob
-    _computing: dict[str, object]
+    _computing: Computation
 
     @classmethod
     def poll(cls, context):
@@ -108,7 +111,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         settings = self.solver_settings()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
 
-    def _preferred(self) -> dict[str, object]:
+    def _preferred(self) -> Computation:
         """Return how the preferences want frames to be computed; raises InputError for a folder that cannot be used."""
         preferred = preferences()
         cache = None
@@ -120,9 +123,9 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             except InputError as error:
                 # Nobody has asked for it, so the bake does without.
                 self.report({"WARNING"}, translated(error.sentence))
-        return {"workers": preferred.workers, "cache": cache}
+        return Computation(workers=preferred.workers, cache=cache)
 
-    def _steps(self) -> Callable[[Callable[[], None] | None], Iterator[MorphStep]]:
+    def _steps(self) -> Callable[[Check | None], Iterator[MorphStep]]:
         return partial(_steps_of, self._job, self._computing)
 
     def _title(self) -> str:
@@ -165,11 +168,11 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return {"FINISHED"}
 
     def _cache_notices(self) -> list[Sentence]:
-        cache = self._computing["cache"]
+        cache = self._computing.cache
         return [] if cache is None else cache.notices
 
     def _summary(self, name: str, count: int) -> str:
-        cache = self._computing["cache"]
+        cache = self._computing.cache
         if cache is None or not cache.reused:
             made = {
                 "CURVE": rpt_("{:s}: {:d} curves"),
@@ -190,14 +193,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         try:
             getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
-            self.report({"WARNING"}, str(error).strip().removeprefix("Error: "))
+            self.report({"WARNING"}, str(reason(error)))
 
 
-def _steps_of(
-    job: MorphJob, computing: dict[str, object], check: Callable[[], None] | None = None
-) -> Iterator[MorphStep]:
+def _steps_of(job: MorphJob, computing: Computation, check: Check | None = None) -> Iterator[MorphStep]:
     """Return the steps of a bake; previews are for those who can look at them and stop it."""
-    return job.steps(check, previews=check is not None, **computing)
+    return job.steps(check, Computation(computing.workers, cache=computing.cache, previews=check is not None))
 
 
 classes = (CONVWASS_OT_bake_morph,)

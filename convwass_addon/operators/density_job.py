@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..applications.checks import Check
 from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import Surface, blur_notice, density_surface
@@ -17,12 +18,11 @@ from ..bridge.surfaces import read_surface
 from ..errors import InputError
 from ..sentence import Sentence
 from .background import BackgroundOperator
+from .mesh_writing import MeshWritingOperator
 from .object_job import ObjectJob
 
 # Share of a job that making the surface takes, as the progress tells it.
 _SURFACE_SHARE = 0.1
-
-Check = Callable[[], None]
 
 
 @dataclass(frozen=True)
@@ -119,24 +119,8 @@ class DensityOperator(BackgroundOperator):
         return self._job.steps
 
 
-class WritingDensityOperator(DensityOperator):
+class WritingDensityOperator(DensityOperator, MeshWritingOperator):
     """An operator of such work that ends with something written to the mesh."""
-
-    def _waits_for(self, context):
-        if self._job.is_edited:
-            return Sentence("Done; leave Edit Mode to get the result")
-        return self._waits_for_stroke(context)
-
-    def _waits_for_stroke(self, context: bpy.types.Context) -> Sentence | None:
-        """Say so while the user has the mouse down."""
-        running = getattr(context.window, "modal_operators", ())
-        if any(operator.bl_idname.startswith(_HOLDING_THE_MESH) for operator in running):
-            return Sentence("Done; the result comes after this stroke")
-        return None
-
-
-# While these run, Blender holds on to the mesh.
-_HOLDING_THE_MESH = ("PAINT_OT_", "SCULPT_OT_", "TRANSFORM_OT_", "MESH_OT_")
 
 
 def slack_notices(frames: DensityFrames) -> list[Sentence]:

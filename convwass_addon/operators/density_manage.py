@@ -14,6 +14,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from numpy.typing import NDArray
 
+from ..applications.checks import Check
 from ..bridge.densities.density_attributes import stored_frames
 from ..bridge.densities.density_images import ImageSettings, write_step_images
 from ..bridge.densities.density_material import growth_material, heat_material
@@ -22,12 +23,12 @@ from ..bridge.densities.density_outputs import show_heat_colors, write_step_colo
 from ..bridge.densities.density_player import density_modifier, remove_density
 from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
+from ..bridge.workshop import reason
 from ..errors import ConvwassError, InputError
 from ..properties.densities import LIMITS, OutputProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .density_changes import changed_inputs
-from .density_job import Check
 from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
 from .reporting import refuse
@@ -237,7 +238,7 @@ class CONVWASS_OT_rebake_density(OnDensity, bpy.types.Operator):
         except ConvwassError as error:
             return refuse(self, error)
         except RuntimeError as error:
-            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            self.report({"ERROR"}, str(reason(error)))
             return {"CANCELLED"}
         if changed:
             self.report({"INFO"}, rpt_("Changed since it was made: {:s}").format(", ".join(changed)))

@@ -13,6 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from numpy.typing import NDArray
 
+from ..applications.checks import Check
 from ..applications.densities.density_measures import (
     MEASURING_SUBSTEPS,
     DensityDistance,
@@ -29,9 +30,10 @@ from ..errors import InputError
 from ..properties.densities import SurfaceProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
-from .density_job import Check, DensityJob, DensityOperator, FoundStep, WritingDensityOperator
+from .density_job import DensityJob, DensityOperator, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
-from .density_targets import OnGroups, OnMesh, chosen_pair, ignored_notice, length_text, out_of_edit_mode
+from .density_targets import OnGroups, OnMesh, chosen_pair
+from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
 from .reporting import tell
 
 

@@ -14,6 +14,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, FloatProperty
 from numpy.typing import NDArray
 
+from ..applications.checks import Check
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import diffused, sharpened, sharpened_by, unit_mass
 from ..applications.densities.surface_densities import Surface, density_figures, distribution, heat_map
@@ -21,17 +22,10 @@ from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
 from ..properties.densities import length_property, radius_property, share_property
 from ..sentence import Sentence
-from .density_job import Check, DensityJob, FoundStep, WritingDensityOperator
+from .density_job import DensityJob, FoundStep, WritingDensityOperator
 from .density_pick import OnVertices
-from .density_targets import (
-    OnGroups,
-    OnMesh,
-    chosen_group,
-    group_property,
-    ignored_notice,
-    length_text,
-    out_of_edit_mode,
-)
+from .density_targets import OnGroups, OnMesh, chosen_group, group_property
+from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
 from .reporting import tell
 
 # Of the surface's width: what a density is spread by where no length is given.

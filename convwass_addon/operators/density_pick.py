@@ -10,7 +10,7 @@ from bpy.props import StringProperty
 
 from ..errors import InputError
 from .background import BackgroundOperator
-from .density_targets import numbered_vertices, selected_vertices
+from .mesh_targets import numbered_vertices, selected_vertices
 from .picking import PicksPoints, vertex_at
 
 

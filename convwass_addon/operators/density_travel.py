@@ -12,6 +12,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, StringProperty
 
+from ..applications.checks import Check
 from ..applications.densities.density_graphs import propagation_steps
 from ..applications.densities.density_paths import blend_steps, path_steps
 from ..applications.densities.surface_densities import Surface, heat_map
@@ -24,9 +25,10 @@ from ..bridge.vertex_groups import group_names, read_groups, require_unlocked, w
 from ..errors import InputError
 from ..properties.densities import PathProperties, TravelProperties
 from .density_changes import marks_of
-from .density_job import Check, DensityJob, WritingDensityOperator, slack_notices
+from .density_job import DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops
-from .density_targets import OnGroups, ignored_notice
+from .density_targets import OnGroups
+from .mesh_targets import ignored_notice
 from .reporting import tell
 
 _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})

@@ -15,6 +15,7 @@ from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
+from ..bridge.workshop import reason
 from ..errors import ConvwassError
 from ..properties.morphs import stored_arguments
 from .background import is_idle
@@ -137,7 +138,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         except ConvwassError as error:
             return refuse(self, error)
         except RuntimeError as error:
-            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            self.report({"ERROR"}, str(reason(error)))
             return {"CANCELLED"}
         return {"FINISHED"}
 

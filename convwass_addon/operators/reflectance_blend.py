@@ -4,20 +4,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
+from ..applications.checks import Check
+from ..applications.reflectance.lobe_frames import LobeFrame, LobeFrameStep, lobe_frames
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import spread_out
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
 from ..bridge.reflectance.glossy_materials import GlossyMaterial, read_glossy
 from ..bridge.reflectance.lobe_files import is_whole, write_whole_table
-from ..bridge.reflectance.lobe_frames import LobeFrame, LobeFrameStep, lobe_frames
 from ..bridge.reflectance.lobe_images import write_lobe_exr
 from ..bridge.reflectance.lobe_materials import FittedLook, fitted_material, lobe_material, mixed
 from ..bridge.reflectance.material_pad import material_pad
@@ -58,7 +59,7 @@ class ReflectanceJob:
         self._sun = None if sun is None else Handle.of("objects", sun)
         self.found: list[LobeFrame] = []
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[LobeFrameStep]:
+    def steps(self, check: Check | None = None) -> Iterator[LobeFrameStep]:
         """Yield the steps of the work; whoever runs them checks between them."""
         for step in lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings):
             if check is not None:

@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..applications.reflectance.lobe_frames import path_weights
 from ..applications.reflectance.weight_sheets import PadSheet, way_weights
 from ..bridge.keyframes import curves_of
-from ..bridge.reflectance.lobe_frames import path_weights
 from ..errors import InputError
 from ..properties.light import MATERIALS, ReflectanceProperties
 

@@ -13,6 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
+from ..applications.checks import Check
 from ..applications.soft_maps.map_extension import DOUBTFUL
 from ..applications.soft_maps.map_repair import repaired_map
 from ..applications.soft_maps.map_sides import MapSide
@@ -26,8 +27,7 @@ from ..errors import ConvwassError, InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from ..sentence import Sentence
 from .background import BackgroundOperator
-from .density_job import Check
-from .density_targets import ignored_notice
+from .mesh_targets import ignored_notice
 from .reporting import refuse, tell
 from .soft_map_job import RepairJob, SoftMapJob, equal_groups
 from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices

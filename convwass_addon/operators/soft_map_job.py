@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import bpy
 
+from ..applications.checks import Check
 from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.map_solving import SoftMapStep
 from ..applications.soft_maps.surface_maps import SurfaceMap
@@ -18,7 +19,6 @@ from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, 
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
-from .density_job import Check
 from .soft_map_targets import StoredWay
 
 Solve = Callable[[MapSide, MapSide, "Check | None"], Iterator[SoftMapStep]]

@@ -13,8 +13,8 @@ from bpy.props import IntProperty, StringProperty
 from ..bridge.soft_maps.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
 from ..errors import ConvwassError, InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties
-from .density_targets import selected_vertices
 from .lists import ACTIVE, index_property, taken_off
+from .mesh_targets import selected_vertices
 from .reporting import listed, refuse
 from .soft_map_pick import PicksPair, require_free
 from .soft_map_targets import OnMapObjects, one_selected

@@ -16,7 +16,7 @@ from ..bridge.soft_maps.soft_map_store import MapState, has_soft_map, map_state,
 from ..errors import InputError
 from ..sentence import Sentence
 from .background import is_idle
-from .density_targets import out_of_edit_mode, selected_vertices
+from .mesh_targets import out_of_edit_mode, selected_vertices
 
 # Others hold on to the mesh.
 _MODES = frozenset({"OBJECT", "PAINT_WEIGHT", "PAINT_VERTEX", "EDIT_MESH", "POSE"})

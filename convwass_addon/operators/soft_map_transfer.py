@@ -12,15 +12,19 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
+from ..applications.checks import Check
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.soft_maps.map_transfer import Carried, CarriedColors, CarriedGroups, CarriedKeys, CarriedUvs, TransferEnds
+from ..bridge.soft_maps.carried_groups import CarriedGroups
+from ..bridge.soft_maps.carried_keys import CarriedKeys
+from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
+from ..bridge.soft_maps.map_transfer import Carried, TransferEnds
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import InputError
 from ..properties.soft_maps import TRANSFERRED, TransferProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
-from .density_job import Check, WritingDensityOperator
+from .mesh_writing import MeshWritingOperator
 from .object_job import ObjectJob
 from .reporting import listed, tell
 from .soft_map_job import require_same_mesh
@@ -87,7 +91,7 @@ class TransferJob(ObjectJob):
         return obj
 
 
-class CONVWASS_OT_transfer(TransferProperties, WritingDensityOperator, OnStoredMap, bpy.types.Operator):
+class CONVWASS_OT_transfer(TransferProperties, MeshWritingOperator, OnStoredMap, bpy.types.Operator):
     """Carry vertex groups, shape keys, UV maps or color attributes from one object to the other along the stored soft map"""  # noqa: E501
 
     bl_idname = "convwass.transfer"
@@ -117,6 +121,9 @@ class CONVWASS_OT_transfer(TransferProperties, WritingDensityOperator, OnStoredM
         # Attributes of what is being edited cannot be read.
         with edit_mode_left(context):
             return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver)))
+
+    def _steps(self):
+        return self._job.steps
 
     def _ends(self, way: StoredWay, giver: bpy.types.Object, receiver: bpy.types.Object) -> TransferEnds:
         return TransferEnds(

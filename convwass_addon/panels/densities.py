@@ -35,12 +35,12 @@ from ..operators.density_stops import (
     CONVWASS_OT_move_density_stop,
     CONVWASS_OT_remove_density_stop,
 )
-from ..operators.density_targets import length_text
 from ..operators.density_travel import (
     CONVWASS_OT_blend_densities,
     CONVWASS_OT_interpolate_density,
     CONVWASS_OT_propagate_densities,
 )
+from ..operators.mesh_targets import length_text
 from ..properties.densities import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 

@@ -98,7 +98,6 @@ TEXTS: dict[str, str] = {
     "The folder {folder} cannot be made ({reason}); choose another one.": "Le dossier {folder} ne peut pas être créé ({reason}) ; en choisir un autre.",
     "The folder {folder} cannot be made; choose another one.": "Le dossier {folder} ne peut pas être créé ; en choisir un autre.",
     "The folder {folder} cannot be written to; choose another one.": "Impossible d'écrire dans le dossier {folder} ; en choisir un autre.",
-    "The folder {folder} does not exist; create it, or choose another one for {name}.": "Le dossier {folder} n'existe pas ; le créer, ou en choisir un autre pour {name}.",
     "The folder {folder} does not exist; make it first, or choose another one.": "Le dossier {folder} n'existe pas ; le créer d'abord, ou en choisir un autre.",
     "The folder {path} lies beside the .blend file: save that first, or give a whole path.": "Le dossier {path} se trouve à côté du fichier .blend : l'enregistrer d'abord, ou donner un chemin complet.",
     "The frames asked for must lie between 0 and {last}.": "Les images demandées doivent être comprises entre 0 et {last}.",

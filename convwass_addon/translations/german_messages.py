@@ -98,7 +98,6 @@ TEXTS: dict[str, str] = {
     "The folder {folder} cannot be made ({reason}); choose another one.": "Der Ordner {folder} kann nicht angelegt werden ({reason}); einen anderen wählen.",
     "The folder {folder} cannot be made; choose another one.": "Der Ordner {folder} kann nicht angelegt werden; einen anderen wählen.",
     "The folder {folder} cannot be written to; choose another one.": "In den Ordner {folder} kann nicht geschrieben werden; einen anderen wählen.",
-    "The folder {folder} does not exist; create it, or choose another one for {name}.": "Den Ordner {folder} gibt es nicht; ihn anlegen, oder einen anderen für {name} wählen.",
     "The folder {folder} does not exist; make it first, or choose another one.": "Den Ordner {folder} gibt es nicht; ihn erst anlegen, oder einen anderen wählen.",
     "The folder {path} lies beside the .blend file: save that first, or give a whole path.": "Der Ordner {path} liegt neben der .blend-Datei: diese erst speichern, oder einen ganzen Pfad angeben.",
     "The frames asked for must lie between 0 and {last}.": "Die verlangten Bilder müssen zwischen 0 und {last} liegen.",

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.mirror_maps import mirror_map_steps, mirrored_pairs
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.applications.soft_maps.transfer_shapes import transferred_shapes
+from convwass_addon.applications.soft_maps.transfer_shapes import ShapeCarrier
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import turn
@@ -48,7 +48,7 @@ def test_left_goes_right_and_shape_keys_with_it():
     assert away[900:].max() < 0.25
     right, left = (np.clip(sign * mesh.vertices[:, :1] - 0.1, 0, None) for sign in (1, -1))
     key, expected = right * [0.1, 0.3, 0.2], left * [-0.1, 0.3, 0.2]
-    (offsets,) = transferred_shapes(found.forward, posed, (key @ rotation.T)[None], posed)
+    offsets = ShapeCarrier.of(found.forward, posed, posed).carried(key @ rotation.T)
     miss = np.linalg.norm(offsets - expected @ rotation.T)
     assert miss < 0.25 * np.linalg.norm(expected)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.reflectance.ggx_fit import fit_ggx
+from convwass_addon.applications.reflectance.lobe_frames import path_weights
 from convwass_addon.applications.reflectance.lobe_interpolation import LobeBlend, blend_weights, linear_lobes
 from convwass_addon.applications.reflectance.lobe_lookup import half_angle_table, reflectance_at
 from convwass_addon.applications.reflectance.lobe_table import (
@@ -220,3 +221,9 @@ def test_what_cannot_be_looked_up_is_refused():
         half_angle_table(grain)
     with pytest.raises(InputError, match="other directions"):
         LobeBlend([grain, tabulated(Ggx(0.4, 0.1), incoming_directions(3, 2), 8)], QUICK)
+
+
+def test_a_path_goes_through_all_materials():
+    np.testing.assert_allclose(path_weights(3, 2), [[1, 0], [0.5, 0.5], [0, 1]])
+    np.testing.assert_allclose(path_weights(5, 3)[[1, 2]], [[0.5, 0.5, 0], [0, 1, 0]])
+    np.testing.assert_allclose(path_weights(7, 4).sum(axis=1), 1.0)

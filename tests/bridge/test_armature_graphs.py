@@ -13,7 +13,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from mathutils import Euler, Matrix, Vector
 
-from convwass_addon.bridge.armatures.armature_graphs import armature_graph, move_armature_joints, note_rest
+from convwass_addon.bridge.armatures.armature_graphs import armature_graph
+from convwass_addon.bridge.armatures.joint_moves import move_armature_joints
+from convwass_addon.bridge.armatures.rig_bones import note_rest
 from convwass_addon.bridge.armatures.rigs import (
     clear_pins,
     is_posed,
@@ -22,6 +24,7 @@ from convwass_addon.bridge.armatures.rigs import (
     require_movable,
     resting_body,
     rig_graph,
+    unpin_joints,
     with_pins,
 )
 from convwass_addon.errors import InputError
@@ -282,7 +285,7 @@ def test_constraints_and_weights_are_left_alone():
 
 def pin(obj, *names):
     rig = rig_graph(obj)
-    pin_joints(obj, rig, [rig.joint(name) for name in names], True)
+    pin_joints(obj, rig, [rig.joint(name) for name in names])
 
 
 def test_a_pin_is_of_a_joint_whichever_end_it_is_named_after():
@@ -291,7 +294,7 @@ def test_a_pin_is_of_a_joint_whichever_end_it_is_named_after():
     assert pinned_ends(obj) == ["Spine.head", "Foot.L.tail"]
     rig = rig_graph(obj)
     assert [rig.graph.names[joint] for joint in np.flatnonzero(rig.graph.pinned)] == ["Spine.head", "Foot.L.tail"]
-    pin_joints(obj, rig, [rig.joint("Leg.L.head")], False)
+    unpin_joints(obj, rig, [rig.joint("Leg.L.head")])
     assert pinned_ends(obj) == ["Foot.L.tail"]
     clear_pins(obj)
     assert pinned_ends(obj) == []

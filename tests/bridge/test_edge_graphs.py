@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.armatures.edge_graphs import PINNED, edge_graph
-from convwass_addon.bridge.armatures.rigs import clear_pins, is_posed, move_joints, pin_joints, pinned_ends, rig_graph
+from convwass_addon.bridge.armatures.rigs import (
+    clear_pins,
+    is_posed,
+    move_joints,
+    pin_joints,
+    pinned_ends,
+    rig_graph,
+    unpin_joints,
+)
 from convwass_addon.errors import InputError
 from tests.rigs import lines
 
@@ -42,10 +50,10 @@ def test_joints_and_pins_in_either_mode(path, mode):
     bpy.ops.object.mode_set(mode=mode)
     rig = rig_graph(path)
     assert pinned_ends(path) == []
-    pin_joints(path, rig, [rig.joint("0"), rig.joint("3")], True)
+    pin_joints(path, rig, [rig.joint("0"), rig.joint("3")])
     assert pinned_ends(path) == ["0", "3"]
     assert rig_graph(path).graph.pinned.tolist() == [True, False, True]
-    pin_joints(path, rig, [0], False)
+    unpin_joints(path, rig, [0])
     assert pinned_ends(path) == ["3"]
     wanted = rig.graph.positions + np.array([(0, 0, 1), (0, 2, 0), (3, 0, 0)])
     assert move_joints(path, rig, wanted) == []
@@ -91,4 +99,4 @@ def test_an_attribute_of_that_name_may_be_the_users(path):
     path.data.attributes.new(PINNED, "FLOAT", "POINT")
     assert pinned_ends(path) == []
     with pytest.raises(InputError, match="Pinned is an attribute of other values already"):
-        pin_joints(path, rig_graph(path), [0], True)
+        pin_joints(path, rig_graph(path), [0])

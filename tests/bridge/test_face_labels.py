@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.imports import import_objects
@@ -134,7 +135,7 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
     extents = {}
     for parts in ("none", "vertex-groups"):
         job = job_of(bare_scene, depsgraph, objects, parts)
-        for step in job.steps(workers=1):
+        for step in job.steps(how=Computation(workers=1)):
             job.write(step)
             if step.frame and step.frame.mesh:
                 extents[parts] = np.ptp(step.frame.mesh.bounds, axis=0)[2]
@@ -147,7 +148,7 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
 def test_a_job_says_what_it_left_out(bare_scene, make_object, depsgraph):
     objects = [halved(make_object, "A"), halved(make_object, "B", "top", "belly")]
     job = job_of(bare_scene, depsgraph, objects, "vertex-groups")
-    for step in job.steps(workers=1):
+    for step in job.steps(how=Computation(workers=1)):
         job.write(step)
     assert [str(notice) for notice in job.notices] == [
         "belly is not on every shape and travels with the rest.",

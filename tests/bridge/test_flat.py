@@ -11,6 +11,7 @@ from mathutils import Euler, Matrix
 
 from convwass_addon.applications.flat.flat_pieces import filled_by
 from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.bridge.flat.choosing import asks_for_flat
 from convwass_addon.bridge.flat.flat_curves import mesh_of, write_curves
@@ -340,7 +341,7 @@ def test_a_job_that_is_stopped_keeps_what_is_finished():
             raise Cancelled("Cancelled.")
 
     with pytest.raises(Cancelled):
-        for step in job.steps(check, workers=1):
+        for step in job.steps(check, Computation(workers=1)):
             job.write(step)
             frames += step.frame is not None
     collection = job.finish(hide_inputs=False)

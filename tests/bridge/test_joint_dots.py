@@ -28,7 +28,7 @@ def test_pinned_and_free_joints_in_every_mode():
     obj = chain(2)
     obj.location = (0, 0, 1)
     bpy.context.view_layer.update()
-    pin_joints(obj, rig_graph(obj), [0], True)
+    pin_joints(obj, rig_graph(obj), [0])
     for mode in ("OBJECT", "EDIT", "POSE"):
         bpy.ops.object.mode_set(mode=mode)
         assert places(obj, True) == [(0, 0, 1)]
@@ -52,14 +52,14 @@ def test_posed_bones_are_followed_and_hidden_ones_have_none():
 
 def test_vertices_of_edges():
     obj = lines([(0, 0, 0), (1, 0, 0)], [(0, 1)])
-    pin_joints(obj, rig_graph(obj), [1], True)
+    pin_joints(obj, rig_graph(obj), [1])
     assert (places(obj, True), places(obj, False)) == ([(1, 0, 0)], [(0, 0, 0)])
 
 
 def test_drawing(monkeypatch):
     """What is drawn where, by a stand-in for the graphics card."""
     obj, drawn = chain(2), []
-    pin_joints(obj, rig_graph(obj), [0], True)
+    pin_joints(obj, rig_graph(obj), [0])
     monkeypatch.setattr(joint_dots, "location_3d_to_region_2d", lambda region, view, point: Vector(point[:2]))
     monkeypatch.setattr(joint_dots, "fill_discs", lambda centers, radius, color: drawn.append((len(centers), color)))
     monkeypatch.setattr(joint_dots.gpu.state, "blend_set", lambda mode: None)

@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.applications.reflectance.lobe_lookup import half_angle_table
+from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH, half_angle_table
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.table_pictures import _directions_of, table_of_picture, table_picture
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
 from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table
-from convwass_addon.bridge.reflectance.lobe_frames import path_weights
-from convwass_addon.bridge.reflectance.lobe_images import HEIGHT, WIDTH, read_lobe_exr, write_lobe_exr, write_table_exr
+from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr, write_lobe_exr, write_table_exr
 from convwass_addon.bridge.reflectance.lobe_materials import FittedLook, Frames, fitted_material, lobe_material
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH
 from convwass_addon.errors import InputError
@@ -294,12 +293,6 @@ def test_the_size_of_a_picture_says_how_many_directions_there_are(half_rows, cou
     rows = 2 * half_rows
     height = count * rows + math.ceil(count / (4 * rows))
     assert _directions_of(4 * rows, height) == count
-
-
-def test_a_path_goes_through_all_materials():
-    np.testing.assert_allclose(path_weights(3, 2), [[1, 0], [0.5, 0.5], [0, 1]])
-    np.testing.assert_allclose(path_weights(5, 3)[[1, 2]], [[0.5, 0.5, 0], [0, 1, 0]])
-    np.testing.assert_allclose(path_weights(7, 4).sum(axis=1), 1.0)
 
 
 def test_the_matte_color_is_an_input():

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.looks import Carried, Painted, Plain, Seen, Textured
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -74,7 +75,7 @@ def bake(scene, inputs, steps=2, **settings):
 
     depsgraph = bpy.context.evaluated_depsgraph_get()
     job = MorphJob(scene, depsgraph, inputs, path_blends(2, steps), MorphSettings(32, **settings), {}, 1)
-    for step in job.steps(workers=1):
+    for step in job.steps(how=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
 
@@ -283,7 +284,7 @@ def test_a_bake_that_is_discarded_leaves_nothing(bare_scene, make_object, depsgr
     inputs = [add_shape(make_object, name, ball(points=300), material(name)) for name in "AB"]
     before = inventory()
     job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32), {}, 1)
-    for step in job.steps(workers=1):
+    for step in job.steps(how=Computation(workers=1)):
         job.write(step)
     job.discard()
     assert inventory() == before

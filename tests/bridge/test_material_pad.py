@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.weight_sheets import PadSheet, pad_weights, spread_out
-from convwass_addon.bridge.reflectance.lobe_images import HEIGHT, WIDTH
 from convwass_addon.bridge.reflectance.lobe_materials import FittedLook
 from convwass_addon.bridge.reflectance.material_pad import SIDE, material_pad
 from convwass_addon.bridge.reflectance.pad_materials import PLACE, pad_fitted_material, pad_lobe_material

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.carrying import rates_of
@@ -36,7 +37,7 @@ def bake_a_moving_ball(scene, make_object, fps, fps_base=1.0, places=(-DISTANCE 
         {},
         1,
     )
-    for step in job.steps(workers=1):
+    for step in job.steps(how=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
 

@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.palettes import lookup_table
+from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.merl import read_merl
 from convwass_addon.applications.reflectance.table_pictures import table_of_picture, table_picture
 from convwass_addon.bridge.reflectance.lobe_images import (
-    HEIGHT,
-    WIDTH,
     read_lobe_exr,
     read_table_exr,
     write_lobe_exr,

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
+from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.runs import RUN_LENGTH
 from convwass_addon.drafts import _drop_old
 from tests.applications.test_frame_cache import assert_same
@@ -58,15 +58,6 @@ def test_two_processes_fill_one_cache(project, tmp_path, uninterrupted):
     assert [child.wait() for child in children] == [0, 0]
     assert_same(bake(FrameCache(tmp_path)), uninterrupted)
     assert len(list(tmp_path.glob("*"))) == FRAMES + 1
-
-
-def test_what_killed_bakes_were_about_to_write_is_dropped_after_a_day(tmp_path):
-    old, new = tmp_path / ".old.part", tmp_path / ".new.part"
-    for path in (old, new):
-        path.write_bytes(b"half")
-    os.utime(old, (0, 0))
-    SpareFrameCache(tmp_path, 1 << 20)
-    assert not old.exists() and new.exists()
 
 
 def killed(project, name, folder, step):

@@ -11,6 +11,7 @@ from types import MethodType, SimpleNamespace
 import bpy
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
@@ -251,7 +252,7 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
         depsgraph = bpy.context.evaluated_depsgraph_get()
         shapes = bpy.context.selected_objects
         baking = job.MorphJob(bpy.context.scene, depsgraph, shapes, blends, MorphSettings(resolution=32), {}, 1)
-        baking.steps(previews=True)
+        baking.steps(how=Computation(previews=True))
         assert asked["looked_at"] == expected
 
 

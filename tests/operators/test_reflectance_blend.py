@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT
 from convwass_addon.applications.reflectance.table_files import read_table
-from convwass_addon.bridge.reflectance.lobe_images import HEIGHT, read_lobe_exr
+from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
 from tests.lights import only, principled

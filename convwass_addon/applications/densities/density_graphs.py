@@ -17,13 +17,14 @@ from scipy.sparse.csgraph import connected_components
 from ...errors import InputError
 from ...sentence import Sentence
 from ...transport import Surface, propagate
+from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, record
 from .density_memory import check_frames_memory
 from .density_pieces import on_same_pieces
 from .density_preparing import preparing_levels
 from .density_settings import DensitySettings
-from .density_solving import Check, monitor_of, reachable
+from .density_solving import reachable
 from .surface_densities import distribution
 
 

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from ...sentence import Sentence
 from ...transport import Interpolation, Surface, bisection, interpolate
+from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, record
 from .density_settings import DensitySettings
-from .density_solving import Check, monitor_of, reachable
+from .density_solving import reachable
 
 # Halvings of the way that no bisection gets to.
 _ENDLESS = 64

@@ -15,11 +15,12 @@ from ...sentence import Sentence
 from ...transport import Surface
 from ...transport.distance import distance_matrix_steps, distance_rounds
 from ...transport.stepwise import RoundsDone
+from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityStep
 from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
 from .density_preparing import preparing
-from .density_solving import Check, monitor_of, reachable
+from .density_solving import reachable
 from .surface_densities import distribution
 
 # On surfaces of so many vertices, progress is told after every round.
@@ -231,7 +232,13 @@ def distance_table_steps(
     max_iterations: int = 1000,
     check: Check | None = None,
 ) -> Iterator[DistanceTableStep]:
-    """Yield a step after every few pairs, the last one with what :func:`distance_table` returns."""
+    """Yield a step after every few pairs, the last one with what :func:`distance_table` returns.
+
+    Raises
+    ------
+    InputError
+        As :func:`distance_table`.
+    """
     if len(weights) < 2:
         raise InputError("There must be at least two groups to measure between; paint one more.")
     densities = np.stack([distribution(w, surface, name) for w, name in zip(weights, names, strict=True)])

@@ -17,13 +17,14 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ...transport import Surface, barycenter, interpolate
 from ...transport.sharpening import entropy, entropy_between
+from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, comparable, record
 from .density_legs import Leg
 from .density_memory import check_frames_memory
 from .density_preparing import preparing_levels
 from .density_settings import DensitySettings
-from .density_solving import Check, monitor_of, reachable
+from .density_solving import reachable
 
 
 def interpolation_steps(

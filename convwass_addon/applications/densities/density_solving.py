@@ -1,23 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all solves of densities have in common: they can be stopped, and say why they cannot work."""
+"""What all solves of densities have in common: they say why they cannot work."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from ...errors import InputError
 from ...transport import KernelTooNarrowError, Surface
 from .surface_densities import blur_of
-
-Check = Callable[[], None]
-"""Called between iterations; what it raises (:class:`.errors.Cancelled`) ends the work."""
-
-
-def monitor_of(check: Check | None) -> Callable[[int, int, float], None] | None:
-    """Turn a check into what solvers call once per iteration."""
-    return None if check is None else lambda *_: check()
 
 
 @contextmanager

@@ -14,8 +14,8 @@ from ...transport import Surface
 from ...transport.pieces import PieceMasses
 from ...transport.sharpening import entropy, sharpening_exponent
 from ...transport.sinkhorn import log_density
+from ..checks import Check
 from ..workers import one_blas_thread
-from .density_solving import Check
 from .surface_densities import distribution
 
 # Beyond this many widths of the surface nothing changes any more, and numbers leave float64.
@@ -125,7 +125,12 @@ def sharpened_by(
 ) -> NDArray[np.float64]:
     """Sharpen a density, (n,), until it covers `share` of the area that it has covered, 0 < share <= 1.
 
-    The area is that of the even density of the same entropy; errors as :func:`sharpened`.
+    The area is that of the even density of the same entropy.
+
+    Raises
+    ------
+    InputError
+        A share outside of these bounds, or as :func:`sharpened`.
     """
     if not 0 < share <= 1:
         raise InputError("The share of the area to keep must lie between 0 and 1, got {share:.3g}.", share=share)

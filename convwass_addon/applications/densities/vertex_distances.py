@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...sentence import Sentence
 from ...transport import Surface, point_distances
+from ..checks import Check
 from ..workers import one_blas_thread
-from .density_solving import Check
 from .density_tools import check_vertices
 from .surface_densities import HeatMap, blur_of, heat_map
 

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ...errors import InputError
 from ...sentence import Sentence
+from ..checks import Check
 from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
 from ..morphs.runs import as_solved, runs_in_threads, runs_of
@@ -26,7 +27,7 @@ def flat_morph(
     names: Sequence[str],
     blends: Sequence[Blend],
     settings: FlatSettings,
-    check: Callable[[], None] | None = None,
+    check: Check | None = None,
     *,
     workers: int | None = None,
     wanted: range | None = None,

@@ -7,7 +7,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import time
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
@@ -25,8 +24,6 @@ from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .parts import FaceLabels
 
-# Seconds after which a draft is nobody's any more.
-_ABANDONED = 24 * 3600.0
 _ROOMS = ("transport", "geometry", "applications")
 
 
@@ -133,12 +130,6 @@ class SpareFrameCache(FrameCache):
 
 def _drop_oldest(folder: Path, most_bytes: int) -> None:
     """Delete the frames that were written first until the others fit; what another program holds open stays."""
-    long_ago = time.time() - _ABANDONED
-    # What a bake that was killed was about to write.
-    for path in folder.glob(".*.part"):
-        with suppress(OSError):
-            if path.lstat().st_mtime < long_ago:
-                path.unlink()
     found = []
     for path in folder.glob("*.frame"):
         with suppress(OSError):

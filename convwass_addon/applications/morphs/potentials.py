@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...transport import Barycenter
-from ...transport.bregman import Potentials
 from ...transport.domain import LOG_NOTHING
+from ...transport.potentials import Potentials
 from ...transport.region import Region
 
 

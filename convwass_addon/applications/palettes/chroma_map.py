@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...transport import Grid, barycenter, distance, transport_map
+from ..checks import Check, monitor_of
 from .interpolation import interpolated
 from .palette_statistics import BINS, REACH
 
@@ -55,12 +56,12 @@ def chroma_domain() -> Grid:
 
 
 def chroma_barycenter(
-    histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], check: Callable[[], None] | None = None
+    histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], check: Check | None = None
 ) -> NDArray[np.float64]:
     """Return the debiased barycenter of histograms, (BINS, BINS), of sum 1."""
     domain = chroma_domain()
     found = barycenter(
-        np.array(histograms), weights, domain, sharpness=1.0, tolerance=_TOLERANCE, monitor=_monitor(check)
+        np.array(histograms), weights, domain, sharpness=1.0, tolerance=_TOLERANCE, monitor=monitor_of(check)
     )
     return found.density / found.density.sum()
 
@@ -69,7 +70,7 @@ def chroma_map(
     source: NDArray[np.float64],
     target: NDArray[np.float64],
     smoothing: float = 1.0,
-    check: Callable[[], None] | None = None,
+    check: Check | None = None,
 ) -> ChromaMap:
     """Solve for the map from one histogram to another.
 
@@ -84,10 +85,15 @@ def chroma_map(
         Standard deviation in bins over which the map is averaged, weighted by the source.
     check : callable, optional
         Called in every round; what it raises ends the solve.
+
+    Returns
+    -------
+    ChromaMap
+        (2, BINS, BINS) shifts of a and b.
     """
     domain = chroma_domain()
     plans = [
-        distance(source, other, domain, debias=False, tolerance=_TOLERANCE, monitor=_monitor(check))
+        distance(source, other, domain, debias=False, tolerance=_TOLERANCE, monitor=monitor_of(check))
         for other in (target, source)
     ]
     images = [transport_map(plan.log_w, domain) for plan in plans]
@@ -113,7 +119,3 @@ def _smoothed(shifts: NDArray[np.float64], weights: NDArray[np.float64], sigma: 
     if not done.all():
         found[:, ~done] = (weights * shifts).sum(axis=(1, 2), keepdims=True)[:, 0] / weights.sum()
     return found
-
-
-def _monitor(check: Callable[[], None] | None) -> Callable[[int, int, float], None] | None:
-    return None if check is None else lambda _cells, _iteration, _error: check()

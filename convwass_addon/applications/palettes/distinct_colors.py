@@ -50,7 +50,7 @@ def present_flags() -> NDArray[np.bool_]:
 
 
 def distinct_colors(present: NDArray[np.bool_]) -> DistinctColors:
-    """Return the colors whose flags are set."""
+    """Return the colors whose flags, (2^24,), are set."""
     keys = np.flatnonzero(present)
     ranks = np.empty(_COUNT, dtype=np.int32)
     ranks[keys] = np.arange(len(keys), dtype=np.int32)

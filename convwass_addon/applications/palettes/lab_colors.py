@@ -19,7 +19,7 @@ _END, _SLOPE = 216.0 / 24389.0, 24389.0 / 27.0
 
 
 def linear_of_srgb(encoded: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Undo the transfer function of sRGB; negative values go along its straight part."""
+    """Undo the transfer function of sRGB for values in any shape; negative ones go along its straight part."""
     curved = np.maximum(encoded, 0.04045)
     curved += 0.055
     curved *= 1.0 / 1.055
@@ -29,7 +29,10 @@ def linear_of_srgb(encoded: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def srgb_of_linear(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Apply the transfer function of sRGB; values above 1 go on along its curve, negative ones along its line."""
+    """Apply the transfer function of sRGB to values in any shape.
+
+    Those above 1 go on along its curve, negative ones along its line.
+    """
     curved = np.maximum(linear, 0.0031308)
     np.power(curved, 1.0 / 2.4, out=curved)
     curved *= 1.055

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...drafts import written_whole
 from ...errors import InputError
+from ..checks import Check
 from .interpolation import interpolated
 from .lab_colors import linear_of_srgb, srgb_of_linear
 from .recoloring import Recoloring
@@ -84,9 +84,7 @@ def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
     return LookupTable(np.ascontiguousarray(np.moveaxis(found, 0, -1)), np.zeros(3), np.ones(3))
 
 
-def write_cube(
-    table: LookupTable, path: Path, title: str = "Convwass", check: Callable[[], None] | None = None
-) -> None:
+def write_cube(table: LookupTable, path: Path, title: str = "Convwass", check: Check | None = None) -> None:
     """Write a table as a .cube file, red fastest; the file is there whole or not at all.
 
     Parameters

@@ -14,6 +14,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import Check
 from ..workers import frame_workers
 from .distinct_colors import LEVELS, color_keys, distinct_colors, present_flags
 from .lookup_table import LookupTable
@@ -55,7 +56,7 @@ def recolored_blocks(
     change: Recoloring | LookupTable,
     mask: NDArray[np.float32] | None,
     out: NDArray[np.float32],
-    check: Callable[[], None] | None = None,
+    check: Check | None = None,
     workers: int | None = None,
 ) -> Iterator[float]:
     """Recolor an image, and yield the share that is done.
@@ -103,7 +104,7 @@ class _Crew:
 
     executor: Executor
     threads: int
-    check: Callable[[], None] | None
+    check: Check | None
 
     def run(
         self, work: Callable[[Block], None], blocks: Sequence[Block], begun: float, ended: float

@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..checks import Check
 
 # The quickest that still compresses; with differences of rows it comes out smaller than what Blender writes.
 _LEVEL = 1
@@ -18,7 +19,7 @@ _RGB, _RGBA = 2, 6
 _ROWS_AT_ONCE = 64
 
 
-def png_bytes(pixels: NDArray[np.float32], check: Callable[[], None] | None = None) -> bytes:
+def png_bytes(pixels: NDArray[np.float32], check: Check | None = None) -> bytes:
     """Return a PNG file of 8 bits a channel; with an alpha where a pixel is not opaque.
 
     Parameters

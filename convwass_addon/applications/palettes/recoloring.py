@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..checks import Check
 from .chroma_map import ChromaMap, chroma_barycenter, chroma_map
 from .lab_colors import lab_of_linear, linear_of_lab
 from .lightness_curve import LightnessCurve, lightness_curve
@@ -91,7 +92,7 @@ def recoloring(
     targets: Sequence[Palette],
     weights: Sequence[float] | None = None,
     settings: RecolorSettings | None = None,
-    check: Callable[[], None] | None = None,
+    check: Check | None = None,
 ) -> Recoloring:
     """Solve for the map that carries a palette to another one, or to the barycenter of several.
 
@@ -127,7 +128,7 @@ def recoloring(
 
 
 def palette_barycenter(
-    palettes: Sequence[Palette], weights: Sequence[float] | None = None, check: Callable[[], None] | None = None
+    palettes: Sequence[Palette], weights: Sequence[float] | None = None, check: Check | None = None
 ) -> Palette:
     """Return the barycenter of palettes: debiased in a and b, in closed form in L.
 

@@ -101,7 +101,13 @@ class LobeBlend:
 
     @classmethod
     def of(cls, materials: Sequence[Material], settings: ReflectanceSettings) -> LobeBlend:
-        """Tabulate materials; for several azimuths where any of them has a grain."""
+        """Tabulate materials; for several azimuths where any of them has a grain.
+
+        Raises
+        ------
+        InputError
+            Fewer than two materials, or more than four.
+        """
         if not _FEWEST <= len(materials) <= _MOST:
             raise InputError("Choose two to four materials, not {count}.", count=len(materials))
         grainless = all(material.is_isotropic for material in materials)

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .lobe_table import LobeTable
 
+WIDTH, HEIGHT = 256, 64
+"""Texels of one table as pictures hold it: half angles along X, difference angles along Y."""
+
 # Azimuths of the light around the half vector that a texel is averaged over; the other half is the mirror image.
 _AZIMUTHS = 16
 
@@ -78,7 +81,7 @@ def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float
     return result[:, None] * table.albedo[index]
 
 
-def half_angle_table(table: LobeTable, height: int = 64, width: int = 256) -> NDArray[np.float32]:
+def half_angle_table(table: LobeTable, height: int = HEIGHT, width: int = WIDTH) -> NDArray[np.float32]:
     """Tabulate a material by the half and the difference angle (Rusinkiewicz 1998), for a picture that shaders read.
 
     Parameters

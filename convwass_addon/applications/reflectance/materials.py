@@ -70,7 +70,13 @@ class Ggx:
 
     @classmethod
     def principled(cls, roughness: float, anisotropic: float = 0.0, color: Color = WHITE) -> Ggx:
-        """Make a material of the values of Blender's Principled BSDF."""
+        """Make a material of the values of Blender's Principled BSDF.
+
+        Raises
+        ------
+        InputError
+            A roughness or an anisotropy that is not from 0 to 1.
+        """
         if not 0 <= roughness <= 1:
             raise InputError("The roughness of a material must be a positive number, 1 at most.")
         if not 0 <= anisotropic <= 1:

@@ -103,6 +103,17 @@ def checked_table(
 ) -> LobeTable:
     """Make a table of what a file of this name holds, if it can be one.
 
+    Parameters
+    ----------
+    theta, phi : (d,) float64
+        Of the incoming directions, in radians.
+    lobes : (d, rows, 4 rows) float64
+        One for each.
+    albedo : (d, 3) float64
+        Red, green and blue.
+    name : str
+        Of the file.
+
     Raises
     ------
     InputError

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...geometry.inner_balls import inner_balls
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
-from ..densities.density_solving import Check
+from ..checks import Check
 from ..far_meshes import refuse_far
 from .skeleton_bodies import SkeletonBody, skeleton_body
 from .skeleton_carrying import between_pins, carried

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...geometry.mean_value import mean_value_coordinates, positive_coordinates
 from ...transport import KernelTooNarrowError, Propagation, Surface, propagate
 from ...transport.sharpening import entropy
-from ..densities.density_solving import Check, monitor_of
+from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .skeleton_bodies import SkeletonBody
 from .skeleton_graph import JointGraph

@@ -49,7 +49,10 @@ def light_of(image: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def great_circle(first: NDArray[np.float64], second: NDArray[np.float64], time: float) -> NDArray[np.float64]:
-    """Return the unit vector on the great circle from one to another; of opposite ones, over the highest point."""
+    """Return the unit vector, (3,), on the great circle from one to another at a time from 0 to 1.
+
+    Between opposite ones it goes over the highest point.
+    """
     angle = 2.0 * np.arctan2(np.linalg.norm(first - second), np.linalg.norm(first + second))
     if angle < 1e-9:
         return first

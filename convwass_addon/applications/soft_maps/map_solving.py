@@ -18,7 +18,7 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface
 from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
-from ..densities.density_solving import Check, monitor_of
+from ..checks import Check, monitor_of
 from ..far_meshes import refuse_far
 from ..workers import one_blas_thread
 from .coarse_sides import CoarseSide, coarse_side

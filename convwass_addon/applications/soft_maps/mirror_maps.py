@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ..densities.density_solving import Check
+from ..checks import Check
 from .map_pairs import checked_pairs
 from .map_sides import MapSide
 from .map_solving import SoftMapStep, soft_map_steps

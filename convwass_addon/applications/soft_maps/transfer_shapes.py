@@ -9,12 +9,11 @@ what bends an arm of one figure bends that of the other, wherever it points and 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 
 from ...errors import InputError
@@ -23,7 +22,6 @@ from ...geometry.edge_energy import EdgeEnergy
 from ...geometry.factorization import factorize
 from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
-from ..densities.density_solving import Check
 from .map_frames import MapFrames, map_frames, nearest_turns
 from .surface_maps import PointMap
 from .transfer import check_giver
@@ -33,49 +31,6 @@ from .transfer import check_giver
 _HELD = 0.05
 # An offset below this share of the largest is none.
 _STILL = 1e-6
-
-
-def transferred_shapes(
-    points: PointMap, giver: TriangleMesh, offsets: ArrayLike, receiver: TriangleMesh, check: Check | None = None
-) -> NDArray[np.float64]:
-    """Return shape keys for another mesh.
-
-    Parameters
-    ----------
-    points : PointMap
-        Of the mesh that receives.
-    giver : TriangleMesh
-        The mesh that gives, without any shape key. It may be in another pose than the one that the map was made with,
-        as long as its faces are the same.
-    offsets : (k, n, 3)
-        For every shape key by how much it moves each vertex of the giver.
-    receiver : TriangleMesh
-        The mesh that receives, likewise; offsets are in its space.
-    check : callable, optional
-        Called between keys; what it raises ends the work.
-
-    Returns
-    -------
-    (k, m, 3) float64
-        By how much each vertex of the receiver moves; not at all where it has no point, or its point stays.
-
-    Raises
-    ------
-    InputError
-        Offsets that do not belong to the giver's vertices, or a map of another mesh.
-    """
-    given = np.asarray(offsets, dtype=np.float64)
-    if given.ndim != 3:
-        raise InputError("A shape key must have three numbers for every vertex.")
-    carrier = ShapeCarrier.of(points, giver, receiver)
-    return np.stack(list(_carried(carrier, given, check))) if len(given) else np.zeros((0, len(points), 3))
-
-
-def _carried(carrier: ShapeCarrier, offsets: NDArray[np.float64], check: Check | None) -> Iterator[NDArray[np.float64]]:
-    for own in offsets:
-        if check is not None:
-            check()
-        yield carrier.carried(own)
 
 
 @dataclass(frozen=True)

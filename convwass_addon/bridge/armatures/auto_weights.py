@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ...errors import InputError
+from ..workshop import reason
 
 
 def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
@@ -40,7 +41,7 @@ def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
             "{body} could not be bound to {rig}: {reason}",
             body=body.name,
             rig=rig.name,
-            reason=str(error).strip().removeprefix("Error: "),
+            reason=reason(error),
         ) from error
     return unweighted(body, rig)
 

@@ -13,8 +13,7 @@ import bpy
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
 from ..blend_files import appended_objects, open_blend
-from ..imports import BLEND, READERS, Source, checked_file, import_objects
-from ..workshop import reason
+from ..imports import BLEND, READERS, Source, checked_file, import_objects, run_importer
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ def open_body_and_rig(body: Source, rig: Source) -> BodyAndRig:
         Files or objects that cannot be used.
     """
     for source in (body, rig):
-        checked_file(source.path, None, (*READERS, BLEND))
+        checked_file(source.path, [source.object_name] if source.object_name else None, (*READERS, BLEND))
     opened = next((source.path for source in (body, rig) if _is_blend(source)), None)
     if opened is None:
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -148,19 +147,6 @@ def _appended(source: Source) -> list[bpy.types.Object]:
 
 def _read(source: Source) -> list[bpy.types.Object]:
     """Read a file into the scene and return what it brought."""
-    if source.object_name:
-        raise InputError(
-            "{file}: objects can be named in {suffix} files only; leave the name out.",
-            file=source.path.name,
-            suffix=BLEND,
-        )
     before = set(bpy.data.objects)
-    try:
-        READERS[source.path.suffix.lower()](str(whole_path(source.path)))
-    except RuntimeError as error:
-        raise InputError(
-            "{file} could not be read; is it damaged? Blender says: {reason}",
-            file=source.path.name,
-            reason=reason(error),
-        ) from error
+    run_importer(READERS[source.path.suffix.lower()], whole_path(source.path))
     return [obj for obj in bpy.data.objects if obj not in before]

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ..objects import triangle_mesh
-from .armature_graphs import SIDES, armature_graph, forget_rest, move_armature_joints, note_rest
+from .armature_graphs import armature_graph
 from .edge_graphs import edge_graph, move_edge_joints, pin_vertices, pinned_vertices
+from .joint_moves import move_armature_joints
+from .rig_bones import SIDES, forget_rest, note_rest
 from .rig_graphs import RigGraph
 
 KINDS = ("ARMATURE", "MESH")
@@ -85,14 +87,23 @@ def move_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np.floa
     return []
 
 
-def pin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int], pinned: bool) -> None:
-    """Pin joints of a rig where they are, or let go of them; bones keep the lengths that they have had so far."""
+def pin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int]) -> None:
+    """Pin joints of a rig where they are; bones keep the lengths that they have had so far."""
+    if obj.type == "ARMATURE":
+        note_rest(obj)
+    _set_pins(obj, rig, joints, True)
+
+
+def unpin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int]) -> None:
+    """Let go of joints of a rig."""
+    _set_pins(obj, rig, joints, False)
+
+
+def _set_pins(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int], pinned: bool) -> None:
     chosen = [rig.ends[joint] for joint in joints]
     if obj.type != "ARMATURE":
         pin_vertices(obj, [int(own[0]) for own in chosen], pinned)
         return
-    if pinned:
-        note_rest(obj)
     bones = obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
     for own in chosen:
         for end in own:

@@ -10,6 +10,7 @@ import bpy
 
 from ..heat_map import fill_ramp
 from ..node_math import math_node
+from ..node_trees import own_tree
 from .density_nodes import NAME
 
 ROUGHNESS = 0.55
@@ -112,9 +113,7 @@ def growth_material(
 def _new(title: str) -> tuple[bpy.types.Material, bpy.types.Node]:
     """Make a material with a single shader, and return both."""
     material = bpy.data.materials.new(title)
-    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = own_tree(material)
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     principled = tree.nodes.new("ShaderNodeBsdfPrincipled")

@@ -95,8 +95,8 @@ def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     return names
 
 
-def show_heat_colors(obj: bpy.types.Object, name: str = NAME, shown: bool = True) -> None:
-    """Let the color attribute of a played density show its heat map at every frame, or no longer.
+def show_heat_colors(obj: bpy.types.Object, name: str = NAME) -> None:
+    """Let the color attribute of a played density show its heat map at every frame.
 
     Solid viewports show it under Viewport Shading > Color > Attribute, without any material.
 
@@ -108,13 +108,10 @@ def show_heat_colors(obj: bpy.types.Object, name: str = NAME, shown: bool = True
     mesh = writable_mesh(obj)
     choice = node_input(density_modifier(obj, name), COLORS)
     own = color_name(name)
-    if shown:
-        # Viewports look for the name in the mesh itself; the modifier fills in the colors.
-        _write_color(obj, own, heat_colors(np.zeros(len(mesh.vertices))))
-        _show(mesh, own)
-    elif own in mesh.color_attributes:
-        mesh.attributes.remove(mesh.attributes[own])
-    choice.set(shown)
+    # Viewports look for the name in the mesh itself; the modifier fills in the colors.
+    _write_color(obj, own, heat_colors(np.zeros(len(mesh.vertices))))
+    _show(mesh, own)
+    choice.set(True)
     density_value(obj, name).modifier.id_data.update_tag()
 
 

@@ -17,8 +17,8 @@ from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ..keyframes import EASINGS
 from ..mesh_checks import writable_mesh
-from ..morphs.player import EASINGS
 from ..node_inputs import NodeInput, node_input
 from .density_attributes import remove_color, remove_frames, require_free, write_frames
 from .density_nodes import DENSITY_KEY, NAME, VALUE, density_tree, fill
@@ -62,7 +62,7 @@ def animate_density(
     keys : sequence of DensityKey
         The animation. None are set where it is empty.
     easing : str
-        One of `EASINGS`: how the value goes from key to key.
+        One of `keyframes.EASINGS`: how the value goes from key to key.
     description : StoredDensity, optional
         What the object shall remember; times and scale are filled in here.
 

@@ -13,8 +13,9 @@ import numpy as np
 from mathutils import Matrix
 
 from ...errors import InputError
+from ..image_files import loaded_image
 from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
-from ..workshop import reason, workshop
+from ..workshop import workshop
 
 TEXT = "text:"
 """What a word begins with."""
@@ -62,12 +63,7 @@ def _text_object(word: str) -> bpy.types.Object:
 def _picture(path: Path) -> bpy.types.Object:
     """Make an empty that shows an image."""
     file = checked_file(path, None, PICTURES)
-    try:
-        image = bpy.data.images.load(str(file))
-    except RuntimeError as error:
-        raise InputError(
-            "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)
-        ) from error
+    image = loaded_image(file)
     obj = bpy.data.objects.new(file.stem, None)
     obj.empty_display_type, obj.data = "IMAGE", image
     return _linked(obj)

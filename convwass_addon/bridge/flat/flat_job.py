@@ -4,17 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import get_args
 
 import bpy
 
+from ...applications.checks import Check
 from ...applications.flat.flat_frames import FlatStep
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
-from ...applications.morphs.frame_cache import FrameCache
+from ...applications.morphs.computation import Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...sentence import Sentence
@@ -69,22 +69,11 @@ class FlatJob(WritesFlatFrames):
         bake = PencilBake if self.kind == "DRAWING" else FlatBake
         self._bake = bake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
 
-    def steps(
-        self,
-        check: Callable[[], None] | None = None,
-        *,
-        workers: int | None = None,
-        executor: Executor | None = None,
-        cache: FrameCache | None = None,
-        wanted: range | None = None,
-        previews: bool = False,
-    ) -> Iterator[FlatStep]:
-        """Compute, and touch nothing of Blender; see :func:`.flat_morph.flat_morph`.
-
-        Frames of flat shapes are there soon: they are neither cached nor sent to other machines, nor previewed.
-        """
+    def steps(self, check: Check | None = None, how: Computation | None = None) -> Iterator[FlatStep]:
+        """Compute, and touch nothing of Blender; see :func:`.flat_morph.flat_morph`."""
+        how = how or Computation()
         steps = flat_morph(
-            self._shapes, self._names, self._blends, self._settings, check, workers=workers, wanted=wanted
+            self._shapes, self._names, self._blends, self._settings, check, workers=how.workers, wanted=how.wanted
         )
         # Curves are fitted here, not while the window waits for objects to be made.
         for step in steps:

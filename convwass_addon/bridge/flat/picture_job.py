@@ -4,18 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
+from ...applications.checks import Check
 from ...applications.flat.flat_frames import FlatStep
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
 from ...applications.flat.gray_pictures import PictureMaker
-from ...applications.morphs.frame_cache import FrameCache
+from ...applications.morphs.computation import Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...sentence import Sentence
@@ -69,17 +69,9 @@ class PictureJob(WritesFlatFrames):
         stored = {**settings.as_dict(), **options, "flat": True}
         self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs, replaces)
 
-    def steps(
-        self,
-        check: Callable[[], None] | None = None,
-        *,
-        workers: int | None = None,
-        executor: Executor | None = None,
-        cache: FrameCache | None = None,
-        wanted: range | None = None,
-        previews: bool = False,
-    ) -> Iterator[FlatStep]:
+    def steps(self, check: Check | None = None, how: Computation | None = None) -> Iterator[FlatStep]:
         """Compute, and touch nothing of Blender; see :meth:`.flat_job.FlatJob.steps`."""
+        how = how or Computation()
         shapes = [own.shape for own in self._inputs]
         count = len(shapes)
         alone = [Blend(tuple(float(other == own) for other in range(count))) for own in range(count)]
@@ -91,7 +83,7 @@ class PictureJob(WritesFlatFrames):
         grounds = np.array([own.ground for own in self._inputs])
         maker = PictureMaker(shapes, grounds, ends, self._grays)
         for step in flat_morph(
-            shapes, self._names, self._blends, self._settings, check, workers=workers, wanted=wanted
+            shapes, self._names, self._blends, self._settings, check, workers=how.workers, wanted=how.wanted
         ):
             if step.frame is None:
                 yield step

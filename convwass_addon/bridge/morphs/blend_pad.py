@@ -15,6 +15,7 @@ import numpy as np
 
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
+from ..pad_handles import pad_handle
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import colored, colored_materials, seen_materials
 from .stand_ins import adopt, homes, require_none, set_shown
@@ -108,7 +109,8 @@ def make_blend_pad(collection: bpy.types.Collection) -> BlendPad:
     # Its right edge and its lower one.
     corner = np.array([sheet.points[:, 0].max(), 0.0, sheet.points[:, 2].min()])
     pad.location = sheet.feet[0] - (GAP + 0.5) * np.array([sheet.size, 0.0, 0.0]) - corner
-    handle = _linked(home, _handle(sheet, pad))
+    # It begins in the middle.
+    handle = _linked(home, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
     for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
         _linked(home, drawn)
     result = _linked(home, _result(sheet, pad, handle))
@@ -195,21 +197,6 @@ def _pad(sheet: _Sheet) -> bpy.types.Object:
     mesh = bpy.data.meshes.new("Blend Pad")
     mesh.from_pydata(sheet.points.tolist(), edges.tolist(), [])
     return _only_drawn(bpy.data.objects.new(mesh.name, mesh))
-
-
-def _handle(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
-    """Make the empty, in the middle; it cannot be dragged out of the pad's bounds."""
-    handle = bpy.data.objects.new("Blend Handle", None)
-    handle.empty_display_type, handle.empty_display_size = "SPHERE", 0.06 * sheet.side
-    handle.show_in_front, handle.parent = True, pad
-    handle.lock_location[1] = True
-    limit = handle.constraints.new("LIMIT_LOCATION")
-    limit.owner_space, limit.use_transform_limit = "LOCAL", True
-    for axis, low, high in zip("xyz", sheet.points.min(axis=0), sheet.points.max(axis=0), strict=True):
-        for end, value in (("min", low), ("max", high)):
-            setattr(limit, f"use_{end}_{axis}", True)
-            setattr(limit, f"{end}_{axis}", value)
-    return handle
 
 
 def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:

@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 
 import bpy
 
+from ...applications.checks import Check
 from ...applications.morphs.between_frames import between_frames
+from ...applications.morphs.computation import Computation
 from ...applications.morphs.frame_cache import FrameCache
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph import MorphStep, morph
@@ -83,17 +85,9 @@ class MorphJob:
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, moves)
         self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
 
-    def steps(
-        self,
-        check: Callable[[], None] | None = None,
-        *,
-        workers: int | None = None,
-        executor: Executor | None = None,
-        cache: FrameCache | None = None,
-        wanted: range | None = None,
-        previews: bool = False,
-    ) -> Iterator[MorphStep]:
+    def steps(self, check: Check | None = None, how: Computation | None = None) -> Iterator[MorphStep]:
         """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
+        how = how or Computation()
         steps = morph(
             self._shapes,
             self._names,
@@ -101,11 +95,11 @@ class MorphJob:
             self._settings,
             check,
             labels=self._labels,
-            workers=workers,
-            executor=executor,
-            cache=cache,
-            wanted=wanted,
-            previews=previews,
+            workers=how.workers,
+            executor=how.executor,
+            cache=how.cache,
+            wanted=how.wanted,
+            previews=how.previews,
             looked_at=self._looked_at,
         )
         return steps if self._carrying is None else self._carrying.looked_up(steps)
@@ -115,7 +109,7 @@ class MorphJob:
         path: Sequence[Blend],
         numbers: Sequence[float],
         cache: FrameCache,
-        check: Callable[[], None] | None = None,
+        check: Check | None = None,
         *,
         workers: int | None = None,
         executor: Executor | None = None,

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 
 import bpy
 
+from ..node_trees import own_tree
+
 MATERIAL_NAME = "Convwass Morph"
 
 _CARRIES_KEY = "convwass_carries"
@@ -191,9 +193,7 @@ def _principled(material: bpy.types.Material) -> bpy.types.Node | None:
 
 def _wire(material: bpy.types.Material) -> None:
     """Let the object's color be the base color."""
-    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = own_tree(material)
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     principled = tree.nodes.new("ShaderNodeBsdfPrincipled")

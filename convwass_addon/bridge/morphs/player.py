@@ -14,7 +14,9 @@ import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
 
 from ...errors import InputError
+from ..keyframes import EASINGS
 from ..node_inputs import NodeInput, node_input
+from ..node_math import math_node
 from ..sequence import (
     MODIFIER,
     along_x,
@@ -43,9 +45,6 @@ PLAYBACKS = {"ONCE": "Once", "LOOP": "Loop", "PING_PONG": "Ping-Pong"}
 OVERRIDE = "Override Material"
 MATERIAL = "Material"
 
-EASINGS = {"LINEAR": "LINEAR", "SMOOTH": "SINE"}
-"""How the value goes from shape to shape, and Blender's word for it."""
-
 
 def make_player(
     collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR"
@@ -63,7 +62,7 @@ def make_player(
     playback : str
         One of `PLAYBACKS`; to be changed later in the modifier.
     easing : str
-        One of `EASINGS`.
+        One of `keyframes.EASINGS`.
 
     Returns
     -------
@@ -233,7 +232,7 @@ def _played(
     tree.links.new(value, outside.inputs["A"])
     tree.links.new(clamped.outputs["Result"], outside.inputs["B"])
     # A value that is neither, the last shape's, is kept: it would wrap to the first shape.
-    wrapped = _math(tree, "WRAP", value, last, 0.0)
+    wrapped = math_node(tree, "WRAP", value, last, 0.0)
     looped = tree.nodes.new("GeometryNodeSwitch")
     looped.input_type = "FLOAT"
     tree.links.new(outside.outputs["Result"], looped.inputs["Switch"])
@@ -247,23 +246,11 @@ def _played(
         item.name = text
     for text in texts[len(menu.enum_items) :]:
         menu.enum_items.new(text)
-    bounced = _math(tree, "PINGPONG", value, last)
+    bounced = math_node(tree, "PINGPONG", value, last)
     for text, source in zip(texts, (clamped.outputs["Result"], looped.outputs["Output"], bounced), strict=True):
         tree.links.new(source, menu.inputs[text])
     tree.links.new(playback, menu.inputs["Menu"])
     return menu.outputs["Output"]
-
-
-def _math(
-    tree: bpy.types.NodeTree, operation: str, value: bpy.types.NodeSocket, *numbers: float
-) -> bpy.types.NodeSocket:
-    """Return the result of an operation on a value and up to two numbers."""
-    node = tree.nodes.new("ShaderNodeMath")
-    node.operation = operation
-    tree.links.new(value, node.inputs[0])
-    for place, number in enumerate(numbers, 1):
-        node.inputs[place].default_value = number
-    return node.outputs[0]
 
 
 def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int, easing: str) -> None:

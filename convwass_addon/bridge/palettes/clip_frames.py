@@ -67,7 +67,13 @@ class ClipFrames:
 
     @property
     def image(self) -> bpy.types.Image:
-        """The copy that frames are read into; made again where undoing has removed it."""
+        """The copy that frames are read into; made again where undoing has removed it.
+
+        Raises
+        ------
+        InputError
+            The image itself is gone.
+        """
         found = None if self._copy is None else self._copy.find()
         if found is None:
             original = self._original.find()

@@ -15,7 +15,7 @@ from ...applications.reflectance.merl import read_merl
 from ...applications.reflectance.reflectance_settings import ReflectanceSettings
 from ...applications.reflectance.table_files import read_table, write_table
 from ...errors import InputError
-from .lobe_images import HEIGHT, WIDTH, holds_whole_table, read_lobe_exr, read_table_exr, write_table_exr
+from .lobe_images import holds_whole_table, read_lobe_exr, read_table_exr, write_table_exr
 
 WHOLE = (".npz", ".lobes.exr")
 """How names of files end that hold whole tables."""
@@ -51,9 +51,9 @@ def read_lobe_file(path: Path) -> list[NDArray[np.float32]]:
     if kind == ".exr" and not holds_whole_table(path):
         return read_lobe_exr(path)
     if kind in (".npz", ".exr"):
-        return [half_angle_table(read_whole_table(path), HEIGHT, WIDTH)]
+        return [half_angle_table(read_whole_table(path))]
     if kind == ".binary":
         default = ReflectanceSettings()
         table = tabulated(read_merl(path), incoming_directions(default.incoming, 1), default.rows)
-        return [half_angle_table(table, HEIGHT, WIDTH)]
+        return [half_angle_table(table)]
     raise InputError("{name} is no table of highlights; those end in .exr, .npz or .binary.", name=path.name)

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...applications.reflectance.lobe_lookup import HEIGHT, WIDTH
 from ...applications.reflectance.lobe_table import LobeTable
 from ...applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
 from ...applications.whole_paths import whole_path
@@ -19,9 +20,6 @@ from ...errors import InputError
 from ..files import checked_target
 from ..image_files import opened_image
 from .exr_header import exr_size
-
-WIDTH, HEIGHT = 256, 64
-"""Texels of one table: half angles along X, difference angles along Y."""
 
 # No lobe that a table can hold is brighter; a file that says so is none.
 _LARGEST = 1e9
@@ -54,7 +52,7 @@ def fill_image(image: bpy.types.Image, values: NDArray[np.float32]) -> None:
 
 
 def write_lobe_exr(path: Path, tables: Sequence[NDArray[np.float32]]) -> Path:
-    """Write tables as one OpenEXR file of 32-bit floats, stacked as in the image; whole or not at all.
+    """Write tables, (64, 256, 3) each, as one OpenEXR file of 32-bit floats, stacked as in the image; whole or not.
 
     Raises
     ------

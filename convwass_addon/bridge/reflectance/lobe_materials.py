@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.reflectance.materials import Ggx
 from ..keyframes import curves_of, make_linear
+from ..node_trees import own_tree
 from .lobe_images import lobe_image
 from .lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH, lobe_group
 
@@ -136,9 +137,7 @@ def emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTre
     found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None)
     material = next(found, None) or bpy.data.materials.new(name)
     material[RESULT_OF] = own
-    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = own_tree(material)
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
     images = _images_of(tree)
     tree.animation_data_clear()

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from ...applications.reflectance.lobe_lookup import HEIGHT
 from ..node_math import math_node
-from .lobe_images import HEIGHT
 
 GROUP = "Interpolated Lobe"
 """Name of the node group."""

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import bpy
 
+from ...applications.reflectance.lobe_frames import LobeFrame
 from ...applications.reflectance.weight_sheets import PadSheet
-from .lobe_frames import LobeFrame
 from .lobe_materials import FittedLook, Frames, fitted_material, lobe_material
 from .material_pad import material_pad
 from .pad_materials import pad_fitted_material, pad_lobe_material

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..pad_handles import pad_handle
+
 PAD_OF = "convwass_material_pad"
 """Custom property of the empty of a pad: which blend it drives."""
 
@@ -87,7 +89,8 @@ def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], si
     lattice = _lattice(corners)
     lattice.location = scene.cursor.location
     home.objects.link(lattice)
-    handle = _handle(corners, lattice)
+    handle = pad_handle("Material Handle", _HANDLE, corners, lattice)
+    handle.location = corners.mean(axis=0)
     handle[PAD_OF] = name
     home.objects.link(handle)
     for material, corner in zip(materials, corners, strict=True):
@@ -117,22 +120,6 @@ def _lattice(corners: np.ndarray) -> bpy.types.Object:
     lattice = bpy.data.objects.new(mesh.name, mesh)
     lattice.hide_render = True
     return lattice
-
-
-def _handle(corners: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
-    """Make the empty, in the middle of the corners; it cannot be dragged out of the pad's bounds."""
-    handle = bpy.data.objects.new("Material Handle", None)
-    handle.empty_display_type, handle.empty_display_size = "SPHERE", _HANDLE
-    handle.show_in_front, handle.parent = True, lattice
-    handle.location = corners.mean(axis=0)
-    handle.lock_location[1] = True
-    limit = handle.constraints.new("LIMIT_LOCATION")
-    limit.owner_space, limit.use_transform_limit = "LOCAL", True
-    for axis, low, high in zip("xyz", corners.min(axis=0), corners.max(axis=0), strict=True):
-        for end, value in (("min", low), ("max", high)):
-            setattr(limit, f"use_{end}_{axis}", True)
-            setattr(limit, f"{end}_{axis}", value)
-    return handle
 
 
 def _label(name: str, corner: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:

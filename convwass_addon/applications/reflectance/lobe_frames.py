@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that a material between others is made of, step by step; nothing here touches the file."""
+"""All that a material between others is made of, step by step."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.reflectance.ggx_fit import GgxFit, fit_ggx
-from ...applications.reflectance.lobe_interpolation import InterpolatedLobes, LobeBlend, blend_weights
-from ...applications.reflectance.lobe_lookup import half_angle_table
-from ...applications.reflectance.lobe_table import LobeTable
-from ...applications.reflectance.materials import Material
-from ...applications.reflectance.reflectance_settings import ReflectanceSettings
 from ...sentence import Sentence
-from .lobe_images import HEIGHT, WIDTH
+from .ggx_fit import GgxFit, fit_ggx
+from .lobe_interpolation import InterpolatedLobes, LobeBlend, blend_weights
+from .lobe_lookup import half_angle_table
+from .lobe_table import LobeTable
+from .materials import Material
+from .reflectance_settings import ReflectanceSettings
 
 # Share of the work that tabulating the materials takes.
 _TABULATING = 0.1
@@ -53,7 +52,17 @@ class LobeFrame:
 
 @dataclass(frozen=True)
 class LobeFrameStep:
-    """One step: the done share, what is being done, and a finished blend."""
+    """One step.
+
+    Attributes
+    ----------
+    fraction : float
+        Done share of the whole job.
+    message : Sentence
+        What is being done.
+    frame : LobeFrame or None
+        A finished blend.
+    """
 
     fraction: float
     message: Sentence
@@ -115,6 +124,6 @@ def blended_frames(blend: LobeBlend, weights: NDArray[np.float64]) -> Iterator[L
 def _frame(weights: NDArray[np.float64], found: InterpolatedLobes) -> LobeFrame:
     table = found.table
     fit = fit_ggx(table)
-    image = half_angle_table(table, HEIGHT, WIDTH) if table.is_isotropic else None
+    image = half_angle_table(table) if table.is_isotropic else None
     record = {**found.record, "fit": fit.record()}
     return LobeFrame(weights, table, image, fit, record, found.notices)

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shape keys that are carried from one object to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import bpy
+
+from ...applications.soft_maps.transfer_shapes import ShapeCarrier
+from ...errors import InputError
+from ...sentence import Sentence
+from .map_shape_keys import KeyOffsets, key_names, locked_keys, read_keys, write_keys
+from .map_transfer import Carried, TransferEnds, kept_names, require_any
+
+
+class CarriedKeys:
+    """Shape keys on their way.
+
+    Parameters
+    ----------
+    ends : TransferEnds
+        From where to where.
+
+    Raises
+    ------
+    InputError
+        The giver has no such keys.
+    """
+
+    def __init__(self, ends: TransferEnds) -> None:
+        self._ends = ends
+        names = ends.destinations(key_names(ends.giver))
+        require_any(
+            names,
+            InputError("{object} has no shape keys to transfer besides its basis.", object=ends.giver.name),
+        )
+        self._kept = kept_names(ends, names, locked_keys, key_names)
+        self._names = {name: own for name, own in names.items() if own not in self._kept}
+        self._keys = read_keys(ends.giver, list(self._names))
+        self._result: list[KeyOffsets] = []
+
+    def steps(self) -> Iterator[Sentence]:
+        """Compute key by key."""
+        ends, total = self._ends, len(self._keys)
+        yield Sentence("Comparing the shapes")
+        carrier = ShapeCarrier.of(ends.points, ends.giver_mesh, ends.receiver_mesh) if self._keys else None
+        for place, key in enumerate(self._keys, start=1):
+            yield Sentence("Transferring shape key {done} of {total}", {"done": place, "total": total})
+            offsets = carrier.carried(key.offsets)
+            base = self._names.get(key.relative_to, key.relative_to)
+            self._result.append(KeyOffsets(self._names[key.name], base, offsets, key.slider))
+
+    def write(self, receiver: bpy.types.Object) -> Carried:
+        """Write the keys."""
+        if self._result:
+            write_keys(receiver, _bases_first(self._result))
+        return Carried(tuple(self._names.values()), self._kept)
+
+
+def _bases_first(keys: Sequence[KeyOffsets]) -> list[KeyOffsets]:
+    """Return keys so that those that others start from come before them."""
+    left, done = list(keys), []
+    while left:
+        names = {key.name for key in left}
+        ready = [key for key in left if key.relative_to not in names] or left
+        done += ready
+        names -= {key.name for key in ready}
+        left = [key for key in left if key.name in names]
+    return done
