@@ -37,6 +37,10 @@ MARGIN = 0.10
 """Part of half the picture's width or height that stays free at each edge."""
 
 
+# Blender's name for the image of the last rendering.
+_RESULT = "Render Result"
+
+
 class Studio:
     """A temporary scene to render in, used as a context manager; the user's own scenes are not touched.
 
@@ -50,7 +54,6 @@ class Studio:
 
     def __enter__(self) -> Studio:
         self._made: list[bpy.types.ID] = []
-        self._had_result = "Render Result" in bpy.data.images
         self.scene = self._keep(bpy.data.scenes.new("Convwass Studio"))
         try:
             _set_renderer(self.scene)
@@ -163,8 +166,6 @@ class Studio:
 
     def _clear(self) -> None:
         bpy.data.batch_remove(self._made)
-        if not self._had_result and "Render Result" in bpy.data.images:
-            bpy.data.images.remove(bpy.data.images["Render Result"])
 
 
 def checked_output(path: str | Path, suffix: str) -> Path:
@@ -196,6 +197,9 @@ def choose_cycles(scene: bpy.types.Scene) -> None:
 def run_render(scene: bpy.types.Scene, **options: bool) -> None:
     """Render a scene; whatever Blender objects to becomes a `ConvwassError`.
 
+    Blender has one image for results, that of the last rendering: it shows this one then, or is gone where there was
+    none before.
+
     Raises
     ------
     Cancelled
@@ -209,6 +213,7 @@ def run_render(scene: bpy.types.Scene, **options: bool) -> None:
     # An interrupt that strikes inside the renderer's own Python would be printed there and forgotten.
     in_main_thread = threading.current_thread() is threading.main_thread()
     before = signal.signal(signal.SIGINT, note) if in_main_thread else None
+    had_result = _RESULT in bpy.data.images
     bpy.app.handlers.render_cancel.append(note)
     try:
         bpy.ops.render.render(scene=scene.name, **options)
@@ -218,6 +223,8 @@ def run_render(scene: bpy.types.Scene, **options: bool) -> None:
         bpy.app.handlers.render_cancel.remove(note)
         if in_main_thread:
             signal.signal(signal.SIGINT, before)
+        if not had_result and _RESULT in bpy.data.images:
+            bpy.data.images.remove(bpy.data.images[_RESULT])
     if stopped:
         raise Cancelled("The rendering was stopped.")
 

@@ -167,6 +167,26 @@ def test_what_cannot_be_read_is_refused():
         read_glossy(material)
 
 
+@pytest.mark.parametrize("what", ["node", "link"])
+def test_what_is_muted_is_not_read(what):
+    material = glossy("Muted", 0.5)
+    node = only(material, "BSDF_GLOSSY")
+    if what == "node":
+        node.mute = True
+    else:
+        node.outputs[0].links[0].is_muted = True
+    with pytest.raises(InputError, match="does not end in"):
+        read_glossy(material)
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from Blender 5 on nodes cannot be switched off")
+def test_a_material_without_its_nodes_is_refused():
+    material = principled("Plain", 0.5)
+    material.use_nodes = False
+    with pytest.raises(InputError, match="does not end in"):
+        read_glossy(material)
+
+
 def test_of_an_image_on_the_roughness_the_mean_counts():
     material = principled("A", 0.9)
     image = bpy.data.images.new("Rough", 4, 4, float_buffer=True, is_data=True)

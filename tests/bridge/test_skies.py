@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from hypothesis import given, strategies as st
 from convwass_addon.applications.skies.lamps import split_lamps
 from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
-from convwass_addon.bridge.skies import world_skies
+from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
 from convwass_addon.bridge.skies.sky_sequence import SkyFiles, fitting_height, sky_steps
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
@@ -152,6 +154,11 @@ def written(folder, first=7):
     return files
 
 
+def test_numbers_have_the_same_digits(tmp_path):
+    assert [path.name for path in SkyFiles(tmp_path, 9999, 2).paths] == ["sky.09999.exr", "sky.10000.exr"]
+    assert [path.name for path in SkyFiles(tmp_path, 9998, 2).paths] == ["sky.9998.exr", "sky.9999.exr"]
+
+
 def test_what_was_written_is_there_once_all_is(tmp_path):
     files = written(tmp_path / "new")
     assert not [item for item in (tmp_path / "new").iterdir() if not item.name.startswith(".")]
@@ -182,6 +189,78 @@ def test_a_file_that_cannot_be_replaced_is_told(tmp_path):
         files.finish()
     files.discard()
     assert sorted(item.name for item in tmp_path.iterdir()) == ["sky.0007.exr", "sky.0008.exr"]
+
+
+def test_a_folder_that_cannot_be_made_is_told_and_discarding_says_nothing(tmp_path):
+    (tmp_path / "gone").mkdir()
+    files = SkyFiles(tmp_path / "gone" / "new", 1, 2)
+    (tmp_path / "gone").rmdir()
+    (step,) = (step for step in sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()) if step.place == 1)
+    with pytest.raises(ConvwassError, match=r"sky.0002.exr could not be written"):
+        files.write(step)
+    files.discard()
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_replaced_until_every_file_is_whole(tmp_path, monkeypatch):
+    """The second draft is cut off: the first one does not take its place either."""
+    for name in ("sky.0007.exr", "sky.0008.exr"):
+        (tmp_path / name).write_text("older")
+
+    def cut(path, image):
+        path.write_bytes(b"" if image.sum() > whole.sum() else b"whole")
+
+    whole = sky((1, 0, 1))
+    monkeypatch.setattr(sky_sequence, "write_sky", cut)
+    files = SkyFiles(tmp_path, 7, 2)
+    for place, image in enumerate((whole, 2.0 * whole)):
+        files.write(sky_sequence.SkyStep(0.5, "", place, SimpleNamespace(image=image)))
+    with pytest.raises(ConvwassError, match=r"sky.0008.exr could not be written"):
+        files.finish()
+    files.discard()
+    assert {item.name: item.read_text() for item in tmp_path.iterdir()} == {
+        "sky.0007.exr": "older",
+        "sky.0008.exr": "older",
+    }
+
+
+def plain_world(tmp_path):
+    """A world with a sun, by an image that is read and not rendered."""
+    image = sky((1, 0, 1), rows=32)
+    write_sky(tmp_path / "a.exr", image)
+    world = sequence_world("Plain", [tmp_path / "a.exr"], 1)
+    texture = next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+    texture.image.source = "FILE"
+    return world, texture
+
+
+@pytest.mark.parametrize("what", ["texture", "background", "link"])
+def test_what_is_muted_is_not_seen(tmp_path, what):
+    world, texture = plain_world(tmp_path)
+    background = texture.outputs["Color"].links[0].to_node
+    if what == "link":
+        background.inputs["Color"].links[0].is_muted = True
+        background.inputs["Color"].default_value = (0.25, 0.25, 0.25, 1.0)
+    else:
+        (texture if what == "texture" else background).mute = True
+    seen = world_sky(world, 32)
+    assert seen.max() < 2.0
+    if what == "link":
+        np.testing.assert_allclose(seen, 0.25, atol=0.01)
+
+
+@pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from Blender 5 on nodes cannot be switched off")
+def test_a_world_without_its_nodes_has_one_color(tmp_path):
+    world, _ = plain_world(tmp_path)
+    world.use_nodes, world.color = False, (0.25, 0.5, 0.75)
+    np.testing.assert_allclose(world_sky(world, 8), np.full((8, 16, 3), (0.25, 0.5, 0.75)), atol=0.01)
+
+
+def test_a_world_that_is_rendered_leaves_nothing_behind():
+    world = bpy.data.worlds.new("Gray")
+    before = {(block.id_type, block.name) for block in bpy.data.user_map()}
+    world_sky(world, 8)
+    assert {(block.id_type, block.name) for block in bpy.data.user_map()} == before
 
 
 def test_the_sun_of_blenders_own_sky_is_found_where_it_stands():

@@ -12,6 +12,7 @@ import numpy as np
 from ...applications.reflectance.materials import Ggx
 from ...errors import InputError
 from ...sentence import Sentence
+from ..shown_nodes import shown_tree, source_node
 
 _QUARTER_TOLERANCE = 1e-3
 # Glossy BSDF goes to an aspect of 0, which no table could show.
@@ -93,10 +94,9 @@ def _read_glossy(material: bpy.types.Material, node: bpy.types.Node) -> GlossyMa
 
 def _shader(material: bpy.types.Material) -> bpy.types.Node:
     """Return the BSDF that the active output shows; raises InputError where it shows something else."""
-    tree = material.node_tree
+    tree = shown_tree(material)
     output = tree.get_output_node("CYCLES") if tree is not None else None
-    links = output.inputs["Surface"].links if output is not None else ()
-    node = links[0].from_node if links else None
+    node = source_node(output.inputs["Surface"]) if output is not None else None
     if node is None or node.type not in ("BSDF_PRINCIPLED", "BSDF_GLOSSY"):
         raise InputError(
             "{material} does not end in a Principled or Glossy BSDF, so its highlight is not known.",
@@ -124,8 +124,9 @@ def _value(material: bpy.types.Material, node: bpy.types.Node, name: str, means:
 
 def _mean_of(link: bpy.types.NodeLink) -> float | None:
     """Return the mean of an image whose plain numbers a link takes; None for anything else."""
-    node = link.from_node
-    image = node.image if node.type == "TEX_IMAGE" and link.from_socket.name == "Color" else None
+    node = source_node(link.to_socket)
+    is_image = node is not None and node.type == "TEX_IMAGE" and link.from_socket.name == "Color"
+    image = node.image if is_image else None
     # Asking for a pixel loads the file.
     if image is None or not image.colorspace_settings.is_data or not len(image.pixels) or image.channels < 3:
         return None

@@ -4,10 +4,7 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,10 +13,11 @@ from numpy.typing import NDArray
 
 from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
-from ...drafts import new_draft
+from ...drafts import DraftFiles
 from ...errors import ConvwassError, InputError
 from ...sentence import Sentence
 from ..files import checked_folder
+from ..numbered_files import numbered_paths
 from .sky_pixels import write_sky
 
 # Share of the work that finding the suns takes.
@@ -87,51 +85,37 @@ class SkyFiles:
         if first_frame < 0:
             raise InputError("Frames before 0 cannot be numbered; start later.")
         target = checked_folder(folder)
-        self.paths = [target / f"sky.{first_frame + place:04d}.exr" for place in range(count)]
-        self._drafts: Path | None = None
-        self._is_new = not target.exists()
+        self.paths = numbered_paths(target, "sky.", ".exr", range(first_frame, first_frame + count))
+        self._drafts = DraftFiles()
 
     def write(self, step: SkyStep) -> None:
-        """Write the sky that a step has brought, beside where it goes: what is there stays until all are whole."""
+        """Write the sky that a step has brought, beside where it goes: what is there stays until all are whole.
+
+        Raises
+        ------
+        ConvwassError
+            The folder cannot be made, or the file not be written.
+        """
         if step.frame is None:
             return
         path = self.paths[step.place]
-        if self._drafts is None:
-            self._drafts = new_draft(path, "")
-            with _told(self._drafts):
-                self._drafts.mkdir(parents=True)
-        write_sky(self._drafts / path.name, step.frame.image)
+        try:
+            draft = self._drafts.draft_of(path)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
+        write_sky(draft, step.frame.image)
 
     def finish(self) -> None:
-        """Put what has been written in its place.
+        """Put what has been written in its place, once all of it is whole.
 
         Raises
         ------
         ConvwassError
             The system does not let a file be replaced; those that have not been stay as they were.
         """
-        for path in self.paths:
-            with _told(path):
-                os.replace(self._drafts / path.name, path)
-        self._drafts.rmdir()
-        self._drafts = None
+        self._drafts.keep()
 
     def discard(self) -> None:
         """Remove what has been written and is not in its place; and the folder, if it was made for it."""
-        if self._drafts is None:
-            return
-        folder = self._drafts.parent
-        shutil.rmtree(self._drafts, ignore_errors=True)
-        self._drafts = None
-        if self._is_new and not any(folder.iterdir()):
-            folder.rmdir()
-
-
-@contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """Tell of the system's errors as of all others."""
-    try:
-        yield
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
+        self._drafts.discard()

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..keyframes import make_linear
+from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
 
@@ -47,7 +48,7 @@ def world_sky(world: bpy.types.World, height: int) -> NDArray[np.float64]:
 
 def _plain_image(world: bpy.types.World) -> bpy.types.Image | None:
     """Return the environment image of a world where nothing changes it on the way."""
-    tree = world.node_tree
+    tree = shown_tree(world)
     output = tree.get_output_node("CYCLES") if tree is not None else None
     background = _source(output, "Surface", "BACKGROUND")
     texture = _source(background, "Color", "TEX_ENVIRONMENT")
@@ -62,8 +63,8 @@ def _plain_image(world: bpy.types.World) -> bpy.types.Image | None:
 
 
 def _source(node: bpy.types.Node | None, name: str, kind: str) -> bpy.types.Node | None:
-    links = node.inputs[name].links if node is not None else ()
-    return links[0].from_node if links and links[0].from_node.type == kind else None
+    found = source_node(node.inputs[name]) if node is not None else None
+    return found if found is not None and found.type == kind else None
 
 
 def _rendered(world: bpy.types.World, height: int) -> NDArray[np.float32]:
