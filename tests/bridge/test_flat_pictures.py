@@ -110,6 +110,27 @@ def test_pictures_that_are_held_are_copied(tmp_path):
     assert files[0].read_bytes() == files[1].read_bytes() != files[2].read_bytes()
 
 
+def test_pictures_past_frame_9999_are_one_sequence(tmp_path):
+    """All numbers have five digits then; brackets in the name of the folder are no pattern."""
+    folder = tmp_path / "pictures [x]"
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, BLUE))
+    bake(folder, *objects, frames=2, start="CUSTOM", frame_start=9998)
+    morph = the_morph()
+    found = pictures_of(morph)
+    assert [path.stem[-6:] for path in found] == ["_09998", "_09999", "_10000"]
+    assert found == sorted(folder.rglob("*.png"))
+    (plane,) = frame_objects(morph)
+    (node,) = (node for node in plane.data.materials[0].node_tree.nodes if node.type == "TEX_IMAGE")
+    assert bpy.path.abspath(node.image.filepath) == str(found[0])
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert pictures_of(the_morph()) == found
+
+
+def the_morph():
+    (morph,) = (collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
+    return morph
+
+
 def contents(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 

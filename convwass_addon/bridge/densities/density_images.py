@@ -17,6 +17,7 @@ from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ..files import made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
+from ..numbered_files import numbered_paths
 from .density_nodes import NAME
 
 DEPTHS = {"PNG": "16", "OPEN_EXR": "32"}
@@ -90,7 +91,7 @@ def write_step_images(
     largest = float(frames.max(initial=0.0))
     scale = 1.0 / largest if settings.file_format == "PNG" and largest > 0.0 else 1.0
     suffix = SUFFIXES[settings.file_format]
-    paths = [target / f"{bpy.path.clean_name(name)}.{step:04d}{suffix}" for step in range(len(frames))]
+    paths = numbered_paths(target, f"{bpy.path.clean_name(name)}.", suffix, range(len(frames)))
     return _written(pixels, frames * scale, paths, settings)
 
 

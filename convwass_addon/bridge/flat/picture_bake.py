@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import glob
 import shutil
 from collections.abc import Sequence
 from contextlib import suppress
@@ -27,6 +28,7 @@ from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
 from ..morphs.written_files import drop_surplus, store_written
+from ..numbered_files import numbered_paths
 from ..palettes.image_files import save_pixels
 from .gray_inputs import GrayInput
 
@@ -91,8 +93,7 @@ class PictureBake(MorphBake):
     def _shown_object(self, frame: PictureFrame, index: int) -> bpy.types.Object:
         """Write the picture of a frame, and make the plane with the first one."""
         collection = self._living(self._collection)
-        numbers = self._numbers(index)
-        drafts = [self._drafts.draft_of(self._folder / f"{self._folder.name}_{number:04d}.png") for number in numbers]
+        drafts = [self._drafts.draft_of(self._path(number)) for number in self._numbers(index)]
         _save(frame.pixels, drafts[0])
         for draft in drafts[1:]:
             shutil.copyfile(drafts[0], draft)
@@ -105,6 +106,11 @@ class PictureBake(MorphBake):
             obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
             self._plane = Handle.of("objects", obj)
         return self._living(self._plane)
+
+    def _path(self, number: int) -> Path:
+        """Return the file of a scene frame, named so that it is in a row with all others."""
+        last = self._numbers(len(self._blends) - 1)[-1]
+        return numbered_paths(self._folder, f"{self._folder.name}_", ".png", [number, last])[0]
 
     def _numbers(self, index: int) -> range:
         """Return the scene frames that show a blend: until the next one."""
@@ -160,7 +166,13 @@ def pictures_of(collection: bpy.types.Collection) -> list[Path]:
     materials = [one for obj in frame_objects(collection) if obj.data for one in obj.data.materials if is_carrying(one)]
     nodes = [node for one in materials if one.node_tree for node in one.node_tree.nodes if node.type == "TEX_IMAGE"]
     first = [Path(bpy.path.abspath(node.image.filepath)) for node in nodes if node.image]
-    return sorted(path for one in first for path in one.parent.glob(f"{one.stem[:-4]}[0-9][0-9][0-9][0-9]{one.suffix}"))
+    return sorted(path for one in first for path in _alike(one))
+
+
+def _alike(path: Path) -> list[Path]:
+    """Return the files whose names differ from that of one of them by the number at the end."""
+    before, _, number = path.stem.rpartition("_")
+    return list(path.parent.glob(f"{glob.escape(before)}_{len(number) * '[0-9]'}{path.suffix}"))
 
 
 def _described(obj: bpy.types.Object, gray: GrayInput) -> FrozenInput:

@@ -13,6 +13,7 @@ import bpy
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..handles import Handle
+from ..numbered_files import numbered_paths
 from .image_files import FORMATS
 from .image_pixels import RESULT_OF, read_picture
 
@@ -63,7 +64,7 @@ class ClipFrames:
                 _numbered(path, number).with_suffix(path.suffix if known else self._suffix).name
                 for number in self.numbers
             ]
-        return [f"{path.stem}.{number:04d}{self._suffix}" for number in self.numbers]
+        return [other.name for other in numbered_paths(path.parent, f"{path.stem}.", self._suffix, self.numbers)]
 
     @property
     def image(self) -> bpy.types.Image:
