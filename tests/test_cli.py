@@ -183,6 +183,7 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "soon", "--cache", "{in}/frames"], 2, "list of numbers"),
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "1.5", "--cache", "{in}/f", "--weights", "1,1"], 3, "for a path"),
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "1", "--cache", "{in}/f", "--frames-range", "0"], 3, "one of them"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--weights", "1,1", "--output", "usd"], 3, "do not move"),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
         ([], 2, "SHAPE"),
     ],

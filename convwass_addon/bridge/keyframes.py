@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -58,6 +58,15 @@ def is_shown(obj: bpy.types.Object, frame: int) -> bool:
         if curve:
             return curve.evaluate(frame) < 0.5
     return not obj.hide_render
+
+
+def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
+    """Return the scene frames from the first to the last key of the visibility of some objects; empty without keys."""
+    curves = [curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS]
+    spans = [curve.range() for curve in curves if len(curve.keyframe_points)]
+    if not spans:
+        return range(0)
+    return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
 
 
 def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:

@@ -21,6 +21,7 @@ from ..applications.whole_paths import path_with_suffix
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_nodes import NAME
 from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity
 from ..bridge.files import checked_target, save_blend
 from ..bridge.vertex_groups import group_names, write_group
@@ -103,9 +104,9 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
     names = options.through or [options.start, options.end]
     weights = [scene.weights(name) for name in names]
     frames = _frames(path_steps(weights, names, scene.surface, settings))
-    first = scene.first_frame
-    keys = [DensityKey(first, 0.0), DensityKey(first + len(frames.times) - 1, 1.0)]
-    own = {**settings.as_dict(), "trail": options.trail}
+    stops = [scene.first_frame + place * settings.steps for place in range(len(names))]
+    keys = [DensityKey(stops[0], 0.0), DensityKey(stops[-1], 1.0)]
+    own = path_request(scene.object, weights, settings, stops, trail=options.trail)
     stored = StoredDensity(inputs=list(names), settings=own, records=frames.records)
     name = options.name or NAME
     shown = frames.covered if options.trail else frames.densities

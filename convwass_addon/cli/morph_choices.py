@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import bpy
+
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.frame_cache import FrameCache
 from ..applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
@@ -16,6 +18,8 @@ from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.morphs.exports import FORMATS
+from ..bridge.morphs.morph_request import MorphRequest
+from ..bridge.morphs.outputs import folder_beside
 from ..errors import InputError
 
 
@@ -79,7 +83,38 @@ def flat_settings_of(options: Namespace) -> FlatSettings:
     return FlatSettings(**{**shared, "resolution": resolution, "words": options.words, "parts": "none"})
 
 
-def flat_output_of(options: Namespace) -> str:
+def request_of(options: Namespace, target: Path) -> MorphRequest:
+    """Return what is asked for in the words of Bake Morph, which are stored; `target` is the .blend to be written.
+
+    What means nothing for the shapes at hand is stored all the same, as the operator does.
+    """
+    flat_output, folder = _flat_output(options), folder_beside(target)
+    if flat_output == "PICTURE":
+        # Pictures are there before the .blend is.
+        folder = bpy.path.abspath(folder, start=str(target.parent))
+    kinds = {"volume": "VOLUME", "player": "PLAYER", "pad": "PLAYER", "alembic": "CACHE", "usd": "CACHE"}
+    return MorphRequest(
+        layout=_as_enum(options.layout) if options.weights is None else "BLEND",
+        frames=options.frames,
+        steps=options.steps,
+        alignment=_as_enum(options.align),
+        scaling=_as_enum(options.scale),
+        output=kinds.get(options.output, "OBJECTS"),
+        folder=folder,
+        cache_format="usd" if options.output == "usd" else "alembic",
+        words=_as_enum(options.words),
+        flat_output=flat_output,
+        grays=_as_enum(options.grays),
+        weights=options.weights,
+        at=options.at,
+    )
+
+
+def _as_enum(choice: str) -> str:
+    return choice.replace("-", "_").upper()
+
+
+def _flat_output(options: Namespace) -> str:
     """Return what frames of flat shapes are: "CURVE", "MESH", "DRAWING" or "PICTURE"."""
     plain = options.output == "objects" and not (options.render or options.export)
     return options.flat_output.upper() if plain else "MESH"
@@ -103,6 +138,15 @@ def blends_of(options: Namespace, count: int) -> list[Blend]:
         "triangle": lambda: triangle_blends(count, options.steps),
     }
     return makers[options.layout]()
+
+
+def refuse_still_cache(options: Namespace, blends: list[Blend]) -> None:
+    """Refuse to put what does not move into a file that holds what does; raises InputError."""
+    if options.output in ("alembic", "usd") and blends[0].frame is None:
+        raise InputError(
+            "--output {output} is for a path; sheets and single blends do not move. Choose another output.",
+            output=options.output,
+        )
 
 
 def between_of(options: Namespace, path: list[Blend]) -> Between:

@@ -9,7 +9,6 @@ from argparse import Namespace
 
 import bpy
 
-from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.between_frames import places_at
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
@@ -29,8 +28,9 @@ from .morph_choices import (
     blends_of,
     computing_of,
     export_format,
-    flat_output_of,
     flat_settings_of,
+    refuse_still_cache,
+    request_of,
     settings_of,
 )
 
@@ -50,6 +50,7 @@ def run_morph(options: Namespace) -> Answer:
         between = between_of(options, blends)
         blends = [place.blend for place in places_at(between.path, between.numbers)]
     # Everything that can be refused is refused before the work begins.
+    refuse_still_cache(options, blends)
     target = path_with_suffix(options.out, ".blend")
     if options.frames_range is None:
         target = checked_target(target)
@@ -61,14 +62,7 @@ def run_morph(options: Namespace) -> Answer:
         inputs += imported_shape(text)
     if asks_for_flat(inputs, bpy.context.evaluated_depsgraph_get(), options.thickness):
         settings = flat_settings_of(options)
-    stored = {"layout": options.layout.upper(), "frames": options.frames, "steps": options.steps}
-    stored["alignment"], stored["scaling"] = (_as_enum(choice) for choice in (options.align, options.scale))
-    if isinstance(settings, FlatSettings):
-        stored["flat_output"] = flat_output_of(options)
-        if stored["flat_output"] == "PICTURE":
-            stored |= {"grays": options.grays.upper(), "folder": str(target.parent / f"{target.stem} files")}
-    if between is not None:
-        stored["at"] = between.numbers
+    stored = request_of(options, target).as_dict()
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
     collection, records = baked(inputs, blends, settings, stored, computing)
@@ -77,10 +71,6 @@ def run_morph(options: Namespace) -> Answer:
         besides += export_frames(collection, options.export, exported)
     written = save_as(collection, options.output, target) + pictures_of(collection) + besides
     return report(collection.name, settings, records, written)
-
-
-def _as_enum(choice: str) -> str:
-    return choice.replace("-", "_").upper()
 
 
 def _cached(

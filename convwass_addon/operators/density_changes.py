@@ -7,20 +7,13 @@ from __future__ import annotations
 import math
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
+from ..bridge.densities.density_request import marks_of
 from ..bridge.densities.density_store import StoredDensity
 from ..bridge.vertex_groups import read_groups
 
 # Weights are stored in single precision.
 _SAME = 1e-6
-
-
-def marks_of(obj: bpy.types.Object, weights: NDArray[np.float64]) -> dict[str, object]:
-    """Return numbers that tell later whether groups, of which `weights` are (k, n), or the mesh have changed."""
-    ramp = np.linspace(1.0, 2.0, weights.shape[1])
-    return {"mesh": [len(obj.data.vertices), len(obj.data.polygons)], "marks": [float(own @ ramp) for own in weights]}
 
 
 def lost_inputs(obj: bpy.types.Object, stored: StoredDensity) -> list[str]:

@@ -16,7 +16,7 @@ from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
 from ..bridge.workshop import reason
-from ..errors import ConvwassError
+from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
 from .background import is_idle
 from .reporting import refuse
@@ -160,6 +160,10 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
     What is damaged raises what Python does, for `refusing_damage`.
     """
     stored, inputs = stored_morph(morph), stored_inputs(morph)
+    if stored.settings.get("at"):
+        raise InputError(
+            "{name} holds frames between others, from --at; make those by the command line.", name=morph.name
+        )
     known = {name: value for name, value in stored_arguments(stored.settings).items() if value is not None}
     weights = stored.records[0]["weights"] if known.get("layout") == "BLEND" and stored.records else []
     return {

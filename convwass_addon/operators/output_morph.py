@@ -10,8 +10,8 @@ from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
-from ..bridge.morphs.cache_output import as_cache
-from ..bridge.morphs.disk_output import DiskOutput, output_folder
+from ..bridge.morphs.cache_output import as_cache, require_animation
+from ..bridge.morphs.disk_output import DiskOutput, filled_folder
 from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
@@ -63,8 +63,8 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
 
     def _written(self, context, morph):
         refuse_volumes("flat" in stored_settings(morph))
-        folder = output_folder(self.folder, morph)
-        return as_volume(morph, folder, lambda share: context.window_manager.progress_update(int(100 * share)))
+        with filled_folder(self.folder, morph) as folder:
+            return as_volume(morph, folder, lambda share: context.window_manager.progress_update(int(100 * share)))
 
 
 class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
@@ -81,9 +81,10 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
 
     def _written(self, context, morph):
         require_no_drawings(morph)
-        folder = output_folder(self.folder, morph)
-        turn_into_meshes(morph)
-        return as_cache(morph, folder, self.kind)
+        require_animation(morph)
+        with filled_folder(self.folder, morph) as folder:
+            turn_into_meshes(morph)
+            return as_cache(morph, folder, self.kind)
 
 
 classes = (CONVWASS_OT_make_volume, CONVWASS_OT_make_cache)

@@ -68,6 +68,18 @@ def test_every_frame_shows_its_shape(collection, tmp_path, kind):
     assert output.size == sum(file.stat().st_size for file in output.files) > 0
 
 
+def test_files_past_frame_9999_are_one_sequence(bare_scene, make_object, octahedron, tmp_path):
+    objects = [make_object(name) for name in "AB"]
+    blends = path_blends(2, 3)
+    made = MorphBake.begin(bare_scene, objects, blends, {"resolution": 64}, 9998)
+    for number, blend in enumerate(blends):
+        made.add(MorphFrame(blend, None if blend.source is not None else octahedron.moved((0, 0, number)), {}))
+    output = as_volume(made.finish(hide_inputs=True), tmp_path)
+    assert [file.stem[-6:] for file in output.files] == ["_09998", "_09999", "_10000", "_10001"]
+    for frame, height in ((9998, 0), (9999, 1), (10000, 2)):
+        assert shown_heights(output.shown, frame)[1] == pytest.approx(height + 1, abs=0.15), frame
+
+
 def test_the_level_of_a_volume_stays_editable(collection, tmp_path):
     shown = as_volume(collection, tmp_path).shown
     volumes = []

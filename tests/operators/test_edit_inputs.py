@@ -278,15 +278,24 @@ def test_principal_axes_turn_a_copy_back(shapes):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "first"), [({}, 5), ({"start": "CURRENT"}, 40), ({"start": "CUSTOM", "frame_start": 7}, 7)]
+    ("arguments", "first", "span"),
+    [
+        ({}, 5, (5, 7)),
+        ({"start": "CURRENT"}, 40, (5, 50)),
+        ({"start": "CUSTOM", "frame_start": 7}, 7, (5, 50)),
+        ({"start": "CUSTOM", "frame_start": 2}, 2, (2, 50)),
+        ({"start": "CUSTOM", "frame_start": 49}, 49, (5, 51)),
+        ({"start": "CUSTOM", "frame_start": 100}, 100, (5, 102)),
+    ],
 )
-def test_a_morph_begins_where_it_is_told(shapes, arguments, first):
+def test_a_morph_begins_where_it_is_told(shapes, arguments, first, span):
+    """The scene gets its length where it begins with it, and is only made longer otherwise."""
     scene = bpy.context.scene
-    scene.frame_start = 5
+    scene.frame_start, scene.frame_end = 5, 50
     scene.frame_set(40)
     bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", **arguments)
     assert stored_morph(morph_collection()).first_frame == first
-    assert scene.frame_end == first + 2
+    assert (scene.frame_start, scene.frame_end) == span
 
 
 def test_a_step_makes_a_mesh_for_every_so_many_frames_and_for_every_shape(shapes):

@@ -9,6 +9,9 @@ from pathlib import Path
 import bpy
 import pytest
 
+from convwass_addon.operators.bake_morph import CONVWASS_OT_bake_morph
+from tests.operators.densities import Pressed, show_other_scene, until, window_context
+
 
 @pytest.fixture
 def morph(empty_scene):
@@ -85,3 +88,98 @@ def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.convwass.bake_morph(frames=2, resolution=24)
     assert "MB to the file" in capfd.readouterr().out
+
+
+def two_bakes():
+    """Bake two morphs one after the other in time: each has set the scene's range to its own."""
+    for x in (0.0, 3.0):
+        bpy.ops.mesh.primitive_cube_add(location=(x, 0, 0), scale=(1, 1, 1 + x / 3))
+    first, second = bpy.context.scene.objects.keys()
+    made = []
+    for start in (1, 11):
+        settings = {"frames": 3, "resolution": 24, "start": "CUSTOM", "frame_start": start, "hide_inputs": False}
+        bpy.ops.convwass.bake_morph(inputs=f"{first},{second}", **settings)
+        made.append(bpy.context.object.users_collection[0])
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 11, 14
+    return made
+
+
+def height(obj, frame):
+    bpy.context.scene.frame_set(frame)
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    heights = [(obj.matrix_world @ vertex.co).z for vertex in mesh.vertices]
+    return max(heights) - min(heights)
+
+
+@pytest.mark.parametrize(
+    ("operator", "options"), [("make_volume", {}), ("make_cache", {"kind": "alembic"}), ("make_cache", {"kind": "usd"})]
+)
+@pytest.mark.parametrize("place", [0, 1])
+def test_each_of_two_morphs_has_its_own_frames(empty_scene, tmp_path, operator, options, place):
+    morph = two_bakes()[place]
+    first = (1, 11)[place]
+    bpy.context.view_layer.objects.active = morph.objects[0]
+    assert getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options) == {"FINISHED"}
+    shown = bpy.context.object
+    heights = [height(shown, first + step) for step in range(4)]
+    assert heights[0] == pytest.approx(2.0, abs=0.2) and heights[-1] == pytest.approx(4.0, abs=0.3)
+    assert heights == sorted(heights) and heights[2] - heights[1] > 0.3
+    if operator == "make_volume":
+        numbers = [file.stem[-4:] for file in sorted(tmp_path.rglob("*.vdb"))]
+        assert numbers == [f"{first + step:04d}" for step in range(4)]
+
+
+@pytest.mark.parametrize("layout", ["BLEND", "GRID"])
+def test_what_stands_still_has_no_cache_and_leaves_nothing_behind(empty_scene, tmp_path, layout):
+    for x in (0.0, 3.0, 6.0, 9.0)[: 4 if layout == "GRID" else 2]:
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(layout=layout, steps=2, resolution=16)
+    frames = len(bpy.context.object.users_collection[0].objects)
+    with pytest.raises(RuntimeError, match="bake an animation"):
+        bpy.ops.convwass.make_cache(folder=str(tmp_path))
+    assert list(tmp_path.iterdir()) == []
+    assert len(bpy.context.object.users_collection[0].objects) == frames
+
+
+def test_a_cache_that_cannot_be_read_back_is_removed(morph, tmp_path, monkeypatch):
+    from convwass_addon.bridge.morphs import cache_output
+
+    def fail(file, kind):
+        assert file.is_file()
+        raise cache_output.ConvwassError("{file} is broken", file=str(file))
+
+    monkeypatch.setattr(cache_output, "_read_back", fail)
+    with pytest.raises(RuntimeError, match="is broken"):
+        bpy.ops.convwass.make_cache(folder=str(tmp_path))
+    assert list(tmp_path.iterdir()) == []
+    assert sum("convwass_weights" in obj for obj in morph.objects) == 4
+
+
+def test_a_first_shape_that_lasts_is_written_from_its_beginning(empty_scene, tmp_path):
+    """Its only key is at its end."""
+    for x in (0.0, 3.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(frames=4, frame_step=2, resolution=16, start="CUSTOM", frame_start=5)
+    bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    assert [file.stem[-4:] for file in sorted(tmp_path.rglob("*.vdb"))] == ["0005", "0006", "0007", "0008", "0009"]
+
+
+@pytest.mark.parametrize(("output", "key"), [("PLAYER", "convwass_shows"), ("CACHE", "convwass_output")])
+def test_the_morph_of_the_scene_that_it_began_in_is_handed_over(morph, tmp_path, output, key):
+    """Another morph is active where the user is by then; that one stays as it is."""
+    own, frames = bpy.context.scene, list(morph.objects)
+    names = "\n".join(obj.name for obj in own.objects if "convwass_weights" not in obj)
+    settings = {"frames": 2, "resolution": 24, "folder": str(tmp_path)}
+    pressed = Pressed(CONVWASS_OT_bake_morph, inputs=names, output=output, **settings)
+    window = window_context()
+    assert pressed._start(window) == {"RUNNING_MODAL"}
+    other = show_other_scene(window)
+    other.collection.children.link(morph)
+    other.view_layers[0].objects.active = frames[0]
+    assert until(pressed, window) == {"FINISHED"}
+    assert [kind for kind, _ in pressed.reports] == ["INFO"]
+    (shown,) = (obj for obj in bpy.data.objects if key in obj)
+    assert own in shown.users_scene and other not in shown.users_scene
+    assert list(morph.objects) == frames and not morph.hide_render

@@ -138,6 +138,22 @@ def test_shapes_that_are_gone_are_named_and_the_morph_stays(morph):
     assert frame_objects(morph) == kept
 
 
+def test_shapes_that_only_the_list_holds_are_gone(morph):
+    """As the user deletes them: an object that something points to stays in the file for a while."""
+    bpy.context.view_layer.objects.active = frame_objects(morph)[0]
+    gone = shapes(morph)[1]
+    item = bpy.context.scene.convwass_morph.inputs.add()
+    item.object = gone
+    for collection in gone.users_collection:
+        collection.objects.unlink(gone)
+    assert gone.name in bpy.data.objects
+    assert changed_inputs(morph) == [gone.name]
+    for operator in (bpy.ops.convwass.rebake_morph, bpy.ops.convwass.select_morph_inputs):
+        with pytest.raises(RuntimeError, match=f"was baked from {gone.name}, which the file no longer holds"):
+            operator()
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+
+
 def test_one_undo_brings_the_old_frames_back(morph):
     name, width = morph.name, middle_width(morph)
     for obj in shapes(morph):

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -14,9 +14,10 @@ import numpy as np
 
 from ...errors import InputError
 from ..framing import View, broad_view, orbit
+from ..keyframes import is_shown
 from ..studio import Studio, checked_output, opening, silent, world_points
 from ..video import write_video
-from .stored import frame_objects
+from .stored import frame_objects, shown_frames
 
 ELEVATION = math.radians(18.0)
 POINTS_PER_SHAPE = 1500
@@ -79,11 +80,12 @@ def render_animation(
             height=resolution[1],
         )
     objects = frame_objects(collection)
-    frames = _frames(objects, step)
-    if not frames:
+    span = shown_frames(collection)
+    if not span:
         raise InputError(
             "{name} holds no morph along a path; for a sheet make a contact sheet instead.", name=collection.name
         )
+    frames = [*span[:-1:step], span[-1]]
     with Studio() as studio, tempfile.TemporaryDirectory(prefix="convwass-") as folder:
         copies = [studio.show(obj) for obj in objects]
         points = [_sample(obj) for obj in objects]
@@ -96,7 +98,7 @@ def render_animation(
         for index, (frame, pose) in enumerate(zip(frames, poses, strict=True)):
             progress(index / (len(frames) + 1), f"Rendering frame {index + 1} of {len(frames)}")
             for obj, copy in zip(objects, copies, strict=True):
-                copy.hide_render = _is_hidden(obj, frame)
+                copy.hide_render = not is_shown(obj, frame)
             studio.look(pose, depth)
             studio.render(pictures[index])
         progress(len(frames) / (len(frames) + 1), "Writing the video")
@@ -107,32 +109,9 @@ def render_animation(
     return target
 
 
-def _frames(objects: Sequence[bpy.types.Object], step: int) -> list[int]:
-    """Return the scene frames to show; none where nothing is animated."""
-    actions = {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
-    if not actions:
-        return []
-    # The first and the last shape have their keys at the two ends of the morph, and hold from there on.
-    first = round(min(action.frame_range[0] for action in actions))
-    last = round(max(action.frame_range[1] for action in actions))
-    return [*range(first, last, step), last]
-
-
 def _swing(turn: float, count: int) -> np.ndarray:
     """Return the camera's angles, (count,), about 0; it sets off and arrives gently."""
     return -turn / 2.0 * np.cos(np.linspace(0.0, math.pi, count))
-
-
-def _is_hidden(obj: bpy.types.Object, frame: int) -> bool:
-    """Tell whether a frame object is hidden in a frame.
-
-    Its keys are asked themselves: scenes that no window shows do not play the visibility of objects hidden elsewhere.
-    """
-    data = obj.animation_data
-    if not (data and data.action):
-        return obj.hide_render
-    curve = data.action.layers[0].strips[0].channelbag(data.action_slot).fcurves.find("hide_render")
-    return curve.evaluate(frame) > 0.5 if curve else obj.hide_render
 
 
 def _sample(obj: bpy.types.Object) -> np.ndarray:

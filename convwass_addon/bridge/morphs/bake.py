@@ -185,7 +185,7 @@ class MorphBake:
         return bpy.data.objects.new(name, data)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Store the settings, set the scene's frame range, and return the collection.
+        """Store the settings, fit the scene's frame range, and return the collection.
 
         After an early stop the finished frames are a morph of their own: each is visible until the next one that there
         is, the last one to the end.
@@ -208,9 +208,8 @@ class MorphBake:
             raise ConvwassError("No frame was finished, so there is no morph to keep.")
         if self._blends[0].frame is not None:
             self._show_in_time(collection, frames)
-            scene.frame_end = self._scene_frame(max(frames, key=self._scene_frame))
-            scene.frame_start = self._stored.first_frame
-            scene.frame_set(scene.frame_start)
+            self._fit_range(scene, self._scene_frame(max(frames, key=self._scene_frame)))
+            scene.frame_set(self._stored.first_frame)
         bpy.context.view_layer.update()
         records = [
             {"weights": list(self._blends[index].weights), **summary(self._finished[index].record)}
@@ -226,6 +225,14 @@ class MorphBake:
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)
         return collection
+
+    def _fit_range(self, scene: bpy.types.Scene, last: int) -> None:
+        """Let the scene end with a morph that begins where the scene does, and otherwise hold it among what it has."""
+        first = self._stored.first_frame
+        if self._stored.settings.get("start", "SCENE") != "SCENE":
+            first, last = min(first, scene.frame_start), max(last, scene.frame_end)
+        scene.frame_end = last
+        scene.frame_start = first
 
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
         """Let every object of a path be visible until the next one that there is."""

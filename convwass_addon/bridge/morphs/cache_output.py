@@ -9,11 +9,12 @@ from typing import Literal
 
 import bpy
 
-from ...errors import ConvwassError
+from ...errors import ConvwassError, InputError
 from ..workshop import reason, workshop
 from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
+from .stored import frame_objects, shown_frames
 
 _MATERIAL_NAME = "Convwass Cache"
 
@@ -33,13 +34,19 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     Raises
     ------
     InputError, ConvwassError
-        As :func:`.exports.export_frames`, or Blender cannot read the file back.
+        As `require_animation` and :func:`.exports.export_frames`, or Blender cannot read the file back; then it is
+        removed.
     """
+    require_animation(collection)
     name = bpy.path.clean_name(collection.name)
     file = folder / (name + FORMATS[kind].suffixes[0])
     # Takes the place of a file that Blender may be reading, and is not written into it.
     export_frames(collection, file, kind)
-    shown = _read_back(file, kind)
+    try:
+        shown = _read_back(file, kind)
+    except ConvwassError:
+        file.unlink(missing_ok=True)
+        raise
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"
     collection.objects.link(shown)
@@ -49,6 +56,21 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
         modifier for modifier in shown.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"
     ).cache_file.filepath = for_blender(file)
     return DiskOutput(shown, (file,))
+
+
+def require_animation(collection: bpy.types.Collection) -> None:
+    """Refuse a morph that stands still, which Blender would not read from a cache.
+
+    Raises
+    ------
+    InputError
+        A sheet, a single blend, or a single frame of a path.
+    """
+    if frame_objects(collection) and len(shown_frames(collection)) < 2:
+        raise InputError(
+            "A cache holds what changes over time, and {name} does not; bake an animation, or choose another output.",
+            name=collection.name,
+        )
 
 
 def _read_back(file: Path, kind: str) -> bpy.types.Object:
@@ -69,7 +91,7 @@ def _read_back(file: Path, kind: str) -> bpy.types.Object:
         if not cached:
             bpy.data.batch_remove(made)
             raise ConvwassError(
-                "{file} holds no mesh that changes over time; is the morph longer than one frame?", file=str(file)
+                "{file} would hold no mesh that changes over time; choose another output.", file=str(file)
             )
         shown = cached[0]
         place = shown.matrix_world.copy()

@@ -10,7 +10,7 @@ import math
 import bpy
 
 from ...errors import ConvwassError
-from .stored import stored_morph
+from .stored import is_there, stored_morph
 
 SIGNATURES_KEY = "convwass_signatures"
 """Custom property of a morph's collection: JSON of one signature per input."""
@@ -62,10 +62,9 @@ def changed_inputs(collection: bpy.types.Collection) -> list[str]:
 
 
 def _is_as_before(name: str, before: object) -> bool:
-    obj = bpy.data.objects.get(name)
-    if obj is None:
+    if not is_there(name):
         return False
-    now = signature(obj)
+    now = signature(bpy.data.objects[name])
     if not (isinstance(before, list) and len(before) == len(now)):
         return True
     if not all(isinstance(number, (int, float)) for number in before):

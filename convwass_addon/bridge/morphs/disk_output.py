@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,6 +90,18 @@ def output_folder(path: str, morph: bpy.types.Collection) -> Path:
     if not os.access(folder, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(folder))
     return folder
+
+
+@contextmanager
+def filled_folder(path: str, morph: bpy.types.Collection) -> Iterator[Path]:
+    """Give the folder of a morph's files, as `output_folder`; where filling it fails, it does not stay empty."""
+    folder = output_folder(path, morph)
+    try:
+        yield folder
+    finally:
+        # Only a folder without files can be removed.
+        with suppress(OSError):
+            folder.rmdir()
 
 
 def for_blender(path: Path) -> str:

@@ -19,11 +19,12 @@ from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import is_shown
+from ..numbered_files import numbered_paths
 from ..sequence import mesh_sequence, remove_sequence
 from ..workshop import reason, workshop
 from .looks import VELOCITY, seen_colors, write_velocity
 from .materials import plain_copy, wears_color_attribute, wears_object_color
-from .stored import frame_objects
+from .stored import frame_objects, shown_frames
 
 # Bytes of an exported vertex, corner and face with colors, normals, UV maps and velocities, and of what comes first.
 _VERTEX, _CORNER, _FACE, _FILE = 48, 40, 8, 1 << 20
@@ -49,9 +50,9 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
 
     OBJ, PLY, STL and glTF have no means to swap meshes over time that other programs understand, so they get one file
     per frame, numbered from 0001 in the order of the frames (glTF as .glb), with materials; those that take their base
-    color from the object get that color. USD and Alembic get a single file over the frame range of the context's scene,
-    with one mesh whose topology changes; the frames' colors are its displayColor, and how fast their points move its
-    velocities. A sheet is a still in them.
+    color from the object get that color. USD and Alembic get a single file over the frames of the morph, with one
+    mesh whose topology changes; the frames' colors are its displayColor, and how fast their points move its velocities.
+    A sheet is a still in them.
 
     Parameters
     ----------
@@ -87,9 +88,9 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
         raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
     bpy.context.view_layer.update()
     if chosen.animated:
-        _export_animation(frames, target, chosen)
+        _export_animation(frames, shown_frames(collection), target, chosen)
         return [target]
-    files = [target.with_stem(f"{target.stem}_{number:04d}") for number in range(1, len(frames) + 1)]
+    files = numbered_paths(target.parent, f"{target.stem}_", target.suffix, range(1, len(frames) + 1))
     for obj, file in zip(frames, files, strict=True):
         _export_still(obj, file, chosen)
     return files
@@ -132,12 +133,10 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
             bpy.data.objects.remove(still)
 
 
-def _export_animation(frames: list[bpy.types.Object], file: Path, chosen: _Format) -> None:
-    """Write the frame objects as one mesh over the frame range of the context's scene."""
+def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
+    """Write the frame objects as one mesh over scene frames; without any, as they are now."""
     original = bpy.context.scene
-    first, last = original.frame_start, original.frame_end
-    if not any(obj.animation_data for obj in frames):
-        first = last = original.frame_current
+    first, last = (span[0], span[-1]) if span else 2 * (original.frame_current,)
     require_room(file.parent, _exported_bytes(frames))
     shown = [tuple(obj for obj in frames if is_shown(obj, frame)) for frame in range(first, last + 1)]
     with workshop() as scene, _colored_copies(frames, chosen.write_colors) as copies:

@@ -14,13 +14,10 @@ from ..files import save_blend
 from ..workshop import reason
 from .blend_pad import make_blend_pad
 from .cache_output import as_cache
-from .disk_output import DiskOutput, output_folder
+from .disk_output import DiskOutput, filled_folder
 from .player import make_player
 from .removal import remove_frames
 from .volume_output import as_volume
-
-# Beside the .blend, in a folder named after it.
-_FOLDER = "//{stem} files"
 
 PACKED: dict[str, Callable[[bpy.types.Collection], object] | None] = {
     "objects": None,
@@ -35,6 +32,11 @@ ON_DISK: dict[str, Callable[[bpy.types.Collection, Path], DiskOutput]] = {
     "usd": lambda collection, folder: as_cache(collection, folder, "usd"),
 }
 """Outputs that read files beside the .blend, and what makes them of a morph."""
+
+
+def folder_beside(target: Path) -> str:
+    """Return where the files of outputs on disk go: a folder beside the .blend file, named after it."""
+    return f"//{target.stem} files"
 
 
 def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list[Path]:
@@ -68,7 +70,8 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
     saved = save_blend(target)
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(saved), check_existing=False, compress=True)
-        written = ON_DISK[output](collection, output_folder(_FOLDER.format(stem=saved.stem), collection))
+        with filled_folder(folder_beside(saved), collection) as folder:
+            written = ON_DISK[output](collection, folder)
         remove_frames(collection)
         bpy.ops.wm.save_mainfile(compress=True)
     except RuntimeError as error:

@@ -14,6 +14,7 @@ import bpy
 
 from ...applications.morphs.health import HealthNote, health_figures
 from ...errors import InputError
+from ..keyframes import keyed_frames
 
 SCHEMA = 1
 
@@ -119,7 +120,7 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
         As `stored_morph`, or some of the objects are no longer there.
     """
     names = stored_morph(collection).inputs
-    missing = [name for name in dict.fromkeys(names) if name not in bpy.data.objects]
+    missing = [name for name in dict.fromkeys(names) if not is_there(name)]
     if missing:
         raise InputError(
             "{name} was baked from {missing}, which the file no longer holds under that name; rename it back, or "
@@ -130,10 +131,36 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     return [bpy.data.objects[name] for name in names]
 
 
+def is_there(name: str) -> bool:
+    """Tell whether an object of a name is in a scene; what was deleted may still be held, by the list of inputs say."""
+    obj = bpy.data.objects.get(name)
+    return obj is not None and bool(obj.users_scene)
+
+
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a morph in their order."""
     frames = sorted((obj for obj in collection.objects if _weight_count(obj)), key=_place)
     return [obj for obj in frames if _weight_count(obj) == _weight_count(frames[0])]
+
+
+def shown_frames(collection: bpy.types.Collection) -> range:
+    """Return the scene frames in which a morph goes from its first shape to its last one; empty where nothing moves.
+
+    The range of the scene has no say in it: that may be another morph's.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        A baked morph.
+    """
+    keyed = keyed_frames(frame_objects(collection))
+    if not keyed:
+        return keyed
+    try:
+        # A first shape that lasts for several frames has its key at the end of them.
+        return range(min(keyed.start, stored_morph(collection).first_frame), keyed.stop)
+    except InputError:
+        return keyed
 
 
 def _weight_count(obj: bpy.types.Object) -> int:

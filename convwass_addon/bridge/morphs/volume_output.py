@@ -18,10 +18,11 @@ from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ..keyframes import is_shown
+from ..numbered_files import numbered_paths
 from ..objects import triangle_mesh
 from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
 from .materials import morph_material
-from .stored import frame_objects, stored_morph
+from .stored import frame_objects, shown_frames, stored_morph
 
 GRID_NAME = "density"
 
@@ -37,7 +38,7 @@ _FALLBACK_RESOLUTION = 100
 def as_volume(
     collection: bpy.types.Collection, folder: Path, progress: Callable[[float], None] | None = None
 ) -> DiskOutput:
-    """Write a morph as VDB files, one per scene frame, and make the objects that show them.
+    """Write a morph as VDB files, one for each of its own scene frames, and make the objects that show them.
 
     A file holds one grid, "density": the share of every cell that is filled, averaged over a cell; its level of a half
     is the surface of the frame.
@@ -63,14 +64,12 @@ def as_volume(
     depsgraph = bpy.context.evaluated_depsgraph_get()
     meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
-    scene_frames, shown = _timeline(frames)
-    name = bpy.path.clean_name(collection.name)
-    files = []
-    for number, objects in zip(scene_frames, shown, strict=True):
-        files.append(folder / f"{name}_{number:04d}.vdb")
-        _write(openvdb, files[-1], [meshes[obj] for obj in objects], spacing)
+    scene_frames, shown = _timeline(collection, frames)
+    files = numbered_paths(folder, f"{bpy.path.clean_name(collection.name)}_", ".vdb", scene_frames)
+    for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
+        _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
         if progress is not None:
-            progress(len(files) / len(shown))
+            progress(done / len(shown))
     # Until Blender 5 Volume to Mesh puts values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
@@ -95,12 +94,14 @@ def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> flo
     return longest / int(settings.get("resolution") or _FALLBACK_RESOLUTION)
 
 
-def _timeline(frames: list[bpy.types.Object]) -> tuple[range, list[list[bpy.types.Object]]]:
+def _timeline(
+    collection: bpy.types.Collection, frames: list[bpy.types.Object]
+) -> tuple[range, list[list[bpy.types.Object]]]:
     """Return the scene frames of a morph and what is shown at each; a sheet is one frame that shows all."""
-    scene = bpy.context.scene
-    if not any(obj.animation_data for obj in frames):
-        return range(scene.frame_current, scene.frame_current + 1), [frames]
-    span = range(scene.frame_start, scene.frame_end + 1)
+    span = shown_frames(collection)
+    if not span:
+        now = bpy.context.scene.frame_current
+        return range(now, now + 1), [frames]
     return span, [[obj for obj in frames if is_shown(obj, number)] for number in span]
 
 
