@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from convwass_addon import cli
+from convwass_addon.applications.palettes import recolor_job
 from convwass_addon.bridge.video import write_video
 from convwass_addon.cli import recolor_verb
 from convwass_addon.errors import ConvwassError
@@ -152,3 +153,33 @@ def test_what_cannot_work_is_refused(tmp_path, red, blue, arguments, monkeypatch
     assert run(*arguments) == 3
     assert "convwass:" in capfd.readouterr().err
     assert not [path for path in tmp_path.rglob("*.*") if path not in (red, blue)]
+
+
+def test_palettes_that_could_not_be_matched_write_nothing(tmp_path, red, blue, capfd, monkeypatch):
+    """As the operator does."""
+    monkeypatch.setattr(recolor_job, "_LARGEST_ERROR", 0.0)
+    before = sorted(tmp_path.iterdir())
+    code = run(red, "--palette", blue, "--out", tmp_path / "out.png", "--cube", tmp_path / "grade.cube")
+    assert code == 3 and "could not be matched" in capfd.readouterr().err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("spelling", ["dots", "link"])
+def test_images_that_are_read_are_known_by_any_name(tmp_path, red, blue, capfd, spelling):
+    """Neither the frames nor the palette are replaced, however the folder is written."""
+    other = saved(red_image(), tmp_path / "red2.png")
+    folder = tmp_path / ".." / tmp_path.name
+    if spelling == "link":
+        folder = tmp_path.with_name(f"{tmp_path.name} link")
+        folder.symlink_to(tmp_path, target_is_directory=True)
+    paths = (red, other, blue)
+    before = [path.read_bytes() for path in paths]
+    for words in ((red, other, "--palette", blue), (red, other, "--palette", red)):
+        assert run(*words, "--out", folder) == 3
+        assert "would replace" in capfd.readouterr().err
+    elsewhere = tmp_path / "shots"
+    elsewhere.mkdir()
+    namesake = saved(red_image(), elsewhere / "blue.png")
+    assert run(namesake, "--palette", blue, "--out", folder) == 3
+    assert "would replace" in capfd.readouterr().err
+    assert [path.read_bytes() for path in paths] == before

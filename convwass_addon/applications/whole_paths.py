@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -46,6 +47,24 @@ def path_with_suffix(path: str | Path, suffix: str) -> Path:
         return Path(path).with_suffix(suffix)
     except ValueError as error:
         raise InputError("{target} is a folder; add a file name to it.", target=_short(path)) from error
+
+
+def share_a_place(paths: Iterable[Path], others: Iterable[Path]) -> bool:
+    """Tell whether one of some paths leads to where one of the others does.
+
+    Dots, links and, where the system makes no difference, small letters do not hide it.
+    """
+    return not {_place(path) for path in paths}.isdisjoint({_place(path) for path in others})
+
+
+def _place(path: Path) -> object:
+    """Return what the system knows a file or a folder by, or a path without links to what is not there yet."""
+    with suppress(OSError):
+        status = os.stat(path)
+        # Some file systems number nothing.
+        if status.st_ino:
+            return status.st_dev, status.st_ino
+    return os.path.normcase(os.path.realpath(path))
 
 
 def _short(path: str | Path) -> str:

@@ -18,10 +18,11 @@ from ..applications.palettes.lookup_table import LookupTable, lookup_table, read
 from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.palettes.palette_statistics import pooled_palette
 from ..applications.palettes.pixel_blocks import recolored_blocks
-from ..applications.palettes.recolor_job import Picture
-from ..applications.palettes.recoloring import Recoloring, recoloring
-from ..applications.whole_paths import path_with_suffix, whole_path
+from ..applications.palettes.recolor_job import Picture, solved_map
+from ..applications.palettes.recoloring import Recoloring
+from ..applications.whole_paths import path_with_suffix, share_a_place, whole_path
 from ..bridge.files import checked_target
+from ..bridge.numbered_files import numbered_paths
 from ..bridge.palettes.image_files import require_format, save_pixels
 from ..console import ProgressBar
 from ..drafts import DraftFiles
@@ -96,15 +97,20 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
         checked_target(folder / "x" if folder.exists() else folder)
     if options.steps is not None:
         stem, suffix = options.images[0].stem, options.images[0].suffix
-        targets = [folder / f"{stem}.{step:04d}{suffix}" for step in range(count)]
+        targets = numbered_paths(folder, f"{stem}.", suffix, range(count))
     else:
         targets = [folder / name for name in names]
-    sources = {whole_path(path) for path in options.images}
-    if len(set(targets)) < len(targets) or sources & set(targets):
+    if len(set(targets)) < len(targets) or share_a_place(targets, _sources(options)):
         raise InputError("The results would replace each other, or the images; choose another folder with --out.")
     for target in targets:
         require_format(checked_target(target) if folder.is_dir() else target)
     return targets
+
+
+def _sources(options: Namespace) -> list[Path]:
+    """Return all images that are read."""
+    paths = [*options.images, *options.palette, options.mask, options.palette_mask]
+    return [whole_path(path) for path in paths if path is not None]
 
 
 def _solved(options: Namespace, frames: Frames, settings: RecolorSettings) -> Recoloring:
@@ -120,7 +126,7 @@ def _solved(options: Namespace, frames: Frames, settings: RecolorSettings) -> Re
         for path in options.palette:
             with read_file(path, options.palette_mask) as (picture, _image):
                 wanted.append(picture.palette())
-        change = recoloring(own, wanted, options.weights, settings)
+        change = solved_map(own, wanted, options.weights, settings)
         bar.show(1.0, "done")
     return change
 

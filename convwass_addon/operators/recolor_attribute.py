@@ -44,7 +44,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         if not self.result:
             raise InputError("Give the color attribute of the result a name.")
         obj, giver = context.object, context.scene.convwass_recolor.palette_object
-        self._name = obj.data.color_attributes.active_color_name
+        self._name, self._giver = obj.data.color_attributes.active_color_name, giver.name
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
         return RecolorJob(Handle.of("objects", obj), pictures[0], pictures[1:], [1.0], self.recolor_settings())
 
@@ -61,9 +61,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
     def _finish(self, context, job):
         obj = job.target()
         write_picture_colors(obj, self._name, self.result, job.pixels)
-        giver = context.scene.convwass_recolor.palette_object
-        name = giver.name if giver is not None else ""
-        tell(self, rpt_("{:s} of {:s} has the colors of {:s}").format(self.result, obj.name, name))
+        tell(self, rpt_("{:s} of {:s} has the colors of {:s}").format(self.result, obj.name, self._giver))
         return {"FINISHED"}
 
 

@@ -14,7 +14,9 @@ from ..applications.palettes.clip_job import ClipStep, FrameDesk, clip_steps
 from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.palettes.recolor_job import Picture
 from ..applications.palettes.recoloring import Recoloring
+from ..applications.whole_paths import share_a_place
 from ..bridge.files import checked_folder
+from ..bridge.handles import Handle
 from ..bridge.palettes.clip_frames import ClipFrames, first_number, is_clip, sequence_image
 from ..bridge.palettes.image_files import save_pixels
 from ..drafts import DraftFiles
@@ -90,6 +92,8 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
     folder: clip_folder_property()
 
     _job: ClipJob
+    _name: str
+    _image: Handle
 
     @classmethod
     def poll(cls, context):
@@ -105,11 +109,11 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
             raise InputError("{image} is neither a sequence of images nor a movie.", image=image.name)
         folder, own = checked_folder(self.folder), context.scene.convwass_recolor
         frames = ClipFrames(image, own.mask)
-        if folder == frames.path.absolute().parent:
+        if share_a_place([folder], [frames.path.parent]):
             raise InputError(
                 "The results would replace the frames of {image}; choose another folder.", image=image.name
             )
-        self._name = image.name
+        self._name, self._image = image.name, Handle.of("images", image)
         try:
             targets = [folder / name for name in frames.names]
             return ClipJob(frames, *read_palettes(context), self.recolor_settings(), targets)
@@ -125,7 +129,7 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
 
     def _finish(self, context, job):
         paths = job.keep()
-        source = bpy.data.images.get(self._name)
+        source = self._image.find()
         if source is not None:
             _show(context, source, sequence_image(source, paths), paths)
         text = rpt_("Recolored {:d} frames of {:s}, in {:s}")

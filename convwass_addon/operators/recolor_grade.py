@@ -20,7 +20,7 @@ from .background import BackgroundOperator
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
 from .recolor_table import CubeFile, TableJob
-from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, read_pictures
+from .recolor_targets import OnImage, chosen_image, image_property, palette_names, read_palettes, read_pictures
 from .reporting import tell
 
 
@@ -28,15 +28,18 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
     """An operator that needs the map of colors as a table; that of a clip comes from all of its frames together."""
 
     _job: TableJob
+    _source: str
+    _palette: str
 
     def _begin(self, context):
         image, settings = chosen_image(context, self.image), self.recolor_settings()
+        self._source, self._palette = image.name, next(iter(palette_names(context)), "")
         if is_clip(image):
             frames = ClipFrames(image, context.scene.convwass_recolor.mask)
             job = ClipJob(frames, *read_palettes(context), settings)
         else:
             job = RecolorJob(Handle.of("images", image), *read_pictures(context, image), settings, ends="map")
-        return TableJob(job, self.cube_size, self._target(context))
+        return TableJob(job, self.cube_size, self._target())
 
     def _steps(self):
         return self._job.steps
@@ -46,14 +49,14 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
 
     def _finish(self, context, job):
         job.keep()
-        self._use(context, job.table)
+        self._use(job.table)
         return {"FINISHED"}
 
-    def _target(self, context: bpy.types.Context) -> CubeFile | None:
+    def _target(self) -> CubeFile | None:
         """Return the file that the table becomes, if any."""
         return None
 
-    def _use(self, context: bpy.types.Context, table: LookupTable) -> None:
+    def _use(self, table: LookupTable) -> None:
         """Do with the table what it is made for, and tell of it."""
         raise NotImplementedError
 
@@ -93,15 +96,15 @@ class CONVWASS_OT_write_lut(_MakesTable, bpy.types.Operator):
         self._path = checked_target(path_with_suffix(bpy.path.abspath(self.filepath), ".cube"))
         return super()._begin(context)
 
-    def _target(self, context):
-        return CubeFile(self._path, _palette_name(context))
+    def _target(self):
+        return CubeFile(self._path, self._palette)
 
-    def _use(self, context, table):
+    def _use(self, table):
         tell(self, rpt_("Wrote {:s}").format(str(self._path)))
 
 
 class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
-    """Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group"""  # noqa: E501
+    """Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group. The next one of the same image and palette takes its place"""  # noqa: E501
 
     bl_idname = "convwass.build_grade_nodes"
     bl_label = "Build Compositor Group"
@@ -109,14 +112,9 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
     image: image_property()
     cube_size: cube_size_property()
 
-    def _use(self, context, table):
-        group = grade_group(table, f"Grade {_palette_name(context)}")
+    def _use(self, table):
+        group = grade_group(table, f"Grade {self._palette}", self._source)
         tell(self, rpt_("Made the node group {:s} for the compositor").format(group.name))
-
-
-def _palette_name(context: bpy.types.Context) -> str:
-    chosen = context.scene.convwass_recolor.chosen_palettes
-    return chosen[0][0].name if chosen else ""
 
 
 classes = (CONVWASS_OT_write_lut, CONVWASS_OT_build_grade_nodes)

@@ -25,7 +25,7 @@ from ..errors import InputError
 from ..properties.recolor import RecolorProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
-from .recolor_targets import OnImage, chosen_image, image_property, read_pictures
+from .recolor_targets import OnImage, chosen_image, image_property, palette_names, read_pictures
 from .reporting import tell
 
 # Share of a job that is done once the pixels are, where they become a file after that.
@@ -118,6 +118,7 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
     )
 
     _job: RecolorJob
+    _palettes: list[str]
 
     def _begin(self, context):
         image = chosen_image(context, self.image)
@@ -130,6 +131,7 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
                 "{image} is a clip, whose frames stay as they are; make a new image, or recolor the clip.",
                 image=image.name,
             )
+        self._palettes = palette_names(context)
         inputs, ends = read_pictures(context, image), "file" if self.output == "NEW" else "pixels"
         return RecolorJob(Handle.of("images", image), *inputs, self.recolor_settings(), ends=ends)
 
@@ -149,11 +151,8 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
         space = context.space_data
         if space is not None and space.type == "IMAGE_EDITOR" and space.image == image:
             space.image = result
-        tell(self, rpt_("{:s} has the colors of {:s}").format(result.name, self._palette_names(context)))
+        tell(self, rpt_("{:s} has the colors of {:s}").format(result.name, ", ".join(self._palettes)))
         return {"FINISHED"}
-
-    def _palette_names(self, context: bpy.types.Context) -> str:
-        return ", ".join(image.name for image, weight in context.scene.convwass_recolor.chosen_palettes if weight > 0)
 
 
 classes = (CONVWASS_OT_recolor_image,)

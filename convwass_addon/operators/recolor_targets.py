@@ -90,3 +90,11 @@ def read_palettes(context: bpy.types.Context) -> tuple[list[Picture], list[float
         masked = read_picture(own.palette, own.palette_mask)
         palettes[0] = replace(palettes[0], mask=masked.mask)
     return palettes, [weight for _, weight in own.chosen_palettes]
+
+
+def palette_names(context: bpy.types.Context) -> list[str]:
+    """Return the names of the palettes that have a weight.
+
+    They are asked for when a job begins: others may be chosen while it runs.
+    """
+    return [image.name for image, weight in context.scene.convwass_recolor.chosen_palettes if weight > 0]

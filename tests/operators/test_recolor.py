@@ -150,6 +150,46 @@ def test_a_group_for_the_compositor_is_made(own):
     assert tuple(image.size) == (5 * 17, 4 * 17) and image.packed_file
 
 
+def test_a_group_takes_the_place_of_the_last_one_for_the_same(own):
+    red_image()
+    call("build_grade_nodes", image="Red", cube_size=5)
+    group = bpy.data.node_groups["Grade Blue"]
+    user = bpy.data.node_groups.new("Mine", "CompositorNodeTree")
+    node = user.nodes.new("CompositorNodeGroup")
+    node.node_tree = group
+    link = user.links.new(user.nodes.new("CompositorNodeRGB").outputs[0], node.inputs["Image"])
+    known, count = inventory(), len(group.nodes)
+    call("build_grade_nodes", image="Red", cube_size=5)
+    assert inventory() == known and len(group.nodes) == count
+    assert node.node_tree == group and link.is_valid and node.inputs["Image"].is_linked
+    call("build_grade_nodes", image="Red", cube_size=9)
+    assert inventory() == known and tuple(bpy.data.images["Grade Blue"].size) == (3 * 9, 3 * 9)
+    call("build_grade_nodes", image="Blue", cube_size=5)
+    assert len(bpy.data.node_groups) == 3
+
+
+def test_the_palette_that_has_a_weight_gives_the_name(own):
+    red_image()
+    own.weight = 0.0
+    own.palette_2, own.weight_2 = image_of("Other", pixels_of(bpy.data.images["Blue"])), 1.0
+    call("build_grade_nodes", image="Red", cube_size=5)
+    assert [group.name for group in bpy.data.node_groups] == ["Grade Other"]
+
+
+@pytest.mark.parametrize("operator", ["recolor_image", "build_grade_nodes"])
+def test_names_are_those_of_the_beginning(own, operator):
+    """What is chosen while the job runs has no say in what it tells and makes."""
+    red_image()
+    context = window_context()
+    context.space_data = None
+    pressed = Pressed(getattr(bpy.types, f"CONVWASS_OT_{operator}"), image="Red")
+    assert pressed._start(context) == {"RUNNING_MODAL"}
+    own.palette = image_of("Later", pixels_of(bpy.data.images["Blue"]))
+    assert until(pressed, context) == {"FINISHED"}
+    told = " ".join(text for _, text in pressed.reports)
+    assert "Blue" in told and "Later" not in told
+
+
 def test_the_compositor_applies_tables_as_they_are(own, tmp_path):
     """Rendered: random colors, colors over white, and half transparent ones."""
     red_image()

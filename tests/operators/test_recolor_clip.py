@@ -138,6 +138,18 @@ def test_masks_protect_in_every_frame(clip, files, tmp_path):
         assert np.abs(found[:, 30:] - before[:, 30:]).mean() > 0.03
 
 
+@pytest.mark.parametrize("spelling", ["dots", "link"])
+def test_the_folder_of_the_frames_is_known_by_any_name(clip, files, tmp_path, spelling):
+    folder = tmp_path / ".." / tmp_path.name
+    if spelling == "link":
+        folder = tmp_path.with_name(f"{tmp_path.name} link")
+        folder.symlink_to(tmp_path, target_is_directory=True)
+    before = [path.read_bytes() for path in files]
+    with pytest.raises(RuntimeError, match="replace the frames of Shot"):
+        call("recolor_clip", image="Shot", folder=str(folder))
+    assert [path.read_bytes() for path in files] == before
+
+
 def test_what_cannot_work_is_refused(clip, files, tmp_path):
     (tmp_path / "taken").write_text("x")
     for folder, said in (
@@ -200,6 +212,18 @@ def test_beside_the_users_work(clip, tmp_path, stops):
         assert ends == {"CANCELLED"} and not (tmp_path / "graded").exists()
         assert inventory() == known
     assert not progress.running
+
+
+def test_the_clip_is_found_by_what_it_is_and_not_by_its_name(clip, tmp_path):
+    """Renamed while the job runs, with another image in its name's place."""
+    context = window_context()
+    pressed = Pressed(CONVWASS_OT_recolor_clip, image="Shot", folder=str(tmp_path / "graded"))
+    context.space_data = SimpleNamespace(type="IMAGE_EDITOR", image=clip, image_user=SimpleNamespace())
+    assert pressed._start(context) == {"RUNNING_MODAL"}
+    clip.name = "Renamed"
+    bpy.data.images.new("Shot", 4, 4)
+    assert until(pressed, context) == {"FINISHED"}
+    assert context.space_data.image.name == "Renamed recolored"
 
 
 def test_undoing_does_not_lose_the_frames(clip, tmp_path):

@@ -142,14 +142,27 @@ def matched(
         if check is not None:
             check()
         measured.append(palettes[place].palette())
-    change = recoloring(source, measured, [weights[place] for place in used], settings, check)
-    _require_solved(change)
-    return change
+    return solved_map(source, measured, [weights[place] for place in used], settings, check)
 
 
-def _require_solved(change: Recoloring) -> None:
+def solved_map(
+    source: Palette,
+    palettes: Sequence[Palette],
+    weights: Sequence[float] | None,
+    settings: RecolorSettings,
+    check: Callable[[], None] | None = None,
+) -> Recoloring:
+    """Return the map to the barycenter of palettes, as :func:`.recoloring.recoloring` does, if it is good for anything.
+
+    Raises
+    ------
+    InputError
+        Weights that do not fit, or palettes that could not be matched.
+    """
+    change = recoloring(source, palettes, weights, settings, check)
     if not change.chroma.marginal_error < _LARGEST_ERROR:
         raise InputError(
             "The palettes could not be matched (marginal error {error:.0%}); blur or mask what has stray colors.",
             error=change.chroma.marginal_error,
         )
+    return change

@@ -23,8 +23,14 @@ Socket = bpy.types.NodeSocket
 _COLUMN = 180.0
 
 
-def grade_group(table: LookupTable, name: str) -> bpy.types.NodeTree:
+RESULT_OF = "convwass_grade"
+"""Custom property of a node group that applies a table: what it was made for."""
+
+
+def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.NodeTree:
     """Make a node group for the compositor: an image comes in, and goes out with the table applied.
+
+    The group of that name for the same source, if there is one, is built anew, and stays where it is used.
 
     Values of the table's domain become what other programs make of them; what is brighter keeps what it has above.
 
@@ -34,10 +40,10 @@ def grade_group(table: LookupTable, name: str) -> bpy.types.NodeTree:
         Of colors encoded as sRGB.
     name : str
         Of the group and of the image that holds the table.
+    source : str
+        Name of the image that it was made for.
     """
-    group = bpy.data.node_groups.new(name, "CompositorNodeTree")
-    group.interface.new_socket("Image", in_out="INPUT", socket_type="NodeSocketColor")
-    group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    group = _emptied_group(name, source)
     tiles = _Tiles(len(table.colors))
     grade = _Grade(group, tiles, _table_image(table, tiles, name))
     came_in = group.nodes.new("NodeGroupInput").outputs["Image"]
@@ -56,6 +62,26 @@ def grade_group(table: LookupTable, name: str) -> bpy.types.NodeTree:
     result = [math_node(group, "ADD", own, rest) for own, rest in zip(found, beyond, strict=True)]
     group.links.new(grade.decoded(result, alpha), group.nodes.new("NodeGroupOutput").inputs["Image"])
     _arrange(group)
+    return group
+
+
+def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
+    """Return the group that was made for the same, without its nodes, or a new one."""
+    mark = f"{name}\n{source}"
+    ends = {("Image", "INPUT"), ("Image", "OUTPUT")}
+    for group in bpy.data.node_groups:
+        sockets = {(item.name, item.in_out) for item in group.interface.items_tree if item.item_type == "SOCKET"}
+        if group.get(RESULT_OF) == mark and group.library is None and ends <= sockets:
+            break
+    else:
+        group = bpy.data.node_groups.new(name, "CompositorNodeTree")
+        group.interface.new_socket("Image", in_out="INPUT", socket_type="NodeSocketColor")
+        group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        group[RESULT_OF] = mark
+        return group
+    tables = {node.image for node in group.nodes if node.type == "IMAGE" and node.image is not None}
+    group.nodes.clear()
+    bpy.data.batch_remove([image for image in tables if not image.users])
     return group
 
 
