@@ -18,6 +18,7 @@ from .armature_targets import OnBody, chosen_joints, joints_property
 from .mesh_targets import length_text
 from .picking import PicksPoints, surface_point_at
 from .reporting import refuse
+from .windows import write_status
 
 
 class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
@@ -90,7 +91,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
     def _say(self, context: bpy.types.Context) -> None:
         text = rpt_("Click on the body where {:s} belongs ({:d} to go)    Esc: done")
-        context.workspace.status_text_set(text.format(self._waiting[0], len(self._waiting)))
+        write_status(context, text.format(self._waiting[0], len(self._waiting)))
 
     def _place(self, context: bpy.types.Context, name: str, point: NDArray[np.float64]) -> None:
         """Move a joint behind a point of the surface and pin it; raises InputError where that cannot be."""

@@ -14,11 +14,12 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..applications.background import BackgroundJob
+from ..bridge.handles import Handle
 from ..errors import Cancelled, ConvwassError
 from ..sentence import Sentence
 from ..translations import translated
 from .reporting import refuse_if_known
-from .windows import clear_windows
+from .windows import clear_status, clear_windows, write_status
 
 _TIMER_SECONDS = 0.05
 # Editors whose sidebars show how far a job is.
@@ -76,8 +77,10 @@ class BackgroundOperator:
     _running: _Running
     _began: float
     _ending: bool
+    _scene: Handle
 
     def execute(self, context):
+        self._scene = Handle.of("scenes", context.scene)
         try:
             self._job = self._begin(context)
         except (ConvwassError, OSError, MemoryError) as error:
@@ -105,6 +108,7 @@ class BackgroundOperator:
 
     def _start(self, context: bpy.types.Context) -> set[str]:
         """Begin the work on its thread, for an operator that has a modal handler, or gets one."""
+        self._scene = Handle.of("scenes", context.scene)
         try:
             self._job = self._begin(context)
         except (ConvwassError, OSError, MemoryError) as error:
@@ -188,19 +192,22 @@ class BackgroundOperator:
         if left is not None:
             message = rpt_("{:s}, about {:d} s left").format(message, left)
         progress.running, progress.fraction, progress.message = True, fraction, message
-        context.workspace.status_text_set(f"{self._title()}: {message}    Esc: {rpt_('stop')}")
+        write_status(context, f"{self._title()}: {message}    Esc: {rpt_('stop')}")
         # The sidebar alone: drawing the shapes again may take long, and new ones see to that themselves.
         for area in context.window.screen.areas:
             for region in area.regions if area.type in _WITH_SIDEBAR else ():
                 if region.type == "UI":
                     region.tag_redraw()
 
+    def _own_scene(self, context: bpy.types.Context) -> bpy.types.Scene:
+        """Return the scene that the work began in, whichever is shown by now; the shown one where that is gone."""
+        return self._scene.find() or context.scene
+
     def _stop(self, context: bpy.types.Context) -> None:
         _RUNNING.discard(self._running)
         context.window_manager.event_timer_remove(self._running.timer)
         context.window_manager.convwass_progress.running = False
-        if context.workspace:
-            context.workspace.status_text_set(None)
+        clear_status(context)
         for area in context.window.screen.areas if context.window else ():
             area.tag_redraw()
 

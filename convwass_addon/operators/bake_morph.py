@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -21,6 +23,7 @@ from ..bridge.flat.flat_job import FlatJob
 from ..bridge.flat.picture_job import PictureJob
 from ..bridge.morphs.disk_output import packed_bytes
 from ..bridge.morphs.job import MorphJob
+from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
@@ -94,7 +97,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
         weights = chosen.weights if self.layout == "BLEND" else None
-        options = {**self.stored_options(), "weights": weights}
+        request = MorphRequest(**self.stored_options(), weights=weights)
         blends = self.blends(len(chosen.objects), weights)
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
         are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)
@@ -104,11 +107,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if are_flat:
             # What shows a morph otherwise than by an object per frame takes meshes.
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
-            options["flat_output"] = kind
+            options = replace(request, flat_output=kind).as_dict()
             settings = self.flat_settings()
             flat_job = partial(PictureJob, replaces=self.replaces) if kind == "PICTURE" else FlatJob
             return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()
+        options = request.as_dict()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
 
     def _preferred(self) -> Computation:
@@ -150,7 +154,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if replaced is not None:
             collection = replace_bake(replaced, collection)
         select_only(context, frame_objects(collection)[:1])
-        self._hand_over(collection)
+        self._hand_over(self._own_scene(context), collection)
         slack = [record for record in job.records if not record.get("converged", True)]
         if slack:
             worst = max(record["marginal_error"] for record in slack)
@@ -182,8 +186,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return made.get(getattr(self._job, "kind", ""), rpt_("{:s}: {:d} meshes")).format(name, count)
         return rpt_("{:s}: {:d} meshes, {:d} of them finished before").format(name, count, cache.reused)
 
-    def _hand_over(self, morph: bpy.types.Collection) -> None:
-        """Make of the morph, which is selected, what the output asks for; the meshes are kept where that fails."""
+    def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection) -> None:
+        """Make of the morph in its scene what the output asks for; the meshes are kept where that fails."""
         name = _OUTPUT_OPERATORS.get((self.output, self.layout)) or _OUTPUT_OPERATORS.get((self.output, ""))
         if name is None or stand_ins(morph):
             return
@@ -191,9 +195,18 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if self.output == "CACHE":
             options["kind"] = self.cache_format
         try:
-            getattr(bpy.ops.convwass, name)(**options)
+            with nullcontext() if scene == bpy.context.scene else _showing(scene, morph):
+                getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
             self.report({"WARNING"}, str(reason(error)))
+
+
+@contextmanager
+def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[None]:
+    """Make a morph the active one for operators, though the window shows another scene, and another morph in it."""
+    nothing = {"object": None, "active_object": None, "selected_objects": []}
+    with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=morph, **nothing):
+        yield
 
 
 def _steps_of(job: MorphJob, computing: Computation, check: Check | None = None) -> Iterator[MorphStep]:

@@ -12,6 +12,7 @@ from ..errors import InputError
 from .background import BackgroundOperator
 from .mesh_targets import numbered_vertices, selected_vertices
 from .picking import PicksPoints, vertex_at
+from .windows import write_status
 
 
 class OnVertices(PicksPoints):
@@ -35,7 +36,7 @@ class OnVertices(PicksPoints):
         if self.vertices.strip() or bpy.app.background or _shows_selection(context.object):
             return BackgroundOperator.invoke(self, context, event)
         self._picks = True
-        context.workspace.status_text_set(rpt_("Click on the surface    Esc: cancel"))
+        write_status(context, rpt_("Click on the surface    Esc: cancel"))
         return self._wait(context)
 
     def modal(self, context, event):

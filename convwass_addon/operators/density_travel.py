@@ -19,12 +19,12 @@ from ..applications.densities.surface_densities import Surface, heat_map
 from ..bridge.densities.density_attributes import require_free
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked, write_group
 from ..errors import InputError
 from ..properties.densities import PathProperties, TravelProperties
-from .density_changes import marks_of
 from .density_job import DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops
 from .density_targets import OnGroups
@@ -68,7 +68,7 @@ class CONVWASS_OT_interpolate_density(
         self._stops, self._settings = stops, self.density_settings(self.steps)
         weights = read_groups(obj, stops.names)
         solve = partial(_path, weights, stops.names, stops.frames, self._settings)
-        self._stored = {**self._settings.as_dict(), "trail": self.trail, **marks_of(obj, weights)}
+        self._stored = path_request(obj, weights, self._settings, stops.frames, trail=self.trail, easing=self.easing)
         return DensityJob(context, obj, self._settings, solve)
 
     def _title(self):
@@ -77,8 +77,7 @@ class CONVWASS_OT_interpolate_density(
     def _finish(self, context, job):
         frames, obj, stops = job.frames, job.target(), self._stops
         known = stored_or_new(obj, self.density)
-        settings = {**self._stored, "frames": stops.frames, "easing": self.easing}
-        description = StoredDensity(stops.names, settings, frames.records, outputs=known.outputs)
+        description = StoredDensity(stops.names, self._stored, frames.records, outputs=known.outputs)
         times = (np.array(stops.frames) - stops.frames[0]) / (stops.frames[-1] - stops.frames[0])
         keys = [DensityKey(*key) for key in zip(stops.frames, times.tolist(), strict=True)] if self.set_keys else []
         shown = frames.covered if self.trail else frames.densities
@@ -86,7 +85,8 @@ class CONVWASS_OT_interpolate_density(
         if self.add_material and not any(slot.material for slot in obj.material_slots):
             obj.active_material = heat_material(self.density)
         if keys:
-            context.scene.frame_end = max(context.scene.frame_end, int(np.ceil(stops.frames[-1])))
+            scene = self._own_scene(context)
+            scene.frame_end = max(scene.frame_end, int(np.ceil(stops.frames[-1])))
         text = rpt_("{:s}: {:d} steps from frame {:g} to {:g}")
         text = text.format(self.density, len(frames.times), stops.frames[0], stops.frames[-1])
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])

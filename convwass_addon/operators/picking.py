@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..bridge.surfaces import surface_mesh
 from ..errors import ConvwassError
 from .reporting import refuse
-from .windows import clear_windows
+from .windows import clear_status, clear_windows
 
 # Operators that wait for clicks now, by their identity.
 _WAITING: set[int] = set()
@@ -45,7 +45,7 @@ class PicksPoints:
     def cancel(self, context):
         _WAITING.discard(id(self))
         context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
+        clear_status(context)
 
     def _wait(self, context: bpy.types.Context) -> set[str]:
         """Begin to wait for clicks."""

@@ -191,7 +191,7 @@ class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOpera
         fitted = "{} {}".format(name, rpt_("fitted"))
         made = []
         if job.plan.sheet is not None:
-            pad = material_pad(context.scene, name, [own.name for own in job.materials], job.plan.sheet.side)
+            pad = material_pad(self._own_scene(context), name, [own.name for own in job.materials], job.plan.sheet.side)
             if with_lobes:
                 made.append(pad_lobe_material(name, images, job.diffuse(), job.sun, pad))
             if self.output != "LOBES":

@@ -64,7 +64,7 @@ class SkyJob:
 
 
 class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.Operator):
-    """Make the skies between two worlds or more: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them"""  # noqa: E501
+    """Make the skies between two worlds or more: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them. Worlds that are not just an image are rendered, in the place of the last rendering"""  # noqa: E501
 
     bl_idname = "convwass.interpolate_sky"
     bl_label = "Blend Skies"
@@ -112,7 +112,7 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
         job.files.finish()
         name = "{} {}".format(rpt_("Sky"), "-".join(self._names))
         world = sequence_world(name, job.files.paths, self.frame_start)
-        context.scene.world = world
+        self._own_scene(context).world = world
         text = rpt_("{:s} shows {:d} skies from {:s}")
         paths = job.files.paths
         tell(self, text.format(world.name, len(paths), str(paths[0].parent)), (), job.notices())

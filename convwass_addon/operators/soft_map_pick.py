@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
 from ..translations import translated
 from .picking import PicksPoints, vertex_at
+from .windows import write_status
 
 
 class PicksPair(PicksPoints):
@@ -82,7 +83,7 @@ class PicksPair(PicksPoints):
         else:
             other = own.target if pair.target_vertex < 0 else own.source
             text = rpt_("Pair {:d}: now click on {:s}    Esc: done").format(number, other.name)
-        context.workspace.status_text_set(text)
+        write_status(context, text)
 
 
 def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> None:

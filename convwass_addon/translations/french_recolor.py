@@ -42,7 +42,7 @@ TEXTS: dict[str, str] = {
     "Less Chroma": "Moins de chroma",
     "Lightness": "Clarté",
     "Made the node group {:s} for the compositor": "Groupe de nœuds {:s} créé pour le compositing",
-    "Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group": "Créer pour le compositing un groupe de nœuds qui applique la carte des couleurs à tout ce qui entre : l'ajouter par Add > Group",
+    "Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group. The next one of the same image and palette takes its place": "Créer pour le compositing un groupe de nœuds qui applique la carte des couleurs à tout ce qui entre : l'ajouter par Add > Group. Le suivant, de la même image et de la même palette, prend sa place",
     "Make them paler until they can be shown, as light as they are": "Les pâlir jusqu'à ce qu'elles puissent être montrées, à clarté égale",
     "Making the table": "Calcul de la table",
     "Mask": "Masque",

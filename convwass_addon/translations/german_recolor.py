@@ -42,7 +42,7 @@ TEXTS: dict[str, str] = {
     "Less Chroma": "Weniger Buntheit",
     "Lightness": "Helligkeit",
     "Made the node group {:s} for the compositor": "Die Nodegruppe {:s} für den Compositor erstellt",
-    "Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group": "Eine Nodegruppe für den Compositor erstellen, die die Abbildung der Farben auf alles anwendet, was hereinkommt: mit Add > Group einfügen",
+    "Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group. The next one of the same image and palette takes its place": "Eine Nodegruppe für den Compositor erstellen, die die Abbildung der Farben auf alles anwendet, was hereinkommt: mit Add > Group einfügen. Die nächste zum selben Bild und zur selben Palette tritt an ihre Stelle",
     "Make them paler until they can be shown, as light as they are": "Sie blasser machen, bis sie gezeigt werden können, so hell, wie sie sind",
     "Making the table": "Die Tabelle wird berechnet",
     "Mask": "Maske",

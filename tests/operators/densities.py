@@ -107,12 +107,20 @@ def window_context():
     return SimpleNamespace(
         window_manager=manager,
         window=window,
-        workspace=SimpleNamespace(status_text_set=lambda text: None),
+        workspace=SimpleNamespace(status_text_set=lambda text: None, session_uid=0),
         scene=bpy.context.scene,
         object=bpy.context.object,
         view_layer=bpy.context.view_layer,
         evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
     )
+
+
+def show_other_scene(context):
+    """Let the user go to another scene, which is empty; return it."""
+    other = bpy.data.scenes.new("Other")
+    bpy.context.window.scene = other
+    context.scene, context.view_layer = other, other.view_layers[0]
+    return other
 
 
 def until(pressed, context, wanted=lambda: False):

@@ -25,6 +25,7 @@ from tests.operators.densities import (
     center,
     inventory,
     positions,
+    show_other_scene,
     two_balls,
     until,
     window_context,
@@ -363,3 +364,14 @@ def test_the_value_can_be_moved_by_hand(obj):
     density_value(obj).set(0.5)
     bpy.context.view_layer.update()
     assert density_value(obj).get() == pytest.approx(0.5)
+
+
+def test_the_scene_that_it_began_in_is_made_longer(obj):
+    own = bpy.context.scene
+    own.frame_end = 10
+    pressed = Pressed(CONVWASS_OT_interpolate_density, groups="A, B", frames="1, 30", steps=2)
+    context = window_context()
+    assert pressed._start(context) == {"RUNNING_MODAL"}
+    other = show_other_scene(context)
+    assert until(pressed, context) == {"FINISHED"}
+    assert (own.frame_end, other.frame_end) == (30, 250)

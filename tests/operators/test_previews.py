@@ -54,7 +54,7 @@ def context():
     return SimpleNamespace(
         window_manager=manager,
         window=SimpleNamespace(screen=SimpleNamespace(areas=[])),
-        workspace=SimpleNamespace(status_text_set=lambda text: None),
+        workspace=SimpleNamespace(status_text_set=lambda text: None, session_uid=0),
         scene=bpy.context.scene,
         view_layer=bpy.context.view_layer,
         selected_objects=bpy.context.selected_objects,

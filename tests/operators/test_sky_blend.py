@@ -12,7 +12,7 @@ from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
 from convwass_addon.operators.sky_blend import CONVWASS_OT_interpolate_sky
 from tests.lights import sky
-from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
+from tests.operators.densities import ESCAPE, TIMER, Pressed, show_other_scene, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -99,3 +99,14 @@ def test_escape_leaves_what_was_there(worlds, older):
     assert worlds.exists() == older
     assert not older or [item.read_text() for item in worlds.iterdir()] == ["older"]
     assert bpy.context.scene.world is None
+
+
+def test_the_scene_that_it_began_in_gets_the_sky(worlds):
+    pressed = Pressed(
+        CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=2, width=128
+    )
+    window, own = window_context(), bpy.context.scene
+    assert pressed._start(window) == {"RUNNING_MODAL"}
+    other = show_other_scene(window)
+    assert until(pressed, window) == {"FINISHED"}
+    assert (own.world.name, other.world) == ("Sky 0-1", None)

@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from types import SimpleNamespace
 
 import bpy
 import pytest
 
-from convwass_addon.operators import picking
+from convwass_addon.operators import picking, windows as windows_module
 from tests.operators.densities import window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -44,6 +44,38 @@ def test_what_waits_no_more_leaves_windows_alone(windows):
     windows.given.clear()
     picking.stop_waiting(windows.context)
     assert windows.given == []
+
+
+def test_a_status_text_does_not_stay_where_the_user_has_been(monkeypatch):
+    """Blender sets the text of the context's workspace, whichever is asked; every one keeps its own."""
+    texts = {}
+    context = window_context()
+
+    def workspace(uid):
+        return SimpleNamespace(
+            session_uid=uid, status_text_set=lambda text: texts.update({context.workspace.session_uid: text})
+        )
+
+    @contextmanager
+    def override(workspace):
+        before, context.workspace = context.workspace, workspace
+        yield
+        context.workspace = before
+
+    layout, modeling = workspace(1), workspace(2)
+    context.temp_override = override
+    monkeypatch.setattr(windows_module.Handle, "find", lambda handle: {1: layout, 2: modeling}[handle.uid])
+    context.workspace = layout
+    windows_module.write_status(context, "Baking: 1")
+    windows_module.write_status(context, "Baking: 2")
+    assert texts == {1: "Baking: 2"}
+    context.workspace = modeling
+    windows_module.write_status(context, "Baking: 3")
+    assert texts == {1: None, 2: "Baking: 3"}
+    context.workspace = layout
+    windows_module.clear_status(context)
+    assert texts == {1: None, 2: None}
+    assert not windows_module._WRITTEN
 
 
 def test_the_windows_of_blender_are_cleared(registered_addon):
