@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the picture of densities on a surface, docs/pictures/densities.jpg: ``PYTHONPATH=. python docs/densities.py``.
+"""Draw the picture of densities on a surface, docs/pictures/densities.jpg: ``python3 run.py python docs/densities.py``.
 
 First row: distances from a vertex, and midpoints of two densities whose entropy may be less and less. Second and third
 row: a density of two peaks that travels to another, without a bound for the entropy and with one.

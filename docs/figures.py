@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of what the transport functions compute, after figures 2 to 6 of Solomon et al. 2015, and of parts.
 
-``python docs/figures.py [NAME ...]`` writes docs/pictures/NAME.png, all of them by default, with the Python of the
-project's environment and matplotlib.
+``python3 run.py python docs/figures.py [NAME ...]`` writes docs/pictures/NAME.png, all of them by default. It needs
+matplotlib, which ``python3 run.py gallery --only 2`` installs.
 """
 
 from __future__ import annotations

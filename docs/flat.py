@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the pictures of flat morphs, after Figs. 12 and 13 of Solomon et al. 2015: ``PYTHONPATH=. python docs/flat.py``.
+"""Draw the pictures of flat morphs, after Figs. 12 and 13 of the paper: ``python3 run.py python docs/flat.py``.
 
 Writes docs/pictures/flat.png, a letter that becomes another and then an icon, by a linear fade and by transport, and
 docs/pictures/flat_sheet.png, four shapes at the corners of a sheet, in both ways.

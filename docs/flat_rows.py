@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw a word that becomes another, and Fig. 13 of Solomon et al. 2015: ``PYTHONPATH=. python docs/flat_rows.py``.
+"""Draw a word that becomes another, and Fig. 13 of Solomon et al. 2015: ``python3 run.py python docs/flat_rows.py``.
 
 Writes docs/pictures/flat_words.png, letter by letter above and as one mass below, and docs/pictures/flat_grays.png: two
 gray images by a linear fade, by transport as it comes out, then with the grays of the images, and with a threshold.

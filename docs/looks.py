@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the picture of looks that are carried along, docs/pictures/looks.jpg: ``PYTHONPATH=. python docs/looks.py``."""
+"""Draw looks that are carried along, docs/pictures/looks.jpg: ``python3 run.py python docs/looks.py``."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the picture of moss that creeps over a horse, docs/pictures/moss.jpg: ``PYTHONPATH=. python docs/moss.py``."""
+"""Draw the picture of moss that creeps over a horse, docs/pictures/moss.jpg: ``python3 run.py python docs/moss.py``."""
 
 from __future__ import annotations
 

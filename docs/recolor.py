@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw docs/pictures/recolor.jpg, the colors of two photographs exchanged: ``PYTHONPATH=. python docs/recolor.py``.
+"""Draw docs/pictures/recolor.jpg, the colors of two photographs exchanged: ``python3 run.py python docs/recolor.py``.
 
 As in figure 11 of Solomon et al. 2015: above, each photograph with the barycenter of both palettes, from its own to the
 other's, with the slope of the lightness and the grain of even parts held down; below, the barycenter's histogram of b

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw docs/pictures/reflectance.png, materials between four others: ``PYTHONPATH=. python docs/reflectance.py``.
+"""Draw docs/pictures/reflectance.png, materials between four others: ``python3 run.py python docs/reflectance.py``.
 
 Three times five by five balls under one lamp, after figure 8 of Solomon et al. 2015: at the left materials are mixed
 linearly, as a Mix Shader does, in the middle every lobe is a Wasserstein barycenter, at the right it may spread no more

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw docs/pictures/side_by_side.jpg: ``PYTHONPATH=. python docs/side_by_side.py``.
+"""Draw docs/pictures/side_by_side.jpg: ``python3 run.py python docs/side_by_side.py``.
 
 Morphs beside what else Blender offers: three pairs of shapes, four methods, five frames each, all from the same meshes
 at the same resolution, in one material and under one camera; the figures of docs/side_by_side.md are printed. The
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,12 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from benchmarks.rivals import TIMES
-from benchmarks.side_by_side import COLUMNS, PAIRS, TITLES, line, passage
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.bridge.studio import Studio
 from convwass_addon.geometry.mesh import TriangleMesh
+
+# Unlike the add-on, the benchmarks are not installed.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from benchmarks.rivals import TIMES
+from benchmarks.side_by_side import COLUMNS, PAIRS, TITLES, line, passage
 
 PICTURE = Path(__file__).resolve().parent / "pictures" / "side_by_side.jpg"
 _VIEW = View(-math.pi / 2 + math.radians(24.0), math.radians(12.0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw docs/pictures/skeletons.jpg, skeletons in bodies as in Fig. 9: ``PYTHONPATH=. python docs/skeletons.py``.
+"""Draw docs/pictures/skeletons.jpg, skeletons in bodies as in Fig. 9: ``python3 run.py python docs/skeletons.py``.
 
 Green joints were pinned, blue ones found their place. From the left: horse, bird, octopus and double torus; then the
 octopus bound to such bones by Blender's automatic weights, and posed.

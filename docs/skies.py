@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw docs/pictures/skies.jpg, skies between two others: ``PYTHONPATH=. python docs/skies.py``.
+"""Draw docs/pictures/skies.jpg, skies between two others: ``python3 run.py python docs/skies.py``.
 
 Blender's sky texture with the sun 12 degrees high, and 50 degrees high a quarter of the way around; from the top to
 the bottom t = 0, 1/4, 1/2, 3/4 and 1. At the left the two pictures are mixed, at the right the sun and its glow travel.

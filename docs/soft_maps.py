@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw docs/pictures/soft_maps.jpg, the weights of a horse on a cow: ``PYTHONPATH=. python docs/soft_maps.py``.
+"""Draw docs/pictures/soft_maps.jpg, the weights of a horse on a cow: ``python3 run.py python docs/soft_maps.py``.
 
 From the left: a horse and a cow that its colors were carried to by a soft map from sixteen pairs; the cow bound to its
 own bones with the horse's weights and set to graze; the same by Blender's Data Transfer from the nearest point, the two

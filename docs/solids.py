@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw morphs of solids, as Figs. 1, 7 and 14: ``PYTHONPATH=. python docs/solids.py [path] [triangle] [grid]``.
+"""Draw morphs of solids, as Figs. 1, 7 and 14: ``python3 run.py python docs/solids.py [path] [triangle] [grid]``.
 
 Writes docs/pictures/solids_path.jpg, a cow that becomes a bird that becomes a double torus, solids_triangle.jpg, all
 between the three, and solids_grid.jpg, all between four shapes, of which one is in two parts.

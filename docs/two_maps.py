@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw a map and its mirror image, as Fig. 10 of Solomon et al. 2015: ``PYTHONPATH=. python docs/two_maps.py``.
+"""Draw a map and its mirror image, as Fig. 10 of Solomon et al. 2015: ``python3 run.py python docs/two_maps.py``.
 
 Writes docs/pictures/two_maps.png. At the left a cow with points in colors and fixed points in black; then the horse
 with the distributions that these have on it, the fixed points paired left with left, and left with right.
