@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import nullcontext
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 
 import bpy
@@ -13,7 +14,6 @@ import bpy
 from .. import extension_id
 from ..applications.flat.flat_frames import FlatStep
 from ..applications.flat.flat_settings import FlatSettings
-from ..applications.morphs.cluster import cluster_workers
 from ..applications.morphs.computation import Computation
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph import MorphStep
@@ -79,13 +79,7 @@ def run_job(
     InputError
         Other machines are to compute, and this is the extension that Blender has installed.
     """
-    # Its manifest asks for no network, and no worker would know it by the name that it has in Blender.
-    if computing.scheduler and extension_id().startswith("bl_ext."):
-        raise InputError(
-            "The extension that is installed in Blender stays off the network; use --scheduler with: python -m "
-            "convwass_addon"
-        )
-    cluster = cluster_workers(computing.scheduler) if computing.scheduler else nullcontext()
+    cluster = _machines(computing.scheduler) if computing.scheduler else nullcontext()
     with cluster as executor, ProgressBar("Morphing") as bar:
         where = {"workers": computing.workers, "executor": executor}
         if computing.between is None:
@@ -97,6 +91,20 @@ def run_job(
             bar.show(step.fraction, str(step.message))
     for notice in computing.cache.notices if computing.cache else ():
         note(notice)
+
+
+def _machines(scheduler: str) -> AbstractContextManager[Executor]:
+    """Provide other machines that compute."""
+    # No worker would know the add-on by the name that it has in Blender.
+    if not extension_id().startswith("bl_ext."):
+        with suppress(ModuleNotFoundError):  # what Blender installs has no such file
+            from ..cluster import cluster_workers
+
+            return cluster_workers(scheduler)
+    raise InputError(
+        "The extension that is installed in Blender stays off the network; use --scheduler in the project's own "
+        "folder, with: python -m convwass_addon"
+    )
 
 
 def rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> list[Path]:

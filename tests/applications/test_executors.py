@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs import runs
-from convwass_addon.applications.morphs.cluster import ClusterExecutor, cluster_workers
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.workers import one_blas_thread
+from convwass_addon.cluster import ClusterExecutor, cluster_workers
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from tests.clusters import local_cluster
 from tests.shapes import ball, box
@@ -237,7 +237,7 @@ def test_a_scheduler_that_is_lost_ends_the_bake():
 )
 def test_schedulers_that_do_not_answer_are_named(address, message, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("convwass_addon.applications.morphs.cluster._SECONDS", 0.5)
+    monkeypatch.setattr("convwass_addon.cluster._SECONDS", 0.5)
     with pytest.raises(InputError, match=message), cluster_workers(address):
         pass
 
@@ -248,7 +248,7 @@ def test_a_scheduler_without_workers_is_refused(monkeypatch):
         monkeypatch.context() as changed,
         pytest.raises(InputError, match="has no workers"),
     ):
-        changed.setattr("convwass_addon.applications.morphs.cluster._WORKER_SECONDS", 1.0)
+        changed.setattr("convwass_addon.cluster._WORKER_SECONDS", 1.0)
         with cluster_workers(empty.scheduler_address):
             pass
 

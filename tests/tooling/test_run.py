@@ -53,6 +53,16 @@ def test_arguments_go_through_unchanged(started, project):
     ]
 
 
+def test_lint_takes_paths_for_both_of_its_programs_and_no_options(capsys, started, project):
+    """An option of the one is none of the other."""
+    assert run.main(["lint", "tests", "run.py"]) == 0
+    assert started[1:] == [([*start, "tests", "run.py"], project) for start in run.COMMANDS["lint"]]
+    started.clear()
+    assert run.main(["lint", "--fix"]) == 2
+    assert "files and folders" in capsys.readouterr().err
+    assert started == []
+
+
 def test_python_starts_where_the_user_is(started):
     run.main(["python", "-c", "1"])
     assert started[-1] == (["-c", "1"], None)

@@ -111,7 +111,7 @@ def morph(
     workers : int, optional
         Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
     executor : concurrent.futures.Executor, optional
-        Where to compute the runs instead, in other processes or on other machines (:func:`.cluster.cluster_workers`);
+        Where to compute the runs instead, in other processes or on other machines;
         `check` is then called by the one who waits for them, and runs that have begun are left to end by themselves.
         The frames are the same wherever they are computed.
     cache : FrameCache, optional

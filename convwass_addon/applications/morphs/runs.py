@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ...errors import Cancelled, InputError
 from ...geometry.mending import Connectivity
 from ..workers import frame_workers, one_blas_thread
 from .blending import Sketch, sketch_blends, solve_blends
-from .cluster import ClusterExecutor
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .spare_threads import SpareThreads
@@ -29,6 +29,14 @@ Pending = dict["Future[list[MorphFrame]]", int]
 
 # Seconds between two looks at whether the user wants to stop.
 _PATIENCE = 0.25
+
+
+class SharingExecutor(Executor):
+    """Runs calls on other machines; what many calls have in common is sent there once."""
+
+    def share(self, value: object) -> Any:
+        """Send something there that many calls take as an argument, and return what stands for it."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -207,7 +215,7 @@ def _threads(check: Callable[[], None] | None, workers: int) -> Iterator[tuple[E
 @contextmanager
 def runs_elsewhere(problem: MorphProblem, runs: dict[int, Run], executor: Executor) -> Iterator[Pending]:
     """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled."""
-    shared = executor.share(problem) if isinstance(executor, ClusterExecutor) else problem
+    shared = executor.share(problem) if isinstance(executor, SharingExecutor) else problem
     pending: Pending = {}
     try:
         for index, run in runs.items():

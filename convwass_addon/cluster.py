@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Other machines that compute frames: the workers of a Dask scheduler."""
+"""Other machines that compute frames: the workers of a Dask scheduler.
+
+This file is left out of what Blender installs (``paths_exclude_pattern`` of the manifest): an extension without the
+permission to use the network has no client of one.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from ...errors import ConvwassError, InputError
+from .applications.morphs.runs import SharingExecutor
+from .errors import ConvwassError, InputError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -22,7 +27,7 @@ _SECONDS = 10.0
 _WORKER_SECONDS = 10.0
 
 
-class ClusterExecutor(concurrent.futures.Executor):
+class ClusterExecutor(SharingExecutor):
     """Runs calls on a Dask cluster; what many calls have in common is sent there once.
 
     A worker that is lost costs what it was computing: Dask computes that again elsewhere, until so many workers were
