@@ -49,6 +49,11 @@ class BackgroundJob(Generic[Step]):
         return self._done.is_set()
 
     @property
+    def cancelled(self) -> bool:
+        """Whether it has been asked to end."""
+        return self._cancelled.is_set()
+
+    @property
     def error(self) -> BaseException | None:
         """What ended the job early, if anything; :class:`.errors.Cancelled` after `cancel`."""
         return self._error

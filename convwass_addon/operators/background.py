@@ -158,7 +158,9 @@ class BackgroundOperator:
         """Write what has been done, for so long; return whether nothing more will come."""
         done, until, step = self._background.done, time.monotonic() + seconds, None
         for step in self._background.poll():
-            self._job.write(step)
+            # A job that has been stopped waits for nothing any more.
+            if not self._background.cancelled or getattr(step, "wanted", None) is None:
+                self._job.write(step)
             if time.monotonic() > until:
                 done = False
                 break

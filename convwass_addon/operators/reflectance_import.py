@@ -12,14 +12,15 @@ from bpy.props import StringProperty
 
 from ..bridge.reflectance.lobe_files import read_lobe_file
 from ..bridge.reflectance.lobe_materials import Frames, lobe_material
-from ..errors import ConvwassError
+from ..errors import ConvwassError, InputError
 from ..properties.light import sun_of
 from .background import is_idle
 from .reporting import refuse, tell
+from .windows import busy_cursor
 
 
 class CONVWASS_OT_import_lobes(bpy.types.Operator):
-    """Make a material of a table of highlights: .exr or .npz as this add-on writes them, or a .binary of the MERL database"""  # noqa: E501
+    """Make a material of a table of highlights: .exr or .npz as this add-on writes them, or a .binary of the MERL database, which takes seconds. Of a table with several steps the slider is keyed over the frames of the scene"""  # noqa: E501
 
     bl_idname = "convwass.import_lobes"
     bl_label = "Import Highlights"
@@ -45,7 +46,10 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
         path = Path(bpy.path.abspath(self.filepath))
         scene = context.scene
         try:
-            tables = read_lobe_file(path)
+            if not self.filepath:
+                raise InputError("Choose a file to read.")
+            with busy_cursor(context):
+                tables = read_lobe_file(path)
             frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))
             dark = [(0.0, 0.0, 0.0)] * len(tables)
             made = lobe_material(path.stem, tables, dark, sun_of(context), frames if len(tables) > 1 else None)

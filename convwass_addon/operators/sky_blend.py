@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -12,8 +13,10 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
+from ..applications.desk import Desk
 from ..applications.skies.sky_frames import SkyFrame
 from ..applications.skies.sky_settings import SkySettings
+from ..bridge.handles import Handle
 from ..bridge.skies.sky_sequence import SkyFiles, SkyStep, fitting_height, sky_steps
 from ..bridge.skies.world_skies import sequence_world, world_sky
 from ..errors import InputError
@@ -23,34 +26,76 @@ from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
 from .reporting import tell
 
+# Share of the work that reading the worlds takes.
+_READING = 0.2
+
+
+@dataclass(frozen=True)
+class WorldStep:
+    """A world that the job waits for; whoever takes the step hands its sky over.
+
+    Attributes
+    ----------
+    fraction : float
+        Done share of the whole job, once that is done.
+    message : Sentence
+        What is being done.
+    wanted : int
+        Place of the world.
+    """
+
+    fraction: float
+    message: Sentence
+    wanted: int
+
 
 class SkyJob:
     """One sequence. Everything but :meth:`steps` belongs on the main thread.
 
     Parameters
     ----------
-    skies : list of (rows, columns, 3) array
-        Two or more, in turn.
+    worlds : list of bpy.types.World
+        Two or more, in turn. Those that show no plain image are rendered, one for each step.
+    height : int
+        Of the skies, in pixels.
     files : SkyFiles
         Where they go.
     settings : SkySettings
         How.
     """
 
-    def __init__(self, skies: list[NDArray[np.float64]], files: SkyFiles, settings: SkySettings) -> None:
+    def __init__(self, worlds: list[bpy.types.World], height: int, files: SkyFiles, settings: SkySettings) -> None:
+        self.names = [world.name for world in worlds]
+        self._worlds = [Handle.of("worlds", world) for world in worlds]
         self.files = files
-        self._skies, self._settings = skies, settings
+        self._height, self._settings = height, settings
+        self._desk: Desk[NDArray[np.float64]] = Desk()
         self.ends: list[SkyFrame] = []
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[SkyStep]:
+    def steps(self, check: Callable[[], None] | None = None) -> Iterator[WorldStep | SkyStep]:
         """Yield the steps of the work."""
-        yield from sky_steps(self._skies, len(self.files.paths), self._settings, check)
+        count, skies = len(self._worlds), []
+        for place in range(count):
+            message = Sentence("World {done} of {total}", {"done": place + 1, "total": count})
+            yield WorldStep(_READING * (place + 1) / count, message, place)
+            skies.append(self._desk.take(check))
+        for step in sky_steps(skies, len(self.files.paths), self._settings, check):
+            yield replace(step, fraction=_READING + (1.0 - _READING) * step.fraction)
 
-    def write(self, step: SkyStep) -> None:
-        """Write the sky that a step has brought."""
+    def write(self, step: WorldStep | SkyStep) -> None:
+        """Read the world that a step asks for, or write the sky that it has brought."""
+        if isinstance(step, WorldStep):
+            self._desk.hand_over(self._sky(step.wanted))
+            return
         self.files.write(step)
         if step.frame is not None and step.place in (0, len(self.files.paths) - 1):
             self.ends.append(step.frame)
+
+    def _sky(self, place: int) -> NDArray[np.float64]:
+        world = self._worlds[place].find()
+        if world is None:
+            raise InputError("There is no world {name}.", name=self.names[place])
+        return world_sky(world, self._height)
 
     def discard(self) -> None:
         """Remove what has been written; older files stay."""
@@ -78,7 +123,6 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
     )
 
     _job: SkyJob
-    _names: list[str]
 
     @classmethod
     def poll(cls, context):
@@ -91,8 +135,7 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
         settings = self.sky_settings()
         height = fitting_height(self.width, settings)
         files = SkyFiles(self.folder, self.frame_start, self.frame_end - self.frame_start + 1)
-        self._names = [world.name for world in worlds]
-        return SkyJob([world_sky(world, height) for world in worlds], files, settings)
+        return SkyJob(worlds, height, files, settings)
 
     def _chosen(self, context: bpy.types.Context) -> list[bpy.types.World]:
         worlds = context.scene.convwass_sky.chosen_worlds
@@ -110,7 +153,7 @@ class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.O
 
     def _finish(self, context, job):
         job.files.finish()
-        name = "{} {}".format(rpt_("Sky"), "-".join(self._names))
+        name = "{} {}".format(rpt_("Sky"), "-".join(job.names))
         world = sequence_world(name, job.files.paths, self.frame_start)
         self._own_scene(context).world = world
         text = rpt_("{:s} shows {:d} skies from {:s}")

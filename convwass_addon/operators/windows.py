@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 import bpy
 
@@ -46,3 +47,17 @@ def clear_windows(context: bpy.types.Context) -> None:
         window.cursor_modal_restore()
         with context.temp_override(window=window):
             clear_status(context)
+
+
+@contextmanager
+def busy_cursor(context: bpy.types.Context) -> Iterator[None]:
+    """Show that Blender is busy, where there is a window, while something takes a few seconds."""
+    window = context.window
+    if window is None:
+        yield
+        return
+    window.cursor_modal_set("WAIT")
+    try:
+        yield
+    finally:
+        window.cursor_modal_restore()

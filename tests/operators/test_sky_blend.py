@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import time
+
 import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
+from convwass_addon.operators import background, sky_blend
 from convwass_addon.operators.sky_blend import CONVWASS_OT_interpolate_sky
 from tests.lights import sky
 from tests.operators.densities import ESCAPE, TIMER, Pressed, show_other_scene, until, window_context
@@ -65,6 +69,19 @@ def test_a_sky_without_a_sun_is_told(worlds, tmp_path):
     assert blend(worlds, frame_end=5) == {"FINISHED"}
 
 
+def test_angles_are_those_of_the_application_and_frames_have_ends():
+    own = bpy.context.scene.convwass_sky
+    default = SkySettings()
+    assert [own.sky_settings().near, own.sky_settings().far] == pytest.approx([default.near, default.far])
+    for name in ("near", "far"):
+        assert own.bl_rna.properties[name].subtype == "ANGLE"
+    own.far = np.radians(90.0)
+    assert own.sky_settings().far == pytest.approx(90.0)
+    for settings in (own, bpy.context.scene.convwass_reflectance):
+        settings.frame_start, settings.frame_end = -(2**31), 2**31 - 1
+        assert (settings.frame_start, settings.frame_end) == (-1_048_574, 1_048_574)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -72,7 +89,7 @@ def test_a_sky_without_a_sun_is_told(worlds, tmp_path):
         ({"worlds": "0, 7"}, "There is no world 7"),
         ({"frame_end": 4}, "must come after"),
         ({"frame_start": -2}, "Frames before 0"),
-        ({"near": 80.0, "far": 50.0}, "glow must end"),
+        ({"near": np.radians(80.0), "far": np.radians(50.0)}, "glow must end"),
     ],
 )
 def test_what_makes_no_sense_is_refused(worlds, arguments, message):
@@ -80,6 +97,48 @@ def test_what_makes_no_sense_is_refused(worlds, arguments, message):
         blend(worlds, **arguments)
     assert not worlds.exists()
     assert bpy.context.scene.world is None
+
+
+def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch):
+    read, shown = [], []
+
+    def slow(world, height):
+        read.append(world.name)
+        time.sleep(0.01)
+        return sky(SUNS[0], rows=height)
+
+    monkeypatch.setattr(sky_blend, "world_sky", slow)
+    monkeypatch.setattr(background, "_BUSY_SECONDS", 0.0)
+    pressed = Pressed(
+        CONVWASS_OT_interpolate_sky, worlds="0, 1, 0", folder=str(worlds), frame_start=1, frame_end=3, width=128
+    )
+    window = window_context()
+    assert pressed._start(window) == {"RUNNING_MODAL"}
+    progress = window.window_manager.convwass_progress
+    for done in range(1, 3):
+        assert len(read) == done - 1
+        until(pressed, window, lambda done=done: len(read) == done)
+        shown.append((progress.message, progress.fraction))
+    assert read == ["0", "1"]
+    assert shown == [("World 1 of 3", pytest.approx(0.2 / 3)), ("World 2 of 3", pytest.approx(0.4 / 3))]
+    while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:
+        pass
+    assert result == {"CANCELLED"}
+    # Nor is the third one read after Esc, whether it had been asked for by then or not.
+    assert read == ["0", "1"]
+    assert not worlds.exists()
+
+
+def test_a_world_that_is_deleted_meanwhile_is_told(worlds):
+    pressed = Pressed(
+        CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=3, width=128
+    )
+    window = window_context()
+    pressed._start(window)
+    bpy.data.worlds.remove(bpy.data.worlds["1"])
+    assert until(pressed, window) == {"CANCELLED"}
+    assert pressed.reports == [("ERROR", "There is no world 1.")]
+    assert not worlds.exists()
 
 
 @pytest.mark.parametrize("older", [False, True])

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import queue
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...sentence import Sentence
+from ..desk import Desk
 from .palette_settings import RecolorSettings
 from .palette_statistics import pooled_palette
 from .pixel_blocks import recolored_blocks
@@ -20,8 +20,6 @@ from .recoloring import Recoloring
 
 # Shares of the job that measuring takes, where the frames are written too, and where they are not.
 _MEASURED, _ONLY_MEASURED = 0.3, 0.9
-# Seconds between two looks at whether the job is to end, while it waits for a frame.
-_PATIENCE = 0.05
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class ClipStep:
     message : Sentence
         What is being done.
     wanted : int or None
-        Place of a frame that the job waits for: to be read, and handed over by :meth:`FrameDesk.hand_over`.
+        Place of a frame that the job waits for: to be read, and handed over by :meth:`.desk.Desk.hand_over`.
     place : int
         Of the frame that is done.
     pixels : (height, width, 4) float32 or None
@@ -52,25 +50,8 @@ class ClipStep:
     change: Recoloring | None = None
 
 
-class FrameDesk:
+class FrameDesk(Desk[Picture]):
     """Where frames are handed over by the thread that may read them to the one that works on them."""
-
-    def __init__(self) -> None:
-        self._frames: queue.SimpleQueue[Picture] = queue.SimpleQueue()
-
-    def hand_over(self, frame: Picture) -> None:
-        """Give the frame that the last step has asked for."""
-        self._frames.put(frame)
-
-    def take(self, check: Callable[[], None] | None = None) -> Picture:
-        """Return it; where nobody else could hand it over by now, it must be there."""
-        while check is not None:
-            check()
-            try:
-                return self._frames.get(timeout=_PATIENCE)
-            except queue.Empty:
-                continue
-        return self._frames.get_nowait()
 
 
 def clip_steps(
