@@ -8,6 +8,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -61,6 +62,7 @@ def run_reflect(options: Namespace) -> Answer:
     elif kind == ".exr":
         write_lobe_exr(target, [frame.image for frame in shown])
     else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
         show_on_balls(options.materials, shown, sheet)
         save_blend(target)
     record = {"materials": list(options.materials), "blends": [frame.record for frame in frames]}

@@ -21,7 +21,7 @@ _BLACK = (0.0, 0.0, 0.0)
 
 
 def show_on_balls(names: Sequence[str], shown: Sequence[LobeFrame], sheet: PadSheet | None) -> list[bpy.types.Object]:
-    """Empty the file, and show blends of tabulated metals in it.
+    """Show blends of tabulated metals in the scene, which is empty.
 
     Parameters
     ----------
@@ -37,7 +37,6 @@ def show_on_balls(names: Sequence[str], shown: Sequence[LobeFrame], sheet: PadSh
     list of bpy.types.Object
         A ball for the tabulated lobes, if they have no grain, and one for the nearest Principled BSDF.
     """
-    bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     sun = _sun(scene)
