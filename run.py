@@ -10,12 +10,12 @@
     python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
     python3 run.py fuzz [ARGS]        try to break the add-on, such as  --minutes 10
     python3 run.py gallery [ARGS]     draw the figures of the paper, into docs/; takes an hour (--only 7 draws one)
-    python3 run.py lint               check the style of the code
+    python3 run.py lint [PATHS]       check the style of the code
     python3 run.py api                write the pages about the API from the docstrings, into docs/
     python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
 
 The first start makes the folder .venv beside this file and installs Blender's module bpy and the other dependencies
-into it; that takes a few minutes and about 1.5 GB. Nothing outside the folder is changed, and your own Blender settings
+into it; that takes about a minute and 1.5 GB. Nothing outside the folder is changed, and your own Blender settings
 are neither read nor written. To choose the Python (and with it the Blender), put it first:
 
     python3 run.py --python 3.11 test     Blender 4.5 LTS, in .venv-3.11
@@ -64,6 +64,9 @@ def main(arguments):
         print(__doc__.strip())
         return 0 if arguments else 2
     command, *rest = arguments
+    if command == "lint" and any(word.startswith("-") for word in rest):
+        print("run.py: lint takes files and folders; for options use  run.py python -m ruff", file=sys.stderr)
+        return 2
     if command not in COMMANDS:
         print(f"run.py: there is no command {command!r}; these are: {', '.join(COMMANDS)}", file=sys.stderr)
         return 2

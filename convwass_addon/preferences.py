@@ -28,7 +28,8 @@ class CONVWASS_AP_preferences(bpy.types.AddonPreferences):
     cache_folder: StringProperty(
         name="Cache Folder",
         description="Keep finished frames here for good, with what is needed to share them between machines and to "
-        "make frames between them; empty keeps those of the last bakes in a folder of the extension",
+        "make frames between them; empty keeps those of the last bakes in a folder of the extension. It is one for "
+        "all files, so give a whole path",
         subtype="DIR_PATH",
     )
     spare_megabytes: IntProperty(
@@ -71,7 +72,7 @@ class Preferences:
     Attributes
     ----------
     cache_folder : Path or None
-        Where finished frames are kept for good, absolute.
+        Where finished frames are kept for good; not absolute where it was given from the open file on.
     spare_folder : Path or None
         Where they are kept otherwise, up to a size; None where none are to be, or where there is no such place.
     spare_bytes : int
@@ -95,7 +96,7 @@ def preferences(context: bpy.types.Context | None = None) -> Preferences:
     if addon is None or addon.preferences is None:
         return Preferences()
     own = addon.preferences
-    folder = Path(bpy.path.abspath(own.cache_folder)) if own.cache_folder else None
+    folder = Path(own.cache_folder.removeprefix("//")) if own.cache_folder else None
     spare = _own_folder() if own.spare_megabytes and folder is None else None
     return Preferences(folder, spare, own.spare_megabytes * 1_000_000, own.threads or None, own.default_preset)
 

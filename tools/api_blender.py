@@ -65,9 +65,10 @@ def _values(prop: bpy.types.Property) -> str:
         return ", ".join(f"`{item.identifier}`" for item in prop.enum_items_static)
     if prop.type in ("INT", "FLOAT"):
         low, high = (None if abs(edge) >= _UNBOUNDED else _number(edge) for edge in (prop.hard_min, prop.hard_max))
+        unit = " radians" if prop.subtype == "ANGLE" else ""
         if low is not None and high is not None:
-            return f"{low} to {high}"
-        return f"from {low}" if low is not None else f"up to {high}" if high is not None else ""
+            return f"{low} to {high}{unit}"
+        return f"from {low}{unit}" if low is not None else f"up to {high}{unit}" if high is not None else unit.strip()
     if prop.type in ("POINTER", "COLLECTION"):
         return prop.fixed_type.name + ("s" if prop.type == "COLLECTION" else "")
     return {"BOOLEAN": "True, False", "STRING": "text"}[prop.type]

@@ -120,6 +120,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         preferred = preferences()
         cache = None
         if preferred.cache_folder is not None:
+            if not preferred.cache_folder.is_absolute():
+                raise InputError(
+                    "The cache folder {path} would be another one with every file; give a whole path in the "
+                    "preferences of the add-on.",
+                    path=str(preferred.cache_folder),
+                )
             cache = FrameCache(preferred.cache_folder)
         elif preferred.spare_folder is not None:
             try:

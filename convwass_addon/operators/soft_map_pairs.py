@@ -186,7 +186,7 @@ class CONVWASS_OT_remove_map_pair(_OnPairs, bpy.types.Operator):
         own = context.scene.convwass_soft_map
         index = own.active_pair if self.index == ACTIVE else self.index
         if index >= len(own.pairs):
-            return refuse(self, InputError("The list has no pair {index}.", index=index))
+            return refuse(self, InputError("The list has no pair {index}.", index=index + 1))
         own.active_pair = taken_off(own.pairs, index, own.active_pair)
         return {"FINISHED"}
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import bpy
 
-from . import armatures, baked, densities, light, morph, recolor, soft_maps
+from . import armatures, baked, densities, light, morph, progress, recolor, soft_maps
 
-_MODULES = (morph, baked, densities, soft_maps, armatures, recolor, light)
+# What comes first is drawn above the others.
+_MODULES = (progress, morph, baked, densities, soft_maps, armatures, recolor, light)
 
 register, unregister = bpy.utils.register_classes_factory([cls for module in _MODULES for cls in module.classes])

@@ -10,7 +10,6 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..bridge.densities.density_player import density_value, played_densities
 from ..bridge.densities.density_store import stored_or_new
 from ..errors import ConvwassError
-from ..operators.background import CONVWASS_OT_stop
 from ..operators.density_changes import lost_inputs
 from ..operators.density_manage import (
     CONVWASS_OT_bake_density,
@@ -83,11 +82,6 @@ class CONVWASS_PT_densities(Sidebar, bpy.types.Panel):
             _draw_figures(layout, context, obj, active.name)
         for name in played_densities(obj):
             _draw_played(layout, context, obj, name)
-        progress = context.window_manager.convwass_progress
-        # The panel above shows it in other modes.
-        if progress.running and context.mode == "PAINT_WEIGHT":
-            layout.progress(factor=progress.fraction, text=progress.message)
-            layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
 
 
 def _draw_figures(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object, group: str) -> None:

@@ -7,13 +7,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
-from ..operators.background import CONVWASS_OT_stop
+from ..applications.reflectance.weight_sheets import MOST_ON_PAD
 from ..operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
 from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_interpolate_sky
 from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
-from .sidebar import Sidebar, fill_operator
+from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 # What counts for every kind of blend.
 _SPAN = ("blends", "frame_start", "frame_end")
@@ -28,10 +29,7 @@ class CONVWASS_PT_light(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        progress = context.window_manager.convwass_progress
-        if progress.running:
-            self.layout.progress(factor=progress.fraction, text=progress.message)
-            self.layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
+        """Nothing: all is in its parts."""
 
 
 class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
@@ -47,12 +45,27 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
         _draw_materials(layout, own)
         row = layout.row()
         row.scale_y = 1.6
-        row.enabled = len(own.chosen_materials) >= 2
+        hint = _missing(own)
+        row.enabled = hint is None
         operator = row.operator(CONVWASS_OT_interpolate_reflectance.bl_idname, icon="MATERIAL")
         fill_operator(operator, own, ReflectanceProperties)
+        if hint is not None:
+            draw_wrapped(layout, context, hint, "INFO")
         column = layout.column(align=True)
         for name in _COUNTED[own.blend]:
             column.prop(own, name)
+
+
+def _missing(own: CONVWASS_PG_reflectance) -> str | None:
+    """Say in the user's language what a blend of materials lacks; None for nothing."""
+    count = len(own.chosen_materials)
+    if count < 2:
+        return iface_("Choose two materials or more")
+    if own.blend == "PAD" and count < 3:
+        return iface_("A pad takes three or four materials, there are {:d}").format(count)
+    if own.blend == "PAD" and own.blends > MOST_ON_PAD:
+        return iface_("A pad takes {:d} steps at most").format(MOST_ON_PAD)
+    return None
 
 
 def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) -> None:
@@ -107,8 +120,10 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
             column.prop(own, name, text="")
         row = layout.row()
         row.scale_y = 1.6
-        row.enabled = len(own.chosen_worlds) > 1
+        row.enabled = len(own.chosen_worlds) >= 2
         fill_operator(row.operator(CONVWASS_OT_interpolate_sky.bl_idname, icon="WORLD"), own, SkyProperties)
+        if not row.enabled:
+            layout.label(text="Choose two worlds or more", icon="INFO")
         layout.use_property_split = True
         layout.use_property_decorate = False
         for name in ("folder", "width", "frame_start", "frame_end", "near", "far", "least_share"):

@@ -9,7 +9,6 @@ from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.flat.flat_objects import is_shape, looks_flat
-from ..operators.background import CONVWASS_OT_stop
 from ..operators.bake_morph import CONVWASS_OT_bake_morph
 from ..operators.edit_inputs import (
     CONVWASS_OT_add_inputs,
@@ -93,11 +92,6 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         elif shapes:
             column.prop(settings, "resolution")
 
-        progress = context.window_manager.convwass_progress
-        if progress.running:
-            layout.progress(factor=progress.fraction, text=progress.message)
-            layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
-            return
         needed = _NEEDED.get(settings.layout)
         row = layout.row()
         row.scale_y = 1.6
@@ -108,6 +102,9 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         if needed is not None and count != needed and (count >= 2 or settings.inputs):
             text = iface_("This layout takes {:d} shapes, there are {:d}").format(needed, count)
             draw_wrapped(layout, context, text, "INFO")
+        elif count < 2 and settings.inputs:
+            # Without a list the selection says so.
+            layout.label(text="Put two or more shapes on the list", icon="INFO")
 
 
 def _draw_list(layout: bpy.types.UILayout, settings: CONVWASS_PG_morph) -> None:

@@ -7,25 +7,16 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.palettes.clip_frames import is_clip
-from ..operators.background import CONVWASS_OT_stop
 from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
 from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
 from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_lut
 from ..operators.recolor_image import CONVWASS_OT_recolor_image
 from ..operators.recolor_targets import shown_image
 from ..properties.recolor import PALETTES, CONVWASS_PG_recolor, RecolorProperties
-from .sidebar import Sidebar, fill_operator
+from .sidebar import ImageSidebar, Sidebar, fill_operator
 
 
-class _ImageSidebar:
-    """A panel on the add-on's tab of the Image Editor."""
-
-    bl_space_type = "IMAGE_EDITOR"
-    bl_region_type = "UI"
-    bl_category = "Convwass"
-
-
-class CONVWASS_PT_recolor_image(_ImageSidebar, bpy.types.Panel):
+class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
     """Give an image the palette of another one, or the blend of several"""
 
     bl_label = "Recolor"
@@ -35,11 +26,6 @@ class CONVWASS_PT_recolor_image(_ImageSidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_recolor
         _draw_palettes(layout, own)
         layout.prop(own, "strength", slider=True)
-        progress = context.window_manager.convwass_progress
-        if progress.running:
-            layout.progress(factor=progress.fraction, text=progress.message)
-            layout.operator(CONVWASS_OT_stop.bl_idname, icon="CANCEL")
-            return
         draw = _draw_clip if is_clip(shown_image(context)) else _draw_image
         draw(layout, own)
 
@@ -85,7 +71,7 @@ def _draw_palettes(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None
                 weight.prop(own, name.replace("palette", "weight"), text="")
 
 
-class CONVWASS_PT_recolor_settings(_ImageSidebar, bpy.types.Panel):
+class CONVWASS_PT_recolor_settings(ImageSidebar, bpy.types.Panel):
     """Settings with good defaults"""
 
     bl_label = "Recolor Settings"
@@ -104,7 +90,7 @@ class CONVWASS_PT_recolor_settings(_ImageSidebar, bpy.types.Panel):
 _SETTINGS = ("lightness", "smoothing", "steepest", "gamut", "edge_radius")
 
 
-class CONVWASS_PT_recolor_grade(_ImageSidebar, bpy.types.Panel):
+class CONVWASS_PT_recolor_grade(ImageSidebar, bpy.types.Panel):
     """The same colors for a whole clip"""
 
     bl_label = "Grade to Reuse"

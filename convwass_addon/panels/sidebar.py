@@ -21,6 +21,14 @@ class Sidebar:
     bl_category = "Convwass"
 
 
+class ImageSidebar:
+    """A panel on the add-on's tab of the Image Editor."""
+
+    bl_space_type = "IMAGE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Convwass"
+
+
 def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
     """Write a sentence on as many lines as the width of the region asks for, the first one with an icon."""
     # Without a window, as in a background Blender, the scale is 0.

@@ -194,7 +194,13 @@ class OutputProperties:
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
     size: IntProperty(
-        name="Size", description="Pixels along each side of an image", default=1024, min=16, soft_max=4096, max=16384
+        name="Size",
+        description="Pixels along each side of an image",
+        default=1024,
+        min=16,
+        soft_max=4096,
+        max=16384,
+        subtype="PIXEL",
     )
     margin: IntProperty(
         name="Margin",
@@ -202,6 +208,7 @@ class OutputProperties:
         default=8,
         min=0,
         max=256,
+        subtype="PIXEL",
     )
     file_format: EnumProperty(
         name="Format",

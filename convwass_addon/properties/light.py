@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from math import degrees, radians
+
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.skies.sky_settings import SkySettings
+from ..bridge.morphs.stored import FIRST_FRAMES
 from ..bridge.reflectance.lobe_materials import Frames
 
 MATERIALS = ("material", "material_2", "material_3", "material_4")
@@ -16,6 +19,9 @@ MATERIALS = ("material", "material_2", "material_3", "material_4")
 
 WORLDS = ("world", "world_2", "world_3", "world_4")
 """Names of the properties of worlds."""
+
+# Blender has as many frames before 0 as after it.
+_FRAMES = {"min": -FIRST_FRAMES[1], "max": FIRST_FRAMES[1]}
 
 
 class ReflectanceProperties:
@@ -38,14 +44,14 @@ class ReflectanceProperties:
     blends: IntProperty(
         name="Steps",
         description="Blends that are computed on the way, or along each side of a pad; between two of them the values "
-        "are mixed",
+        "are mixed. A pad takes 16 at most",
         default=5,
         min=2,
         soft_max=17,
         max=65,
     )
-    frame_start: IntProperty(name="Start", description="Frame that shows the first material", default=1)
-    frame_end: IntProperty(name="End", description="Frame that shows the last material", default=60)
+    frame_start: IntProperty(name="Start", description="Frame that shows the first material", default=1, **_FRAMES)
+    frame_end: IntProperty(name="End", description="Frame that shows the last material", default=60, **_FRAMES)
     output: EnumProperty(
         name="Output",
         description="What shows the highlights",
@@ -126,8 +132,8 @@ class ReflectanceProperties:
 class SkyProperties:
     """What skies between others are asked for."""
 
-    frame_start: IntProperty(name="Start", description="Frame that shows the first sky", default=1)
-    frame_end: IntProperty(name="End", description="Frame that shows the last sky", default=24)
+    frame_start: IntProperty(name="Start", description="Frame that shows the first sky", default=1, **_FRAMES)
+    frame_end: IntProperty(name="End", description="Frame that shows the last sky", default=24, **_FRAMES)
     width: IntProperty(
         name="Width",
         description="Pixels of the images around the horizon; there are half as many from top to bottom",
@@ -146,19 +152,21 @@ class SkyProperties:
     )
     near: FloatProperty(
         name="Glow",
-        description="Degrees around a sun within which all that is brighter than the other sky goes along with it",
-        default=SkySettings.near,
-        min=1.0,
-        soft_max=60.0,
-        max=170.0,
+        description="Angle around a sun within which all that is brighter than the other sky goes along with it",
+        default=radians(SkySettings.near),
+        min=radians(1.0),
+        soft_max=radians(60.0),
+        max=radians(170.0),
+        subtype="ANGLE",
     )
     far: FloatProperty(
         name="Fade Out",
-        description="Degrees around a sun from which on nothing goes along with it",
-        default=SkySettings.far,
-        min=2.0,
-        soft_max=120.0,
-        max=180.0,
+        description="Angle around a sun from which on nothing goes along with it",
+        default=radians(SkySettings.far),
+        min=radians(2.0),
+        soft_max=radians(120.0),
+        max=radians(180.0),
+        subtype="ANGLE",
     )
     least_share: FloatProperty(
         name="Least Share",
@@ -172,7 +180,7 @@ class SkyProperties:
 
     def sky_settings(self) -> SkySettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        return SkySettings(near=self.near, far=self.far, least_share=self.least_share)
+        return SkySettings(near=degrees(self.near), far=degrees(self.far), least_share=self.least_share)
 
 
 def _material() -> object:

@@ -19,9 +19,9 @@ OUTPUTS = (
     (
         "VOLUME",
         "Volume",
-        "VDB files beside the .blend, and a mesh made of them whose level and smoothing stay editable",
+        "VDB files, and a mesh made of them whose level and smoothing stay editable",
     ),
-    ("CACHE", "Cache", "An Alembic file beside the .blend, and one object that reads it"),
+    ("CACHE", "Cache", "An Alembic or USD file, and one object that reads it"),
 )
 """What a bake makes, as items of an enum."""
 
@@ -148,7 +148,7 @@ class MorphProperties(SolverProperties):
             (
                 "PICTURE",
                 "Pictures",
-                "A sequence of image files beside the .blend, and a plane that shows it; of images, grays travel too",
+                "A sequence of image files, and a plane that shows it; of images, grays travel too",
             ),
         ),
     )

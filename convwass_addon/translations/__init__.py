@@ -29,25 +29,41 @@ from . import (
     german_soft_maps,
 )
 
+
+def _joined(*tables: dict[str, str]) -> dict[str, str]:
+    """Join the tables of a language; raises ValueError where a text stands in two of them."""
+    joined = {}
+    for table in tables:
+        double = joined.keys() & table.keys()
+        if double:
+            raise ValueError(f"translated twice: {sorted(double)}")
+        joined |= table
+    return joined
+
+
 TABLES: dict[str, dict[str, str]] = {
-    "de_DE": german.TEXTS
-    | german_messages.TEXTS
-    | german_densities.TEXTS
-    | german_flat.TEXTS
-    | german_soft_maps.TEXTS
-    | german_armatures.TEXTS
-    | german_light.TEXTS
-    | german_reflectance.TEXTS
-    | german_recolor.TEXTS,
-    "fr_FR": french.TEXTS
-    | french_messages.TEXTS
-    | french_densities.TEXTS
-    | french_flat.TEXTS
-    | french_soft_maps.TEXTS
-    | french_armatures.TEXTS
-    | french_light.TEXTS
-    | french_reflectance.TEXTS
-    | french_recolor.TEXTS,
+    "de_DE": _joined(
+        german.TEXTS,
+        german_messages.TEXTS,
+        german_densities.TEXTS,
+        german_flat.TEXTS,
+        german_soft_maps.TEXTS,
+        german_armatures.TEXTS,
+        german_light.TEXTS,
+        german_reflectance.TEXTS,
+        german_recolor.TEXTS,
+    ),
+    "fr_FR": _joined(
+        french.TEXTS,
+        french_messages.TEXTS,
+        french_densities.TEXTS,
+        french_flat.TEXTS,
+        french_soft_maps.TEXTS,
+        french_armatures.TEXTS,
+        french_light.TEXTS,
+        french_reflectance.TEXTS,
+        french_recolor.TEXTS,
+    ),
 }
 """For every language, the translation of every English text."""
 

@@ -184,7 +184,7 @@ TEXTS: dict[str, str] = {
     "There are no stops on the list yet": "Es stehen noch keine Stationen auf der Liste",
     "There is no stop number {number} on the list": "Es gibt keine Station Nummer {number} auf der Liste",
     "There is nothing of the active object; click on its surface": "Dort ist nichts vom aktiven Objekt; auf seine Oberfläche klicken",
-    "Threshold": "Schwelle",
+    "Threshold": "Schwellwert",
     "To": "Auf",
     "To a share of the area that the density covers": "Auf einen Anteil der Fläche, die die Dichte bedeckt",
     "To an entropy in nats": "Auf eine Entropie in Nat",

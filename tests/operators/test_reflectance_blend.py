@@ -13,6 +13,7 @@ from convwass_addon.applications.reflectance.table_files import read_table
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
+from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from tests.lights import only, principled
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
 
@@ -111,6 +112,17 @@ def test_the_table_is_written_and_can_be_imported(tmp_path):
         assert GROUP in bpy.data.materials[name.rpartition(".")[0]].node_tree.nodes
     with pytest.raises(RuntimeError, match="There is no file"):
         bpy.ops.convwass.import_lobes(filepath=str(tmp_path / "c.exr"))
+    with pytest.raises(RuntimeError, match="Choose a file to read"):
+        bpy.ops.convwass.import_lobes(filepath="")
+
+
+def test_the_cursor_tells_that_blender_is_busy_and_is_given_back():
+    context, cursors = window_context(), []
+    context.window.cursor_modal_set = cursors.append
+    context.window.cursor_modal_restore = lambda: cursors.append("own")
+    pressed = Pressed(CONVWASS_OT_import_lobes, filepath="/nowhere/a.binary")
+    assert pressed.execute(context) == {"CANCELLED"}
+    assert cursors == ["WAIT", "own"]
 
 
 @pytest.mark.usefixtures("metals")

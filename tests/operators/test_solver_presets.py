@@ -171,6 +171,18 @@ def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, 
     assert len(bpy.data.collections) == 0
 
 
+@pytest.mark.parametrize("given", ["//frames", "frames"])
+def test_a_cache_folder_that_depends_on_the_open_file_is_refused(monkeypatch, tmp_path, given):
+    read = preferences.preferences(with_preferences(cache_folder=given))
+    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: read)
+    monkeypatch.chdir(tmp_path)
+    two_shapes()
+    with pytest.raises(RuntimeError, match="The cache folder frames would be another one with every file"):
+        bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    assert not list(tmp_path.iterdir())
+    assert len(bpy.data.collections) == 0
+
+
 def test_preferences_show_all_that_they_have():
     drawn = []
     layout = SimpleNamespace(prop=lambda _, name: drawn.append(name), row=lambda: layout)

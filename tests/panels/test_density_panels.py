@@ -133,22 +133,6 @@ def test_nodes_that_somebody_has_edited_are_left_out(played):
     assert ("text", "Density") not in draw(bpy.types.CONVWASS_PT_densities)
 
 
-def test_a_running_job_shows_its_bar_once(obj):
-    """In Object Mode the panel above has it."""
-    progress = bpy.context.window_manager.convwass_progress
-    progress.running, progress.fraction, progress.message = True, 0.5, "From A to B"
-    try:
-        above = draw(bpy.types.CONVWASS_PT_densities)
-        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        drawn = draw(bpy.types.CONVWASS_PT_densities)
-    finally:
-        progress.running = False
-    bar = ("progress", "From A to B")
-    assert bar not in above
-    assert bar in drawn
-    assert "convwass.stop" in offered(drawn)
-
-
 def test_without_groups_there_is_little_to_see():
     bpy.ops.mesh.primitive_cube_add()
     assert not bpy.types.CONVWASS_PT_density_interpolate.poll(bpy.context)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
+from convwass_addon.applications.reflectance.weight_sheets import MOST_ON_PAD
 from convwass_addon.properties.light import ReflectanceProperties, SkyProperties
 from tests.lights import principled
 from tests.operators.densities import inventory
@@ -25,6 +26,11 @@ def draw_all():
 
 def shown(kind):
     return {name for own, name in draw_all() if own == kind}
+
+
+def said():
+    """Return all labels in turn; long sentences are several."""
+    return " ".join(text for own, text in draw_all() if own == "label")
 
 
 def test_it_is_closed_at_first():
@@ -48,6 +54,23 @@ def test_there_is_room_for_one_more_material_and_weights_where_they_count():
     own.blend = "WEIGHTS"
     assert "weight" in shown("prop")
     assert "blends" not in shown("prop")
+
+
+def test_too_few_choices_say_why_the_buttons_are_gray():
+    reflectance, skies = bpy.context.scene.convwass_reflectance, bpy.context.scene.convwass_sky
+    materials, worlds = "Choose two materials or more", "Choose two worlds or more"
+    assert materials in said() and worlds in said()
+    reflectance.material = reflectance.material_2 = principled("A", 0.4)
+    assert materials not in said() and worlds in said()
+    reflectance.blend = "PAD"
+    assert "three or four materials, there are 2" in said()
+    reflectance.material_3 = reflectance.material
+    assert "A pad takes" not in said()
+    reflectance.blends = MOST_ON_PAD + 1
+    assert f"A pad takes {MOST_ON_PAD} steps at most" in said()
+    assert f"A pad takes {MOST_ON_PAD} at most" in reflectance.bl_rna.properties["blends"].description
+    skies.world = skies.world_2 = bpy.data.worlds.new("Sky")
+    assert worlds not in said()
 
 
 def test_every_chosen_world_is_drawn_and_room_for_one_more():

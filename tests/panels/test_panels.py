@@ -141,6 +141,16 @@ def test_a_wrong_number_of_shapes_is_told(shapes):
     assert "This layout takes 4 shapes, there are 2" in " ".join(text for _, text in draw_all())
 
 
+@pytest.mark.parametrize("layout", ["PATH", "BLEND"])
+def test_a_list_that_is_too_short_says_why_the_button_is_gray(shapes, layout):
+    bpy.ops.convwass.add_inputs()
+    settings().layout = layout
+    hint = ("label", "Put two or more shapes on the list")
+    assert hint not in draw_all()
+    settings().inputs[0].enabled = False
+    assert hint in draw_all()
+
+
 def test_flat_shapes_have_settings_of_their_own():
     for text in ("A", "B"):
         bpy.ops.object.text_add()
@@ -183,18 +193,6 @@ def test_what_shows_all_frames_by_itself_offers_nothing_else(baked):
     assert ("operator", "convwass.make_player") not in drawn
     assert ("operator", "convwass.make_cache") not in drawn
     assert ("operator", "convwass.delete_morph") in drawn
-
-
-def test_a_running_bake_shows_its_bar_instead_of_the_button(shapes):
-    progress = bpy.context.window_manager.convwass_progress
-    progress.running, progress.fraction, progress.message = True, 0.5, "Blend 1 of 2"
-    try:
-        drawn = draw_all()
-    finally:
-        progress.running = False
-    assert ("progress", "Blend 1 of 2") in drawn
-    assert ("operator", "convwass.bake_morph") not in drawn
-    assert ("operator", "convwass.stop") in drawn
 
 
 def test_a_baked_morph_shows_its_buttons_and_its_health(baked):

@@ -61,17 +61,6 @@ def test_clips_have_a_button_of_their_own():
     assert ("operator", "convwass.recolor_clip") not in draw(bpy.types.CONVWASS_PT_recolor_image, context)
 
 
-def test_progress_takes_the_place_of_the_button():
-    progress = bpy.context.window_manager.convwass_progress
-    progress.running, progress.fraction, progress.message = True, 0.5, "Recoloring"
-    try:
-        drawn = draw(bpy.types.CONVWASS_PT_recolor_image)
-    finally:
-        progress.running = False
-    assert ("progress", "Recoloring") in drawn and ("operator", "convwass.stop") in drawn
-    assert ("operator", "convwass.recolor_image") not in drawn
-
-
 def test_drawing_changes_nothing():
     known = inventory()
     draw_all()

@@ -68,6 +68,13 @@ def test_nothing_is_left_over(language):
     assert sorted(TABLES[language].keys() - all_texts()) == []
 
 
+def test_a_text_that_is_translated_twice_is_refused():
+    """Else the table that comes last would win, whoever looks at the other one."""
+    assert translations._joined({"a": "1"}, {"b": "2"}) == {"a": "1", "b": "2"}
+    with pytest.raises(ValueError, match="translated twice"):
+        translations._joined({"a": "1", "b": "2"}, {"b": "2"})
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_translations_take_the_same_values_in_the_same_form(language):
     for english, own in TABLES[language].items():
