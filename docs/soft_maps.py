@@ -193,7 +193,7 @@ def _map(horse: bpy.types.Object, cow: bpy.types.Object) -> None:
         vertices = [int(np.argmin(((_points(obj) - p) ** 2).sum(axis=1))) for obj, p in ((horse, first), (cow, second))]
         bpy.ops.convwass.add_map_pair(source_vertex=vertices[0], target_vertex=vertices[1])
     bpy.ops.convwass.compute_soft_map()
-    bpy.ops.convwass.transfer(what={"GROUPS", "KEYS"})
+    bpy.ops.convwass.transfer_by_map(what={"GROUPS", "KEYS"})
     bpy.ops.convwass.show_soft_map()
 
 

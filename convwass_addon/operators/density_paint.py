@@ -156,10 +156,10 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
         return lambda surface, check: sharpened(weights, surface, limit, name, check)
 
 
-class CONVWASS_OT_drop_mass(OnVertices, _PaintDensity, OnMesh, bpy.types.Operator):
+class CONVWASS_OT_drop_density(OnVertices, _PaintDensity, OnMesh, bpy.types.Operator):
     """Drop a unit mass on the selected vertices, or where the surface is clicked on"""
 
-    bl_idname = "convwass.drop_mass"
+    bl_idname = "convwass.drop_density"
     bl_label = "Drop Mass"
 
     group: group_property()
@@ -203,5 +203,5 @@ classes = (
     CONVWASS_OT_normalize_density,
     CONVWASS_OT_diffuse_density,
     CONVWASS_OT_sharpen_density,
-    CONVWASS_OT_drop_mass,
+    CONVWASS_OT_drop_density,
 )

@@ -61,10 +61,10 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
         raise NotImplementedError
 
 
-class CONVWASS_OT_write_lut(_MakesTable, bpy.types.Operator):
+class CONVWASS_OT_write_cube(_MakesTable, bpy.types.Operator):
     """Write the map of colors as a .cube table, which video editors and other programs apply to whole clips"""
 
-    bl_idname = "convwass.write_lut"
+    bl_idname = "convwass.write_cube"
     bl_label = "Write .cube"
 
     image: image_property()
@@ -117,4 +117,4 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
         tell(self, rpt_("Made the node group {:s} for the compositor").format(group.name))
 
 
-classes = (CONVWASS_OT_write_lut, CONVWASS_OT_build_grade_nodes)
+classes = (CONVWASS_OT_write_cube, CONVWASS_OT_build_grade_nodes)

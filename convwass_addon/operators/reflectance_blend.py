@@ -106,10 +106,10 @@ class ReflectanceJob:
         return [mixed([own.diffuse for own in self.materials], frame.weights) for frame in self.shown]
 
 
-class CONVWASS_OT_interpolate_reflectance(ReflectanceProperties, BackgroundOperator, bpy.types.Operator):
+class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy.types.Operator):
     """Make a material between two to four others, whose highlights move and change their shape instead of fading out here and in there"""  # noqa: E501
 
-    bl_idname = "convwass.interpolate_reflectance"
+    bl_idname = "convwass.blend_materials"
     bl_label = "Blend Materials"
     bl_options = {"REGISTER", "UNDO"}
 
@@ -230,4 +230,4 @@ def _named(name: str) -> bpy.types.Material:
     return material
 
 
-classes = (CONVWASS_OT_interpolate_reflectance,)
+classes = (CONVWASS_OT_blend_materials,)

@@ -108,10 +108,10 @@ class SkyJob:
         return [Sentence("One of the skies has no sun that could move; what shines in the other one fades.")]
 
 
-class CONVWASS_OT_interpolate_sky(SkyProperties, BackgroundOperator, bpy.types.Operator):
+class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Operator):
     """Make the skies between two worlds or more: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them. Worlds that are not just an image are rendered, in the place of the last rendering"""  # noqa: E501
 
-    bl_idname = "convwass.interpolate_sky"
+    bl_idname = "convwass.blend_skies"
     bl_label = "Blend Skies"
     bl_options = {"REGISTER", "UNDO"}
 
@@ -169,4 +169,4 @@ def _named(name: str) -> bpy.types.World:
     return world
 
 
-classes = (CONVWASS_OT_interpolate_sky,)
+classes = (CONVWASS_OT_blend_skies,)

@@ -91,10 +91,10 @@ class TransferJob(ObjectJob):
         return obj
 
 
-class CONVWASS_OT_transfer(TransferProperties, MeshWritingOperator, OnStoredMap, bpy.types.Operator):
+class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnStoredMap, bpy.types.Operator):
     """Carry vertex groups, shape keys, UV maps or color attributes from one object to the other along the stored soft map"""  # noqa: E501
 
-    bl_idname = "convwass.transfer"
+    bl_idname = "convwass.transfer_by_map"
     bl_label = "Transfer"
 
     names: StringProperty(
@@ -166,4 +166,4 @@ class CONVWASS_OT_transfer(TransferProperties, MeshWritingOperator, OnStoredMap,
         return {"FINISHED"}
 
 
-classes = (CONVWASS_OT_transfer,)
+classes = (CONVWASS_OT_transfer_by_map,)

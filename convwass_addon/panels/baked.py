@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.player import is_player, morph_value, playback
 from ..bridge.morphs.stored import ALONE_KEY, WEIGHTS_KEY, stored_health
-from ..operators.manage_morph import active_morph
+from ..operators.morph_manage import active_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
 

@@ -24,7 +24,7 @@ from ..operators.density_measure import (
 )
 from ..operators.density_paint import (
     CONVWASS_OT_diffuse_density,
-    CONVWASS_OT_drop_mass,
+    CONVWASS_OT_drop_density,
     CONVWASS_OT_normalize_density,
     CONVWASS_OT_sharpen_density,
 )
@@ -142,7 +142,7 @@ class CONVWASS_PT_density_paint(_Subpanel, bpy.types.Panel):
         for operator, icon, setting in (
             (CONVWASS_OT_diffuse_density, "SMOOTHCURVE", "length"),
             (CONVWASS_OT_sharpen_density, "SHARPCURVE", "share"),
-            (CONVWASS_OT_drop_mass, "CURSOR", "radius"),
+            (CONVWASS_OT_drop_density, "CURSOR", "radius"),
         ):
             column = layout.column(align=True)
             arguments = column.operator(operator.bl_idname, icon=icon)

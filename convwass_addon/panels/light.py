@@ -10,9 +10,9 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..applications.reflectance.weight_sheets import MOST_ON_PAD
-from ..operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
+from ..operators.reflectance_blend import CONVWASS_OT_blend_materials
 from ..operators.reflectance_import import CONVWASS_OT_import_lobes
-from ..operators.sky_blend import CONVWASS_OT_interpolate_sky
+from ..operators.sky_blend import CONVWASS_OT_blend_skies
 from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
@@ -47,7 +47,7 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
         row.scale_y = 1.6
         hint = _missing(own)
         row.enabled = hint is None
-        operator = row.operator(CONVWASS_OT_interpolate_reflectance.bl_idname, icon="MATERIAL")
+        operator = row.operator(CONVWASS_OT_blend_materials.bl_idname, icon="MATERIAL")
         fill_operator(operator, own, ReflectanceProperties)
         if hint is not None:
             draw_wrapped(layout, context, hint, "INFO")
@@ -121,7 +121,7 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.6
         row.enabled = len(own.chosen_worlds) >= 2
-        fill_operator(row.operator(CONVWASS_OT_interpolate_sky.bl_idname, icon="WORLD"), own, SkyProperties)
+        fill_operator(row.operator(CONVWASS_OT_blend_skies.bl_idname, icon="WORLD"), own, SkyProperties)
         if not row.enabled:
             layout.label(text="Choose two worlds or more", icon="INFO")
         layout.use_property_split = True

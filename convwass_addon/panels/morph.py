@@ -9,15 +9,15 @@ from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.flat.flat_objects import is_shape, looks_flat
-from ..operators.bake_morph import CONVWASS_OT_bake_morph
-from ..operators.edit_inputs import (
-    CONVWASS_OT_add_inputs,
-    CONVWASS_OT_check_inputs,
-    CONVWASS_OT_clear_inputs,
-    CONVWASS_OT_move_input,
-    CONVWASS_OT_remove_input,
+from ..operators.morph_bake import CONVWASS_OT_bake_morph
+from ..operators.morph_inputs import (
+    CONVWASS_OT_add_morph_inputs,
+    CONVWASS_OT_check_morph_inputs,
+    CONVWASS_OT_clear_morph_inputs,
+    CONVWASS_OT_move_morph_input,
+    CONVWASS_OT_remove_morph_input,
 )
-from ..operators.manage_morph import CONVWASS_OT_select_morph_inputs, active_morph
+from ..operators.morph_manage import CONVWASS_OT_select_morph_inputs, active_morph
 from ..properties.morph_inputs import CONVWASS_PG_morph
 from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
@@ -49,7 +49,7 @@ class CONVWASS_UL_inputs(bpy.types.UIList):
             named.prop(item.object, "name", text="", emboss=False, icon=_icon(item.object))
         if item.warns:
             icon = "ERROR" if item.verdict in ("NO_VOLUME", "UNUSABLE") else "INFO"
-            named.operator(CONVWASS_OT_check_inputs.bl_idname, text="", icon=icon, emboss=False).index = index
+            named.operator(CONVWASS_OT_check_morph_inputs.bl_idname, text="", icon=icon, emboss=False).index = index
         if data.layout == "BLEND":
             weight = named.row(align=True)
             weight.ui_units_x = 3.0
@@ -112,14 +112,14 @@ def _draw_list(layout: bpy.types.UILayout, settings: CONVWASS_PG_morph) -> None:
     row = layout.row()
     row.template_list("CONVWASS_UL_inputs", "", settings, "inputs", settings, "active_input", rows=5)
     column = row.column(align=True)
-    column.operator(CONVWASS_OT_add_inputs.bl_idname, text="", icon="ADD")
-    column.operator(CONVWASS_OT_remove_input.bl_idname, text="", icon="REMOVE")
+    column.operator(CONVWASS_OT_add_morph_inputs.bl_idname, text="", icon="ADD")
+    column.operator(CONVWASS_OT_remove_morph_input.bl_idname, text="", icon="REMOVE")
     column.separator()
-    column.operator(CONVWASS_OT_move_input.bl_idname, text="", icon="TRIA_UP").direction = "UP"
-    column.operator(CONVWASS_OT_move_input.bl_idname, text="", icon="TRIA_DOWN").direction = "DOWN"
+    column.operator(CONVWASS_OT_move_morph_input.bl_idname, text="", icon="TRIA_UP").direction = "UP"
+    column.operator(CONVWASS_OT_move_morph_input.bl_idname, text="", icon="TRIA_DOWN").direction = "DOWN"
     column.separator()
-    column.operator(CONVWASS_OT_check_inputs.bl_idname, text="", icon="FILE_REFRESH")
-    column.operator(CONVWASS_OT_clear_inputs.bl_idname, text="", icon="X")
+    column.operator(CONVWASS_OT_check_morph_inputs.bl_idname, text="", icon="FILE_REFRESH")
+    column.operator(CONVWASS_OT_clear_morph_inputs.bl_idname, text="", icon="X")
 
 
 def _draw_selection(
@@ -141,7 +141,7 @@ def _draw_selection(
     row = column.row(align=True)
     row.prop(settings, "order")
     row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
-    column.operator(CONVWASS_OT_add_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
+    column.operator(CONVWASS_OT_add_morph_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
     return shapes
 
 

@@ -9,7 +9,7 @@ import bpy
 from ..bridge.palettes.clip_frames import is_clip
 from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
 from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
-from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_lut
+from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_cube
 from ..operators.recolor_image import CONVWASS_OT_recolor_image
 from ..operators.recolor_targets import shown_image
 from ..properties.recolor import PALETTES, CONVWASS_PG_recolor, RecolorProperties
@@ -101,7 +101,7 @@ class CONVWASS_PT_recolor_grade(ImageSidebar, bpy.types.Panel):
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_recolor
         layout.prop(own, "cube_size")
-        for kind, icon in ((CONVWASS_OT_write_lut, "EXPORT"), (CONVWASS_OT_build_grade_nodes, "NODE_COMPOSITING")):
+        for kind, icon in ((CONVWASS_OT_write_cube, "EXPORT"), (CONVWASS_OT_build_grade_nodes, "NODE_COMPOSITING")):
             operator = layout.operator(kind.bl_idname, icon=icon)
             fill_operator(operator, own, RecolorProperties)
             operator.cube_size = own.cube_size

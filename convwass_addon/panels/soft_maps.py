@@ -23,7 +23,7 @@ from ..operators.soft_map_pairs import (
     CONVWASS_OT_swap_map_objects,
 )
 from ..operators.soft_map_targets import mapped_objects
-from ..operators.soft_map_transfer import CONVWASS_OT_transfer
+from ..operators.soft_map_transfer import CONVWASS_OT_transfer_by_map
 from ..operators.soft_map_view import (
     CONVWASS_OT_map_confidence,
     CONVWASS_OT_show_distribution,
@@ -160,7 +160,7 @@ class CONVWASS_PT_map_transfer(_OfMap, bpy.types.Panel):
         column.prop(own, "flip_names")
         row = layout.row()
         row.scale_y = 1.6
-        fill_operator(row.operator(CONVWASS_OT_transfer.bl_idname, icon="PASTEDOWN"), own, TransferProperties)
+        fill_operator(row.operator(CONVWASS_OT_transfer_by_map.bl_idname, icon="PASTEDOWN"), own, TransferProperties)
 
 
 class CONVWASS_PT_map_view(_OfMap, bpy.types.Panel):

@@ -46,7 +46,7 @@ def main() -> None:
     own = bpy.context.scene.convwass_soft_map
     own.source, own.target = source, target
     bpy.ops.convwass.compute_soft_map(pairs=", ".join(options.pairs), vertices=options.vertices)
-    bpy.ops.convwass.transfer(what={"GROUPS"}, direction="FORWARD")
+    bpy.ops.convwass.transfer_by_map(what={"GROUPS"}, direction="FORWARD")
 
     # The map is stored with the source, and goes with it.
     bpy.data.objects.remove(source)

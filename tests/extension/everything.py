@@ -57,7 +57,7 @@ def _morphs(folder: Path) -> dict[str, set[str]]:
         elif output == "cache":
             answers["make_cache"] = bpy.ops.convwass.make_cache(folder=str(folder / "caches"))
     _select(_ball("listed ball", (0, 20, 0)), _box("listed box", (3, 20, 0)))
-    answers["add_inputs"] = bpy.ops.convwass.add_inputs()
+    answers["add_morph_inputs"] = bpy.ops.convwass.add_morph_inputs()
     return answers
 
 
@@ -103,7 +103,7 @@ def _soft_map(_folder: Path) -> dict[str, set[str]]:
         ends = [_farthest(obj, corner) for obj in (source, target)]
         answers["add_map_pair"] = bpy.ops.convwass.add_map_pair(source_vertex=ends[0], target_vertex=ends[1])
     answers["compute_soft_map"] = bpy.ops.convwass.compute_soft_map(vertices=100, sweeps=3)
-    answers["transfer"] = bpy.ops.convwass.transfer(what={"GROUPS"})
+    answers["transfer_by_map"] = bpy.ops.convwass.transfer_by_map(what={"GROUPS"})
     answers["show_soft_map"] = bpy.ops.convwass.show_soft_map()
     return answers
 
@@ -152,7 +152,7 @@ def _recolors(folder: Path) -> dict[str, set[str]]:
     _select(colored[0])
     return {
         "recolor_image": bpy.ops.convwass.recolor_image(image=red.name),
-        "write_lut": bpy.ops.convwass.write_lut(image=red.name, filepath=str(folder / "grade.cube"), cube_size=9),
+        "write_cube": bpy.ops.convwass.write_cube(image=red.name, filepath=str(folder / "grade.cube"), cube_size=9),
         "build_grade_nodes": bpy.ops.convwass.build_grade_nodes(image=red.name, cube_size=9),
         "recolor_attribute": bpy.ops.convwass.recolor_attribute(),
     }
@@ -172,10 +172,10 @@ def _skies(folder: Path) -> dict[str, set[str]]:
         texture.image = image
         background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
         world.node_tree.links.new(texture.outputs["Color"], background.inputs["Color"])
-    answer = bpy.ops.convwass.interpolate_sky(
+    answer = bpy.ops.convwass.blend_skies(
         worlds="Morning, Evening", folder=str(folder / "skies"), frame_start=1, frame_end=4, width=64
     )
-    return {"interpolate_sky": answer}
+    return {"blend_skies": answer}
 
 
 def _materials(_folder: Path) -> dict[str, set[str]]:
@@ -188,13 +188,13 @@ def _materials(_folder: Path) -> dict[str, set[str]]:
         node = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
         for key, value in (("Roughness", roughness), ("Metallic", 1.0), ("Base Color", color)):
             node.inputs[key].default_value = value
-    answer = bpy.ops.convwass.interpolate_reflectance(
+    answer = bpy.ops.convwass.blend_materials(
         materials="Rough, Smooth", detail=12, blends=3, frame_start=1, frame_end=4
     )
     # What nothing uses is not saved.
     for place, material in enumerate(m for m in bpy.data.materials if m.name.startswith("Blend")):
         _box(f"Sample {place}", (-20, 4 * place, 0)).data.materials.append(material)
-    return {"interpolate_reflectance": answer}
+    return {"blend_materials": answer}
 
 
 def _ball(name: str, location: tuple[float, float, float], height: float = 1.0) -> bpy.types.Object:

@@ -116,8 +116,8 @@ CASES: dict[str, tuple[Callable[[Path], None], dict[str, object]]] = {
     "compute_soft_map": (two_balls, {"vertices": 50, "sweeps": 1}),
     "recolor_image": (two_images, {"image": "Red"}),
     "recolor_clip": (shot, {"image": "Shot", "folder": "OUT"}),
-    "interpolate_reflectance": (two_metals, {"materials": "A, B", "detail": 8, "blends": 2}),
-    "interpolate_sky": (
+    "blend_materials": (two_metals, {"materials": "A, B", "detail": 8, "blends": 2}),
+    "blend_skies": (
         two_skies,
         {"worlds": "Dawn, Noon", "folder": "OUT", "frame_start": 1, "frame_end": 3, "width": 64},
     ),

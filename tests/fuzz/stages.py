@@ -251,7 +251,7 @@ def _morph(random: Random, scene: bpy.types.Scene, call: object) -> None:
     if random.random() < 0.5:
         for obj in bpy.data.objects:
             obj.select_set(obj.name.startswith("In"))
-        call.add_inputs()
+        call.add_morph_inputs()
 
 
 def _density(random: Random, scene: bpy.types.Scene, call: object) -> None:

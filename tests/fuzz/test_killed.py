@@ -113,7 +113,7 @@ def test_work_can_be_done_again_in_the_file_of_a_blender_that_was_killed(name, p
     [
         ("bake_morph pictures", [("", 2), ("placing: ", 1)]),
         ("recolor_clip", [("", 1), ("", 4), ("placing: ", 1)]),
-        ("interpolate_sky", [("", 1), ("placing: ", 1)]),
+        ("blend_skies", [("", 1), ("placing: ", 1)]),
     ],
 )
 def test_of_work_that_is_killed_no_half_file_is_left_and_the_next_one_makes_all_of_them(

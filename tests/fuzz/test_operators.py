@@ -52,7 +52,7 @@ def test_nonsense_in_what_is_stored_is_no_traceback(value, capfd):
             block[key] = value
     for panel in panels():
         draw(panel)
-    for name in ("rebake_morph", "delete_morph", "make_player", "make_cache", "rebake_density", "transfer"):
+    for name in ("rebake_morph", "delete_morph", "make_player", "make_cache", "rebake_density", "transfer_by_map"):
         try:
             getattr(bpy.ops.convwass, name)()
         except RuntimeError as error:

@@ -52,7 +52,7 @@ def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch, tmp_
     work = prepare(name, tmp_path)
     before = traces(tmp_path)
     # One of its steps is like the other, and each takes a while.
-    for count in range(0, 100, 9 if name == "interpolate_reflectance" else 1):
+    for count in range(0, 100, 9 if name == "blend_materials" else 1):
         error = (Cancelled("Cancelled."), MemoryError(), OSError(errno.ENOSPC, "No space left on device"))[count % 3]
         with monkeypatch.context() as patch:
             ended = stopped_after(patch, count, error)
@@ -132,7 +132,7 @@ def stopping(operator, context, job):
 @pytest.mark.parametrize("where", ["write", "_finish"])
 def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, monkeypatch):
     """Otherwise nothing could be baked until Blender was started anew."""
-    from convwass_addon.operators.bake_morph import CONVWASS_OT_bake_morph as Bake
+    from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph as Bake
 
     two_cubes(None)
     before = inventory()
@@ -154,7 +154,7 @@ def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, 
 
 
 def test_two_bakes_at_once_do_not_mix():
-    from convwass_addon.operators.bake_morph import CONVWASS_OT_bake_morph as Bake
+    from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph as Bake
 
     two_cubes(None)
     given = CASES["bake_morph"][1]

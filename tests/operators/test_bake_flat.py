@@ -211,9 +211,9 @@ def test_a_shared_material_is_kept():
 
 def test_drawings_are_checked_on_the_list():
     choose(text("A"), text("B", 3.0))
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     bpy.context.scene.convwass_morph.inputs[0].object.data.body = ""
-    bpy.ops.convwass.check_inputs()
+    bpy.ops.convwass.check_morph_inputs()
     inputs = bpy.context.scene.convwass_morph.inputs
     assert [item.verdict for item in inputs] == ["UNUSABLE", "SOUND"]
     assert "is empty" in inputs[0].finding

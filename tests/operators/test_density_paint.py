@@ -17,12 +17,12 @@ from convwass_addon.applications.densities.surface_densities import density_surf
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, density_paint, density_pick, picking
-from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_mass
+from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_density
 from tests.operators.densities import ESCAPE, TIMER, Pressed, ball, center, positions, two_balls, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
-TOOLS = ("normalize_density", "diffuse_density", "sharpen_density", "drop_mass")
+TOOLS = ("normalize_density", "diffuse_density", "sharpen_density", "drop_density")
 MODES = ("OBJECT", "WEIGHT_PAINT", "EDIT")
 
 
@@ -54,7 +54,7 @@ def test_tools_work_in_every_mode_and_come_back_to_it(tool, mode):
     obj = ball()
     bpy.ops.object.mode_set(mode=mode)
     before = read_group(obj, "A")
-    arguments = {"drop_mass": {"vertices": "3"}, "sharpen_density": {"to": "ENTROPY", "entropy": 0.0}}
+    arguments = {"drop_density": {"vertices": "3"}, "sharpen_density": {"to": "ENTROPY", "entropy": 0.0}}
     assert call(tool, **arguments.get(tool, {})) == {"FINISHED"}
     assert obj.mode == mode
     after = read_group(obj, "A")
@@ -63,7 +63,7 @@ def test_tools_work_in_every_mode_and_come_back_to_it(tool, mode):
 
 def test_diffusing_spreads_by_the_length_in_scene_units():
     obj = ball(radius=3.0)
-    call("drop_mass", vertices="0")
+    call("drop_density", vertices="0")
     call("diffuse_density", length=0.6)
     weights = read_group(obj, "A")
     away = np.linalg.norm(positions(obj) - positions(obj)[0], axis=1)
@@ -74,7 +74,7 @@ def test_diffusing_spreads_by_the_length_in_scene_units():
 
 def test_heat_that_nobody_sees_covers_nothing():
     obj = ball()
-    call("drop_mass", vertices="0", radius=0.2)
+    call("drop_density", vertices="0", radius=0.2)
     assert (read_group(obj, "A") > 0).mean() > 0.9
     assert findings(obj).covered < 0.4
 
@@ -84,7 +84,7 @@ def test_undo_in_edit_mode_takes_a_group_back():
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.ed.undo_push(message="editing")
     before = read_group(obj, "A")
-    call("drop_mass", vertices="3")
+    call("drop_density", vertices="3")
     call("distance_from_vertices", vertices="3")
     bpy.ops.ed.undo_push(message="dropped")
     bpy.ops.ed.undo()
@@ -96,7 +96,7 @@ def test_undo_in_edit_mode_takes_a_group_back():
 
 def test_sharpening_halves_the_area():
     obj = ball()
-    call("drop_mass", vertices="0", radius=0.5)
+    call("drop_density", vertices="0", radius=0.5)
     before = findings(obj).entropy
     call("sharpen_density", share=0.5)
     assert findings(obj).entropy == pytest.approx(before + np.log(0.5), abs=2e-3)
@@ -113,14 +113,14 @@ def test_mass_is_dropped_on_selected_vertices_in_edit_mode():
     for items in (obj.data.polygons, obj.data.edges, obj.data.vertices):
         items.foreach_set("select", np.isin(np.arange(len(items)), (3, 70) if items == obj.data.vertices else ()))
     bpy.ops.object.mode_set(mode="EDIT")
-    assert call("drop_mass") == {"FINISHED"}
+    assert call("drop_density") == {"FINISHED"}
     assert set(np.flatnonzero(read_group(obj, "A"))) == {3, 70}
 
 
 def test_a_share_is_dropped_and_the_rest_stays():
     obj = ball()
     far = int(read_group(obj, "B").argmax())
-    call("drop_mass", vertices=str(far), share=0.25, radius=0.3)
+    call("drop_density", vertices=str(far), share=0.25, radius=0.3)
     weights = read_group(obj, "A")
     assert weights[far] > 0
     assert (weights[read_group(ball(), "A") > 0] > 0).all()
@@ -129,9 +129,9 @@ def test_a_share_is_dropped_and_the_rest_stays():
 def test_a_group_is_made_for_mass_where_there_is_none():
     obj = ball()
     obj.vertex_groups.clear()
-    call("drop_mass", vertices="5")
+    call("drop_density", vertices="5")
     assert obj.vertex_groups.keys() == ["Mass"]
-    call("drop_mass", vertices="6", group="Other")
+    call("drop_density", vertices="6", group="Other")
     assert obj.vertex_groups.keys() == ["Mass", "Other"]
     assert obj.vertex_groups.active.name == "Other"
 
@@ -148,14 +148,14 @@ def test_a_group_is_made_for_mass_where_there_is_none():
 def test_vertices_that_cannot_be(arguments, message):
     ball()
     with pytest.raises(RuntimeError, match=message):
-        call("drop_mass", **arguments)
+        call("drop_density", **arguments)
 
 
 def test_no_selection_is_told():
     obj = ball()
     obj.data.vertices.foreach_set("select", np.zeros(len(obj.data.vertices), bool))
     with pytest.raises(RuntimeError, match="No vertex of Sphere is selected"):
-        call("drop_mass")
+        call("drop_density")
 
 
 def test_loose_vertices_lose_their_weight_and_hold_no_mass():
@@ -166,7 +166,7 @@ def test_loose_vertices_lose_their_weight_and_hold_no_mass():
     call("normalize_density")
     assert read_group(obj, "A")[loose] == 0
     with pytest.raises(RuntimeError, match=f"Vertex {loose} is loose"):
-        call("drop_mass", vertices=str(loose))
+        call("drop_density", vertices=str(loose))
     write_group(obj, "A", np.eye(loose + 1)[loose])
     with pytest.raises(RuntimeError, match="loose vertices only"):
         call("normalize_density")
@@ -257,7 +257,7 @@ def linked(tmp_path):
 def test_linked_objects_are_not_painted(tool, tmp_path):
     linked(tmp_path)
     with pytest.raises(RuntimeError, match="is linked from another file"):
-        call(tool, **({"vertices": "1"} if tool == "drop_mass" else {}))
+        call(tool, **({"vertices": "1"} if tool == "drop_density" else {}))
 
 
 @pytest.fixture
@@ -286,7 +286,7 @@ def test_a_click_drops_mass_where_the_surface_is(view, monkeypatch):
     obj = ball()
     context = window_context()
     context.window.screen.areas.append(SimpleNamespace(type="VIEW_3D", regions=[view], tag_redraw=lambda: None))
-    pressed = Pressed(CONVWASS_OT_drop_mass, vertices="")
+    pressed = Pressed(CONVWASS_OT_drop_density, vertices="")
     monkeypatch.setattr(density_pick, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     assert pressed.modal(context, click(10, 10)) == {"PASS_THROUGH"}
@@ -306,7 +306,7 @@ def test_picking_can_be_given_up(view, monkeypatch):
     obj = ball()
     before = read_group(obj, "A")
     context = window_context()
-    pressed = Pressed(CONVWASS_OT_drop_mass)
+    pressed = Pressed(CONVWASS_OT_drop_density)
     monkeypatch.setattr(density_pick, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     assert pressed.modal(context, ESCAPE) == {"CANCELLED"}

@@ -16,8 +16,8 @@ from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph
-from convwass_addon.operators import background, bake_morph
-from tests.operators.test_bake_morph import census, morph_collection, two_shapes
+from convwass_addon.operators import background, morph_bake
+from tests.operators.test_morph_bake import census, morph_collection, two_shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -38,7 +38,7 @@ class Pressed:
         self.reports.append(message)
 
     def __getattr__(self, name):
-        found = inspect.getattr_static(bake_morph.CONVWASS_OT_bake_morph, name, None)
+        found = inspect.getattr_static(morph_bake.CONVWASS_OT_bake_morph, name, None)
         return MethodType(found, self) if inspect.isfunction(found) else getattr(bpy.context.scene.convwass_morph, name)
 
 
@@ -259,7 +259,7 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
 def test_without_a_window_nothing_is_previewed(monkeypatch):
     two_shapes()
     previews = []
-    monkeypatch.setattr(bake_morph.MorphJob, "write", noting(bake_morph.MorphJob.write, previews))
+    monkeypatch.setattr(morph_bake.MorphJob, "write", noting(morph_bake.MorphJob.write, previews))
     assert bpy.ops.convwass.bake_morph(frames=3, resolution=32) == {"FINISHED"}
     assert previews
     assert not any(previews)

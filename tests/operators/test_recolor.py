@@ -109,16 +109,16 @@ def test_what_is_missing_is_said(own):
 
 def test_a_table_does_the_same(own, tmp_path):
     red = red_image()
-    call("write_lut", image="Red", filepath=str(tmp_path / "grade"), cube_size=33)
+    call("write_cube", image="Red", filepath=str(tmp_path / "grade"), cube_size=33)
     table = read_cube(tmp_path / "grade.cube")
     before = np.moveaxis(pixels_of(red)[..., :3], -1, 0)
     call("recolor_image", image="Red", output="REPLACE")
     error = np.abs(np.moveaxis(table.applied(before), 0, -1) - pixels_of(red)[..., :3]) * 255
     assert error.mean() < 0.6 and error.max() < 6.0
     with pytest.raises(RuntimeError, match="Choose a file"):
-        call("write_lut", image="Red")
+        call("write_cube", image="Red")
     with pytest.raises(RuntimeError, match="does not exist"):
-        call("write_lut", image="Red", filepath=str(tmp_path / "none" / "grade.cube"))
+        call("write_cube", image="Red", filepath=str(tmp_path / "none" / "grade.cube"))
 
 
 def test_a_table_that_is_stopped_while_it_is_written_leaves_the_old_file(own, tmp_path):
@@ -193,7 +193,7 @@ def test_names_are_those_of_the_beginning(own, operator):
 def test_the_compositor_applies_tables_as_they_are(own, tmp_path):
     """Rendered: random colors, colors over white, and half transparent ones."""
     red_image()
-    call("write_lut", image="Red", filepath=str(tmp_path / "a.cube"), cube_size=9)
+    call("write_cube", image="Red", filepath=str(tmp_path / "a.cube"), cube_size=9)
     table = read_cube(tmp_path / "a.cube")
     straight = np.ones((16, 16, 4), np.float32)
     straight[..., :3] = np.random.default_rng(0).random((16, 16, 3)) * 1.2

@@ -103,7 +103,7 @@ def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):
 
 def test_a_table_of_a_clip_comes_from_all_frames(clip, files, tmp_path):
     call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
-    call("write_lut", image="Shot", filepath=str(tmp_path / "a.cube"), cube_size=33)
+    call("write_cube", image="Shot", filepath=str(tmp_path / "a.cube"), cube_size=33)
     table = read_cube(tmp_path / "a.cube")
     for path in files:
         found = np.moveaxis(table.applied(np.moveaxis(opened(path)[..., :3], -1, 0)), 0, -1)

@@ -12,7 +12,7 @@ from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT
 from convwass_addon.applications.reflectance.table_files import read_table
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
-from convwass_addon.operators.reflectance_blend import CONVWASS_OT_interpolate_reflectance
+from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from tests.lights import only, principled
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
@@ -23,7 +23,7 @@ ROWS = 16
 
 
 def blend(**arguments):
-    return bpy.ops.convwass.interpolate_reflectance(**{"materials": "A, B", "detail": ROWS, "blends": 3} | arguments)
+    return bpy.ops.convwass.blend_materials(**{"materials": "A, B", "detail": ROWS, "blends": 3} | arguments)
 
 
 @pytest.fixture
@@ -149,7 +149,7 @@ def test_what_makes_no_sense_is_refused_and_changes_nothing(arguments, message):
 
 @pytest.mark.usefixtures("metals")
 def test_escape_leaves_nothing():
-    pressed, window = Pressed(CONVWASS_OT_interpolate_reflectance, materials="A, B", detail=32), window_context()
+    pressed, window = Pressed(CONVWASS_OT_blend_materials, materials="A, B", detail=32), window_context()
     assert pressed._start(window) == {"RUNNING_MODAL"}
     pressed.modal(window, TIMER)
     while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:

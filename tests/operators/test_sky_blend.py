@@ -14,7 +14,7 @@ from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
 from convwass_addon.operators import background, sky_blend
-from convwass_addon.operators.sky_blend import CONVWASS_OT_interpolate_sky
+from convwass_addon.operators.sky_blend import CONVWASS_OT_blend_skies
 from tests.lights import sky
 from tests.operators.densities import ESCAPE, TIMER, Pressed, show_other_scene, until, window_context
 
@@ -36,7 +36,7 @@ def worlds(empty_scene, tmp_path):
 
 def blend(folder, **arguments):
     given = {"worlds": "0, 1", "folder": str(folder), "frame_start": 4, "frame_end": 6, "width": 128} | arguments
-    return bpy.ops.convwass.interpolate_sky(**given)
+    return bpy.ops.convwass.blend_skies(**given)
 
 
 def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
@@ -110,7 +110,7 @@ def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch
     monkeypatch.setattr(sky_blend, "world_sky", slow)
     monkeypatch.setattr(background, "_BUSY_SECONDS", 0.0)
     pressed = Pressed(
-        CONVWASS_OT_interpolate_sky, worlds="0, 1, 0", folder=str(worlds), frame_start=1, frame_end=3, width=128
+        CONVWASS_OT_blend_skies, worlds="0, 1, 0", folder=str(worlds), frame_start=1, frame_end=3, width=128
     )
     window = window_context()
     assert pressed._start(window) == {"RUNNING_MODAL"}
@@ -130,9 +130,7 @@ def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch
 
 
 def test_a_world_that_is_deleted_meanwhile_is_told(worlds):
-    pressed = Pressed(
-        CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=3, width=128
-    )
+    pressed = Pressed(CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=3, width=128)
     window = window_context()
     pressed._start(window)
     bpy.data.worlds.remove(bpy.data.worlds["1"])
@@ -147,7 +145,7 @@ def test_escape_leaves_what_was_there(worlds, older):
         worlds.mkdir()
         (worlds / "sky.0001.exr").write_text("older")
     pressed = Pressed(
-        CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=200, width=128
+        CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=200, width=128
     )
     window = window_context()
     assert pressed._start(window) == {"RUNNING_MODAL"}
@@ -161,9 +159,7 @@ def test_escape_leaves_what_was_there(worlds, older):
 
 
 def test_the_scene_that_it_began_in_gets_the_sky(worlds):
-    pressed = Pressed(
-        CONVWASS_OT_interpolate_sky, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=2, width=128
-    )
+    pressed = Pressed(CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=2, width=128)
     window, own = window_context(), bpy.context.scene
     assert pressed._start(window) == {"RUNNING_MODAL"}
     other = show_other_scene(window)

@@ -143,8 +143,8 @@ def test_linked_objects_hold_no_map(pair, asked, tmp_path):
     choose(horse, cow)
     assert call("compute_soft_map") == {"FINISHED"}
     with pytest.raises(RuntimeError, match="Cow is linked from another file"):
-        call("transfer", what={"UVS"})
-    assert call("transfer", what={"UVS"}, direction="BACKWARD") == {"FINISHED"}
+        call("transfer_by_map", what={"UVS"})
+    assert call("transfer_by_map", what={"UVS"}, direction="BACKWARD") == {"FINISHED"}
 
 
 def test_an_object_for_itself_has_a_button_of_its_own(pair, asked):

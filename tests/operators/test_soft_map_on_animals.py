@@ -80,7 +80,7 @@ def test_from_two_horses_to_weights_and_shape_keys():
     key = source.shape_key_add(name="Fat", from_mix=False)
     swelling = np.stack([np.zeros(len(rest)), 0.3 * rest[:, 1], np.zeros(len(rest))], axis=1)
     key.data.foreach_set("co", (rest + swelling).astype(np.float32).ravel())
-    assert call("transfer", what={"GROUPS", "KEYS"}) == {"FINISHED"}
+    assert call("transfer_by_map", what={"GROUPS", "KEYS"}) == {"FINISHED"}
     expected = np.clip((rest_of(target)[:, 0] - rest[:, 0].min()) / np.ptp(rest[:, 0]), 0, 1)
     got = read_group(target, "Front")
     assert np.median(np.abs(got - expected)) < 0.02

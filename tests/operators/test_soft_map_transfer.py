@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, soft_map_transfer
-from convwass_addon.operators.soft_map_transfer import CONVWASS_OT_transfer
+from convwass_addon.operators.soft_map_transfer import CONVWASS_OT_transfer_by_map
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, Pressed, inventory, until, window_context
 from tests.operators.soft_maps import call, choose, points, sphere, store_closest, store_mirror
@@ -55,7 +55,7 @@ def add_armature(obj, *names):
 def test_weights_go_either_way(pair, direction):
     giver, receiver = pair if direction == "FORWARD" else pair[::-1]
     paint(giver, **halves(giver))
-    assert call("transfer", direction=direction) == {"FINISHED"}
+    assert call("transfer_by_map", direction=direction) == {"FINISHED"}
     assert receiver.vertex_groups.keys() == ["Left", "Right"]
     for name, expected in halves(receiver).items():
         np.testing.assert_allclose(read_group(receiver, name), expected, atol=0.01)
@@ -65,7 +65,7 @@ def test_weights_go_either_way(pair, direction):
 def test_a_map_serves_the_swapped_objects_too(pair):
     paint(pair[1], **halves(pair[1]))
     call("swap_map_objects")
-    call("transfer")
+    call("transfer_by_map")
     np.testing.assert_allclose(read_group(pair[0], "Right"), halves(pair[0])["Right"], atol=0.01)
 
 
@@ -75,12 +75,12 @@ def test_weights_of_bones_are_limited_and_sum_to_one(pair):
     weights = {f"Bone{k}": np.exp(-np.sum((across - across[k * 60]) ** 2, axis=1)) for k in range(6)}
     paint(giver, Mask=np.full(len(across), 0.5), **weights)
     add_armature(giver, *weights)
-    call("transfer", limit=3)
+    call("transfer_by_map", limit=3)
     found = np.stack([read_group(receiver, name) for name in weights])
     np.testing.assert_allclose(found.sum(axis=0), 1.0, atol=1e-5)
     assert (found > 0).sum(axis=0).max() == 3
     np.testing.assert_allclose(read_group(receiver, "Mask"), 0.5, atol=1e-5)
-    call("transfer", limit=0, normalize=False)
+    call("transfer_by_map", limit=0, normalize=False)
     found = np.stack([read_group(receiver, name) for name in weights])
     assert (found > 0).sum(axis=0).max() == 6
     sums = sum(weights.values())
@@ -93,7 +93,7 @@ def test_locked_groups_stay_and_leave_the_rest(pair, capfd):
     add_armature(giver, "Left", "Right", "Other")
     paint(receiver, Left=np.full(len(receiver.data.vertices), 0.25), Other=np.full(len(receiver.data.vertices), 0.5))
     receiver.vertex_groups["Left"].lock_weight = True
-    assert call("transfer") == {"FINISHED"}
+    assert call("transfer_by_map") == {"FINISHED"}
     np.testing.assert_allclose(read_group(receiver, "Left"), 0.25)
     np.testing.assert_allclose(read_group(receiver, "Other"), 0.5)
     # Half of what the giver has on average, and never more than what is left.
@@ -109,7 +109,7 @@ def test_a_part_of_the_groups_keeps_its_share(pair):
     giver, receiver = pair
     paint(giver, **halves(giver))
     paint(receiver, Mine=np.full(len(receiver.data.vertices), 0.5))
-    call("transfer", names="Right")
+    call("transfer_by_map", names="Right")
     assert receiver.vertex_groups.keys() == ["Mine", "Right"]
     np.testing.assert_allclose(read_group(receiver, "Right"), halves(receiver)["Right"], atol=0.01)
     np.testing.assert_allclose(read_group(receiver, "Mine"), 0.5)
@@ -119,7 +119,7 @@ def test_what_is_there_can_be_kept(pair):
     giver, receiver = pair
     paint(giver, **halves(giver))
     paint(receiver, Left=np.full(len(receiver.data.vertices), 0.125))
-    call("transfer", existing="KEEP")
+    call("transfer_by_map", existing="KEEP")
     np.testing.assert_allclose(read_group(receiver, "Left"), 0.125)
     assert "Right" in receiver.vertex_groups
 
@@ -128,7 +128,7 @@ def test_sides_change_their_names(pair):
     giver, receiver = pair
     both = list(halves(giver).values())
     paint(giver, **{"Arm.L": both[0], "Arm.R": both[1]})
-    call("transfer", flip_names=True)
+    call("transfer_by_map", flip_names=True)
     np.testing.assert_allclose(read_group(receiver, "Arm.R"), halves(receiver)["Left"], atol=0.01)
 
 
@@ -138,7 +138,7 @@ def test_vertices_without_an_image_keep_their_weights(pair):
     store_closest(giver, receiver)
     paint(giver, **halves(giver))
     paint(receiver, Left=np.full(len(receiver.data.vertices), 0.125))
-    call("transfer")
+    call("transfer_by_map")
     assert read_group(receiver, "Left")[-1] == 0.125
     assert read_group(receiver, "Right")[-1] == 0.0
 
@@ -171,7 +171,7 @@ def test_shape_keys_go_into_the_space_of_the_receiver():
     store_closest(giver, receiver)
     own_points = points(giver)
     add_key(giver, "Swell", own_points * np.maximum(own_points[:, 2:], 0.0)).slider_max = 2.0
-    assert call("transfer", what={"KEYS"}) == {"FINISHED"}
+    assert call("transfer_by_map", what={"KEYS"}) == {"FINISHED"}
     keys = receiver.data.shape_keys.key_blocks
     assert keys.keys() == ["Basis", "Swell"]
     assert (keys["Swell"].value, keys["Swell"].slider_max) == (0.0, 2.0)
@@ -194,7 +194,7 @@ def test_shape_keys_that_are_there_keep_all_but_their_shape(pair, capfd):
     add_key(receiver, "Follows", before, relative_to="Smile")
     add_key(receiver, "Frown", before).lock_shape = True
     receiver.active_shape_key_index = 1
-    call("transfer", what={"KEYS"})
+    call("transfer_by_map", what={"KEYS"})
     assert "Left as they were: Frown" in capfd.readouterr().out
     blocks = receiver.data.shape_keys.key_blocks
     assert blocks.keys() == ["Basis", "Mine", "Smile", "Follows", "Frown", "More"]
@@ -211,7 +211,7 @@ def test_shape_keys_are_computed_without_poses(pair):
     giver, receiver = pair
     add_key(giver, "Smile", points(giver) * 0.2).value = 1.0
     giver.modifiers.new("Displace", "DISPLACE").strength = 0.5
-    call("transfer", what={"KEYS"})
+    call("transfer_by_map", what={"KEYS"})
     np.testing.assert_allclose(key_points(receiver, "Smile"), 1.2 * points(receiver), atol=0.02)
 
 
@@ -219,7 +219,7 @@ def test_uv_maps_bring_their_seams(pair):
     giver, receiver = pair
     assert giver.data.uv_layers.keys() == ["UVMap"]
     receiver.data.uv_layers.remove(receiver.data.uv_layers[0])
-    assert call("transfer", what={"UVS"}) == {"FINISHED"}
+    assert call("transfer_by_map", what={"UVS"}) == {"FINISHED"}
     assert receiver.data.uv_layers.keys() == ["UVMap"]
     uvs = np.empty(2 * len(receiver.data.loops), np.float32)
     receiver.data.uv_layers["UVMap"].uv.foreach_get("vector", uvs)
@@ -243,7 +243,7 @@ def test_too_many_uv_maps_are_refused_at_once(pair):
         receiver.data.uv_layers.new()
     paint(giver, **halves(giver))
     with pytest.raises(RuntimeError, match="Horse would have 9 UV maps, and Blender allows 8"):
-        call("transfer", what={"UVS", "GROUPS"})
+        call("transfer_by_map", what={"UVS", "GROUPS"})
     assert not receiver.vertex_groups
 
 
@@ -255,7 +255,7 @@ def test_colors_of_every_kind(pair, domain, kind):
     corners = [loop.vertex_index for loop in giver.data.loops]
     colors = np.c_[(points(giver) + 1) / 2, np.ones(len(giver.data.vertices))].astype(np.float32)
     attribute.data.foreach_set("color", (colors if domain == "POINT" else colors[corners]).ravel())
-    call("transfer", what={"COLORS"})
+    call("transfer_by_map", what={"COLORS"})
     made = receiver.data.color_attributes["Paint"]
     assert (made.domain, made.data_type) == ("POINT", kind)
     found = np.array([item.color for item in made.data])
@@ -267,14 +267,14 @@ def test_colors_are_written_to_an_attribute_of_any_domain(pair):
     attribute = giver.data.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
     attribute.data.foreach_set("color", np.full(4 * len(giver.data.vertices), 0.5, np.float32))
     receiver.data.color_attributes.new("Paint", "BYTE_COLOR", "CORNER")
-    call("transfer", what={"COLORS"})
+    call("transfer_by_map", what={"COLORS"})
     made = receiver.data.color_attributes["Paint"]
     assert (made.domain, made.data_type) == ("CORNER", "BYTE_COLOR")
     np.testing.assert_allclose([item.color for item in made.data], 0.5, atol=0.01)
     giver.data.color_attributes["Paint"].name = "Taken"
     receiver.vertex_groups.new(name="Taken")
     with pytest.raises(RuntimeError, match="vertex group Taken of another kind"):
-        call("transfer", what={"COLORS"})
+        call("transfer_by_map", what={"COLORS"})
 
 
 def test_hard_edges_of_colors_stay_hard(pair):
@@ -284,7 +284,7 @@ def test_hard_edges_of_colors_stay_hard(pair):
     for polygon in giver.data.polygons:
         for loop in polygon.loop_indices:
             attribute.data[loop].color = (float(polygon.center.x > 0), 0.0, 0.0, 1.0)
-    call("transfer", what={"COLORS"})
+    call("transfer_by_map", what={"COLORS"})
     red = np.array([item.color[0] for item in receiver.data.color_attributes["Paint"].data])
     off = np.abs(points(receiver)[:, 0]) > 1e-3
     np.testing.assert_allclose(red[off], points(receiver)[off, 0] > 0, atol=1e-4)
@@ -295,17 +295,17 @@ def test_a_mirror_carries_left_to_right_and_back(empty_scene):
     store_mirror(obj)
     left = np.clip(points(obj)[:, 0], 0, 1)
     paint(obj, **{"Arm.L": left, "Arm.R": np.zeros(len(left)), "Spine": 1 - left})
-    call("transfer")
+    call("transfer_by_map")
     np.testing.assert_allclose(read_group(obj, "Arm.R"), np.clip(-points(obj)[:, 0], 0, 1), atol=1e-3)
     np.testing.assert_allclose(read_group(obj, "Arm.L"), left, atol=1e-6)
     np.testing.assert_allclose(read_group(obj, "Spine"), 1 - left, atol=1e-6)
     write_group(obj, "Arm.L", np.zeros(len(left)))
-    call("transfer", direction="BACKWARD")
+    call("transfer_by_map", direction="BACKWARD")
     np.testing.assert_allclose(read_group(obj, "Arm.L"), left, atol=1e-3)
     with pytest.raises(RuntimeError, match="Cow cannot take UV maps or color attributes from itself"):
-        call("transfer", what={"UVS"})
+        call("transfer_by_map", what={"UVS"})
     add_key(obj, "Wink.L", np.c_[left, left, left] * 0.1)
-    call("transfer", what={"KEYS"})
+    call("transfer_by_map", what={"KEYS"})
     moved = key_points(obj, "Wink.R") - points(obj)
     expected = np.clip(-points(obj)[:, :1], 0, 1) * (-0.1, 0.1, 0.1)
     np.testing.assert_allclose(moved, expected, atol=0.02)
@@ -324,9 +324,9 @@ def test_nothing_to_transfer_is_told(pair, what, message):
     giver = pair[0]
     giver.data.uv_layers.remove(giver.data.uv_layers[0])
     with pytest.raises(RuntimeError, match=message):
-        call("transfer", what={what})
+        call("transfer_by_map", what={what})
     with pytest.raises(RuntimeError, match="Choose what to transfer"):
-        call("transfer", what=set())
+        call("transfer_by_map", what=set())
 
 
 def test_what_fails_leaves_nothing(pair):
@@ -334,7 +334,7 @@ def test_what_fails_leaves_nothing(pair):
     paint(giver, **halves(giver))
     before = inventory()
     with pytest.raises(RuntimeError, match="no shape keys"):
-        call("transfer", what={"GROUPS", "KEYS"})
+        call("transfer_by_map", what={"GROUPS", "KEYS"})
     assert inventory() == before
 
 
@@ -344,11 +344,11 @@ def test_the_receiver_must_be_writable(pair):
     bpy.context.view_layer.objects.active = receiver
     bpy.ops.object.mode_set(mode="EDIT")
     with pytest.raises(RuntimeError, match="Horse is in Edit Mode; leave it with Tab"):
-        call("transfer")
+        call("transfer_by_map")
     bpy.ops.object.mode_set(mode="OBJECT")
     receiver.data.vertices.add(1)
     with pytest.raises(RuntimeError, match="Horse has other vertices or faces than when its soft map was computed"):
-        call("transfer")
+        call("transfer_by_map")
 
 
 def test_a_giver_in_edit_mode_may_give(pair):
@@ -357,7 +357,7 @@ def test_a_giver_in_edit_mode_may_give(pair):
     bpy.context.view_layer.objects.active = giver
     receiver.select_set(False)
     bpy.ops.object.mode_set(mode="EDIT")
-    assert call("transfer", what={"GROUPS", "UVS"}) == {"FINISHED"}
+    assert call("transfer_by_map", what={"GROUPS", "UVS"}) == {"FINISHED"}
     assert receiver.vertex_groups.keys() == ["Left", "Right"]
 
 
@@ -371,7 +371,7 @@ def test_other_modes_are_no_obstacle(pair, mode):
     else:
         bpy.context.view_layer.objects.active = receiver
     bpy.ops.object.mode_set(mode=mode)
-    assert call("transfer", what={"GROUPS", "KEYS", "UVS"}) == {"FINISHED"}
+    assert call("transfer_by_map", what={"GROUPS", "KEYS", "UVS"}) == {"FINISHED"}
     assert bpy.context.object.mode == mode
     np.testing.assert_allclose(read_group(receiver, "Left"), halves(receiver)["Left"], atol=0.01)
     assert "Smile" in receiver.data.shape_keys.key_blocks
@@ -381,14 +381,14 @@ def test_in_sculpt_mode_it_waits_for_another_one(pair):
     bpy.context.view_layer.objects.active = pair[1]
     bpy.ops.object.mode_set(mode="SCULPT")
     with pytest.raises(RuntimeError, match="Go to Object Mode first"):
-        call("transfer")
+        call("transfer_by_map")
 
 
 def test_reshaping_since_is_told(pair, capfd):
     giver = pair[0]
     paint(giver, **halves(giver))
     giver.data.vertices[5].co.x += 0.25
-    call("transfer")
+    call("transfer_by_map")
     assert "Cow has been reshaped since its soft map was computed" in capfd.readouterr().out
 
 
@@ -396,14 +396,14 @@ def test_polygons_that_are_cut_otherwise_since_do_no_harm(pair):
     """The triangles of the map are stored with it: bending a face until it is cut the other way changes nothing."""
     giver, receiver = pair
     paint(giver, **halves(giver))
-    call("transfer")
+    call("transfer_by_map")
     before = read_group(receiver, "Left")
     basis = points(giver)
     bent = basis.copy()
     bent[::3] *= 0.3
     add_key(giver, "Bent", bent - basis).value = 1.0
     bpy.context.view_layer.update()
-    call("transfer")
+    call("transfer_by_map")
     np.testing.assert_allclose(read_group(receiver, "Left"), before, atol=1e-6)
 
 
@@ -412,7 +412,7 @@ def test_one_step_is_undone(pair):
     paint(giver, **halves(giver))
     bpy.ops.ed.undo_push(message="before")
     before = inventory()
-    call("transfer", what={"GROUPS", "UVS"})
+    call("transfer_by_map", what={"GROUPS", "UVS"})
     bpy.ops.ed.undo_push(message="after")
     assert inventory() != before
     bpy.ops.ed.undo()
@@ -421,15 +421,15 @@ def test_one_step_is_undone(pair):
 
 def test_without_a_map_it_says_so():
     with pytest.raises(RuntimeError, match="Choose a source and a target"):
-        call("transfer")
+        call("transfer_by_map")
     choose(sphere("Cow"), sphere("Horse"))
     with pytest.raises(RuntimeError, match="Compute the soft map first"):
-        call("transfer")
+        call("transfer_by_map")
 
 
 def start(monkeypatch, **arguments):
     context = window_context()
-    pressed = Pressed(CONVWASS_OT_transfer, **arguments)
+    pressed = Pressed(CONVWASS_OT_transfer_by_map, **arguments)
     monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     return pressed, context

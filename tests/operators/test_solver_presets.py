@@ -75,15 +75,15 @@ def test_users_add_and_remove_their_own():
 
 
 def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobody_has_touched(monkeypatch):
-    module = "convwass_addon.operators.edit_inputs.preferences"
+    module = "convwass_addon.operators.morph_inputs.preferences"
     monkeypatch.setattr(module, lambda _: Preferences(default_preset="Fine"))
     bpy.ops.mesh.primitive_cube_add()
     assert is_untouched(settings())
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     assert settings().resolution == 128
-    bpy.ops.convwass.clear_inputs()
+    bpy.ops.convwass.clear_morph_inputs()
     settings().resolution = 33
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     assert settings().resolution == 33
 
 
@@ -95,7 +95,7 @@ def test_a_default_preset_of_nonsense_is_told_and_left_out(content, monkeypatch,
     preset.write_text(f"import bpy\n{content}\n", encoding="utf-8")
     monkeypatch.setattr(bpy.utils, "preset_find", lambda *_, **__: str(preset))
     bpy.ops.mesh.primitive_cube_add()
-    assert bpy.ops.convwass.add_inputs() == {"FINISHED"}
+    assert bpy.ops.convwass.add_morph_inputs() == {"FINISHED"}
     assert [item.object for item in settings().inputs] == [bpy.context.object]
     told = capfd.readouterr()
     assert "The preset Standard cannot be used" in told.out and "Traceback" not in told.out + told.err
@@ -134,7 +134,7 @@ def test_an_extension_keeps_frames_in_its_own_folder_unless_told_not_to(monkeypa
 def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monkeypatch, tmp_path, capfd):
     """Blender was closed, or another file opened: pressing the button again is enough."""
     spare = Preferences(None, tmp_path / "spare", 1_000_000_000, 1)
-    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: spare)
+    monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: spare)
     two_shapes()
     bpy.ops.convwass.bake_morph(inputs="Cube, Sphere", frames=8, resolution=24)
     for path in sorted((tmp_path / "spare").iterdir(), key=lambda path: path.stat().st_mtime_ns)[-2:]:
@@ -147,7 +147,7 @@ def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monk
 def test_a_bake_does_without_a_folder_of_its_own_and_says_so(monkeypatch, tmp_path, capfd):
     (tmp_path / "file").write_text("")
     spare = Preferences(None, tmp_path / "file", 1_000_000_000, 1)
-    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: spare)
+    monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: spare)
     two_shapes()
     assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
     assert "Warning: The cache folder" in capfd.readouterr().out
@@ -155,7 +155,7 @@ def test_a_bake_does_without_a_folder_of_its_own_and_says_so(monkeypatch, tmp_pa
 
 def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path):
     monkeypatch.setattr(
-        "convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "cache", workers=1)
+        "convwass_addon.operators.morph_bake.preferences", lambda: Preferences(tmp_path / "cache", workers=1)
     )
     two_shapes()
     assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
@@ -164,7 +164,7 @@ def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path
 
 def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
-    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: Preferences(tmp_path / "file"))
+    monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: Preferences(tmp_path / "file"))
     two_shapes()
     with pytest.raises(RuntimeError, match="cache folder"):
         bpy.ops.convwass.bake_morph(frames=2, resolution=24)
@@ -174,7 +174,7 @@ def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, 
 @pytest.mark.parametrize("given", ["//frames", "frames"])
 def test_a_cache_folder_that_depends_on_the_open_file_is_refused(monkeypatch, tmp_path, given):
     read = preferences.preferences(with_preferences(cache_folder=given))
-    monkeypatch.setattr("convwass_addon.operators.bake_morph.preferences", lambda: read)
+    monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: read)
     monkeypatch.chdir(tmp_path)
     two_shapes()
     with pytest.raises(RuntimeError, match="The cache folder frames would be another one with every file"):

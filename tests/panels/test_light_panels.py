@@ -40,9 +40,7 @@ def test_it_is_closed_at_first():
 def test_every_setting_and_every_operator_is_somewhere():
     expected = {*vars(ReflectanceProperties)["__annotations__"], *vars(SkyProperties)["__annotations__"]}
     assert expected | {"sun", "world", "world_2", "material"} <= shown("prop")
-    assert {"convwass.interpolate_reflectance", "convwass.interpolate_sky", "convwass.import_lobes"} <= shown(
-        "operator"
-    )
+    assert {"convwass.blend_materials", "convwass.blend_skies", "convwass.import_lobes"} <= shown("operator")
 
 
 def test_there_is_room_for_one_more_material_and_weights_where_they_count():

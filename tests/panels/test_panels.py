@@ -104,7 +104,7 @@ def test_a_baked_sheet_offers_its_shapes_which_are_hidden(shapes):
 
 def test_the_selection_is_named_until_there_is_a_list(shapes):
     assert {("label", "Cube"), ("label", "Sphere"), ("text", "Make a List")} <= set(draw_all())
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     drawn = draw_all()
     assert ("label", "Cube") not in drawn
     assert ("prop", "order") not in drawn
@@ -120,7 +120,7 @@ def test_a_long_selection_is_cut_short():
 
 
 def test_weights_are_shown_for_a_single_blend_only(shapes):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     shown = {}
     for layout in LAYOUTS:
         settings().layout = layout
@@ -131,9 +131,9 @@ def test_weights_are_shown_for_a_single_blend_only(shapes):
 def test_only_faulty_shapes_have_a_warning(shapes):
     bpy.ops.mesh.primitive_plane_add()
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     # One of them is the button beside the list.
-    assert draw_all().count(("operator", "convwass.check_inputs")) == 2
+    assert draw_all().count(("operator", "convwass.check_morph_inputs")) == 2
 
 
 def test_a_wrong_number_of_shapes_is_told(shapes):
@@ -143,7 +143,7 @@ def test_a_wrong_number_of_shapes_is_told(shapes):
 
 @pytest.mark.parametrize("layout", ["PATH", "BLEND"])
 def test_a_list_that_is_too_short_says_why_the_button_is_gray(shapes, layout):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     settings().layout = layout
     hint = ("label", "Put two or more shapes on the list")
     assert hint not in draw_all()
@@ -231,7 +231,7 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
         raise AssertionError("drawing asked for work")
 
     for name in ("check_shape", "triangle_mesh"):
-        monkeypatch.setattr(f"convwass_addon.operators.edit_inputs.{name}", refuse)
+        monkeypatch.setattr(f"convwass_addon.operators.morph_inputs.{name}", refuse)
     for name in ("morph", "aligned", "triangle_mesh"):
         monkeypatch.setattr(f"convwass_addon.bridge.morphs.job.{name}", refuse)
     monkeypatch.setattr("convwass_addon.bridge.morphs.bake.health", refuse)

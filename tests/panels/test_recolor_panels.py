@@ -26,7 +26,9 @@ def test_every_setting_and_every_operator_is_somewhere():
     drawn = draw_all()
     shown = {name for kind, name in drawn if kind == "prop"}
     assert {*RecolorProperties.__annotations__, "mask", "palette_mask", "output", "cube_size", "result"} <= shown
-    expected = {f"convwass.{name}" for name in ("recolor_image", "write_lut", "build_grade_nodes", "recolor_attribute")}
+    expected = {
+        f"convwass.{name}" for name in ("recolor_image", "write_cube", "build_grade_nodes", "recolor_attribute")
+    }
     assert {name for kind, name in drawn if kind == "operator"} == expected
 
 

@@ -42,7 +42,7 @@ def test_at_first_it_asks_for_two_objects():
     drawn = draw_all()
     assert {("prop", "source"), ("prop", "target")} <= set(drawn)
     assert "convwass.compute_soft_map" in offered(drawn)
-    assert not {"convwass.transfer", "convwass.show_soft_map"} & offered(drawn)
+    assert not {"convwass.transfer_by_map", "convwass.show_soft_map"} & offered(drawn)
 
 
 def test_it_is_closed_at_first():
@@ -84,7 +84,7 @@ def test_the_map_and_its_direction_are_told(mapped):
     assert "Map from Cow to Horse" in texts(draw(bpy.types.CONVWASS_PT_soft_map))
     call("swap_map_objects")
     assert "Map from Cow to Horse" in texts(draw(bpy.types.CONVWASS_PT_soft_map))
-    assert "convwass.transfer" in offered(draw(bpy.types.CONVWASS_PT_map_transfer))
+    assert "convwass.transfer_by_map" in offered(draw(bpy.types.CONVWASS_PT_map_transfer))
     call("remove_soft_map")
     assert "Map from" not in texts(draw_all())
 

@@ -209,7 +209,7 @@ def test_what_a_check_finds_is_told_in_the_language_of_the_user():
     """An error inside of an error: the mesh says what is wrong with it, and the object which mesh it is."""
     bpy.data.objects["A"].data.vertices[0].co = (np.nan, 0.0, 0.0)
     bpy.data.objects["A"].select_set(True)
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     findings = {item.object.name: item.finding for item in bpy.context.scene.convwass_morph.inputs}
     assert findings["A"].startswith(
         "A: 1 von 8 Vertices haben Koordinaten, die keine Zahlen sind (NaN oder unendlich). "

@@ -49,7 +49,7 @@ def _begins(window: Window) -> Iterator[float]:
 
 
 def _blends_two(window: Window) -> Iterator[float]:
-    yield from window.press("convwass.interpolate_reflectance")
+    yield from window.press("convwass.blend_materials")
     yield from _runs(window, 120, "the materials are blended")
     made = [material.name for material in bpy.data.materials if material.name.startswith("Blend")]
     assert made == ["Blend Chrome-Satin", "Blend Chrome-Satin fitted"], f"it made {made}"
@@ -90,7 +90,7 @@ def _drags_on_a_pad(window: Window) -> Iterator[float]:
     own = scene.convwass_reflectance
     own.material_3, own.blend, own.output = bpy.data.materials["Brass"], "PAD", "FITTED"
     scene.cursor.location = (0.0, 0.0, 2.8)
-    yield from window.press("convwass.interpolate_reflectance")
+    yield from window.press("convwass.blend_materials")
     yield from _runs(window, 180, "the pad is made")
     handle = bpy.data.objects["Material Handle"]
     fitted = next(material for material in bpy.data.materials if material.name.endswith("on a pad fitted"))
@@ -119,7 +119,7 @@ def _goes_wrong(window: Window) -> Iterator[float]:
     own = bpy.context.scene.convwass_reflectance
     own.blend = "KEYED"
     before = len(bpy.data.materials)
-    yield from window.press("convwass.interpolate_reflectance")
+    yield from window.press("convwass.blend_materials")
     yield 0.5
     yield from window.picture("64 no weight is keyed")
     assert len(bpy.data.materials) == before, "an error made a material"
@@ -135,7 +135,7 @@ def _bakes_skies(window: Window) -> Iterator[float]:
     own.folder = str(_folder(window))
     yield from window.open_panel("CONVWASS_PT_sky")
     yield from window.picture("65 sky")
-    yield from window.press("convwass.interpolate_sky")
+    yield from window.press("convwass.blend_skies")
     yield from _runs(window, 180, "the skies are baked")
     names = sorted(path.name for path in _folder(window).iterdir())
     assert names == [f"sky.000{frame}.exr" for frame in range(1, 6)], f"it wrote {names}"
@@ -158,7 +158,7 @@ def _stops(window: Window) -> Iterator[float]:
     own = bpy.context.scene.convwass_sky
     before = {path.name: path.stat().st_mtime_ns for path in _folder(window).iterdir()}
     own.frame_end, own.width = 400, 1024
-    yield from window.press("convwass.interpolate_sky")
+    yield from window.press("convwass.blend_skies")
     progress = bpy.context.window_manager.convwass_progress
     yield from window.wait(lambda: progress.running and progress.fraction > 0.1, 120, "the next skies begin")
     yield from window.picture("67 baking")

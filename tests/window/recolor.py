@@ -108,7 +108,7 @@ def _other_size(window: Window) -> Iterator[float]:
 
 def _grades(window: Window, folder: Path) -> Iterator[float]:
     yield from window.open_panel("CONVWASS_PT_recolor_grade")
-    yield from window.press("convwass.write_lut")
+    yield from window.press("convwass.write_cube")
     yield 1.5
     yield from window.picture("33 file browser")
     yield from window.key("Return")
@@ -142,7 +142,7 @@ def _clips(window: Window, folder: Path) -> Iterator[float]:
     assert (np.diff([mean.sum() for mean in means]) > 0.02).all(), f"the frames do not grow brighter: {means}"
     assert space.image.name == "Shot recolored", f"the editor shows {space.image.name}"
     (folder / "grade.cube").unlink()
-    yield from window.press("convwass.write_lut")
+    yield from window.press("convwass.write_cube")
     yield 1.5
     yield from window.key("Return")
     yield from window.wait((folder / "grade.cube").is_file, 60, "the table of the clip is written")

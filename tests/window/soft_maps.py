@@ -86,7 +86,7 @@ def _computes(window: Window) -> Iterator[float]:
 
 def _transfers(window: Window) -> Iterator[float]:
     own = bpy.context.scene.convwass_soft_map
-    yield from window.press("convwass.transfer")
+    yield from window.press("convwass.transfer_by_map")
     yield from window.wait(lambda: "Head" in own.target.vertex_groups, 30, "the weights arrive")
     yield 0.5
     index = own.target.vertex_groups["Head"].index

@@ -253,7 +253,7 @@ def _light(window: Window) -> Iterator[float]:
     own.material, own.material_2, own.blend = *made, "WEIGHTS"
     known = set(bpy.data.materials)
     with window.override():
-        bpy.ops.convwass.interpolate_reflectance(
+        bpy.ops.convwass.blend_materials(
             materials="Mirror, Brushed", weights="1, 1", blend="WEIGHTS", output="FITTED", detail=24
         )
     made.insert(1, next(material for material in bpy.data.materials if material not in known))

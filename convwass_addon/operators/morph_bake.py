@@ -35,7 +35,7 @@ from ..sentence import Sentence
 from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import chosen_inputs
-from .manage_morph import is_free_to_bake, select_only
+from .morph_manage import is_free_to_bake, select_only
 
 # Meshes that are larger than this in all are worth a warning.
 _LARGE_MEGABYTES = 250.0

@@ -42,10 +42,10 @@ class _OnList(_EditInputs):
         return True
 
 
-class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
+class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
     """Put the selected shapes on the list of those to morph, and check them"""
 
-    bl_idname = "convwass.add_inputs"
+    bl_idname = "convwass.add_morph_inputs"
     bl_label = "Add Inputs"
 
     @classmethod
@@ -78,10 +78,10 @@ class CONVWASS_OT_add_inputs(_EditInputs, bpy.types.Operator):
             self.report({"WARNING"}, translated(error.sentence))
 
 
-class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):
+class CONVWASS_OT_remove_morph_input(_OnList, bpy.types.Operator):
     """Take a shape off the list; the object stays as it is"""
 
-    bl_idname = "convwass.remove_input"
+    bl_idname = "convwass.remove_morph_input"
     bl_label = "Remove Input"
 
     index: index_property()
@@ -96,10 +96,10 @@ class CONVWASS_OT_remove_input(_OnList, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_move_input(_OnList, bpy.types.Operator):
+class CONVWASS_OT_move_morph_input(_OnList, bpy.types.Operator):
     """Move a shape to another place on the list, which is the order of the morph"""
 
-    bl_idname = "convwass.move_input"
+    bl_idname = "convwass.move_morph_input"
     bl_label = "Move Input"
 
     index: index_property()
@@ -118,10 +118,10 @@ class CONVWASS_OT_move_input(_OnList, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_clear_inputs(_OnList, bpy.types.Operator):
+class CONVWASS_OT_clear_morph_inputs(_OnList, bpy.types.Operator):
     """Empty the list; then whatever is selected is morphed"""
 
-    bl_idname = "convwass.clear_inputs"
+    bl_idname = "convwass.clear_morph_inputs"
     bl_label = "Clear Inputs"
 
     def execute(self, context):
@@ -131,10 +131,10 @@ class CONVWASS_OT_clear_inputs(_OnList, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_check_inputs(_OnList, bpy.types.Operator):
+class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
     """Look again for holes, flipped faces and missing volume in the shapes on the list"""
 
-    bl_idname = "convwass.check_inputs"
+    bl_idname = "convwass.check_morph_inputs"
     bl_label = "Check Inputs"
 
     index: IntProperty(
@@ -197,9 +197,9 @@ def _sentences(findings: ShapeFindings) -> list[str]:
 
 
 classes = (
-    CONVWASS_OT_add_inputs,
-    CONVWASS_OT_remove_input,
-    CONVWASS_OT_move_input,
-    CONVWASS_OT_clear_inputs,
-    CONVWASS_OT_check_inputs,
+    CONVWASS_OT_add_morph_inputs,
+    CONVWASS_OT_remove_morph_input,
+    CONVWASS_OT_move_morph_input,
+    CONVWASS_OT_clear_morph_inputs,
+    CONVWASS_OT_check_morph_inputs,
 )

@@ -12,7 +12,7 @@ from ..bridge.morphs.player import make_player, require_path
 from ..bridge.morphs.stand_ins import remove_stand_ins, stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
-from .manage_morph import OnActiveMorph, active_morph, select_only
+from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.operators.bake_morph import CONVWASS_OT_bake_morph
+from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
 from tests.operators.densities import Pressed, show_other_scene, until, window_context
 
 
@@ -80,9 +80,9 @@ def test_a_bake_puts_its_files_where_it_is_told(empty_scene, tmp_path, output, k
 
 
 def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
-    from convwass_addon.operators import bake_morph
+    from convwass_addon.operators import morph_bake
 
-    monkeypatch.setattr(bake_morph, "_LARGE_MEGABYTES", 0.0)
+    monkeypatch.setattr(morph_bake, "_LARGE_MEGABYTES", 0.0)
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")

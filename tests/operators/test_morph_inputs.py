@@ -53,56 +53,56 @@ def morph_collection():
 
 
 def test_adding_keeps_the_order_asked_for_and_takes_nothing_twice(shapes):
-    assert bpy.ops.convwass.add_inputs() == {"FINISHED"}
+    assert bpy.ops.convwass.add_morph_inputs() == {"FINISHED"}
     assert listed() == ["A", "B", "C"]
-    assert bpy.ops.convwass.add_inputs() == {"FINISHED"}
+    assert bpy.ops.convwass.add_morph_inputs() == {"FINISHED"}
     assert listed() == ["A", "B", "C"]
-    bpy.ops.convwass.clear_inputs()
+    bpy.ops.convwass.clear_morph_inputs()
     settings().order = "LEFT_TO_RIGHT"
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     assert listed() == ["B", "A", "C"]
 
 
 def test_only_shapes_are_added(shapes):
     bpy.ops.object.empty_add()
     select(*shapes, bpy.context.object)
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     assert listed() == ["A", "B", "C"]
     select()
     with pytest.raises(RuntimeError, match="Select meshes, texts, curves"):
-        bpy.ops.convwass.add_inputs()
+        bpy.ops.convwass.add_morph_inputs()
 
 
 def test_the_active_one_or_the_one_of_an_index_is_removed(shapes):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     assert settings().active_input == 2
-    bpy.ops.convwass.remove_input()
+    bpy.ops.convwass.remove_morph_input()
     assert (listed(), settings().active_input) == (["A", "B"], 1)
-    bpy.ops.convwass.remove_input(index=0)
+    bpy.ops.convwass.remove_morph_input(index=0)
     assert (listed(), settings().active_input) == (["B"], 0)
     with pytest.raises(RuntimeError, match="no input number 7"):
-        bpy.ops.convwass.remove_input(index=7)
-    bpy.ops.convwass.remove_input()
+        bpy.ops.convwass.remove_morph_input(index=7)
+    bpy.ops.convwass.remove_morph_input()
     with pytest.raises(RuntimeError, match="no shapes on the list"):
-        bpy.ops.convwass.remove_input()
+        bpy.ops.convwass.remove_morph_input()
     assert len(bpy.data.objects) == 3
 
 
 def test_moving_stops_at_the_ends_and_keeps_the_active_one(shapes):
-    bpy.ops.convwass.add_inputs()
-    bpy.ops.convwass.move_input(direction="UP")
+    bpy.ops.convwass.add_morph_inputs()
+    bpy.ops.convwass.move_morph_input(direction="UP")
     assert (listed(), settings().active_input) == (["A", "C", "B"], 1)
-    bpy.ops.convwass.move_input(index=0, direction="DOWN")
+    bpy.ops.convwass.move_morph_input(index=0, direction="DOWN")
     assert (listed(), settings().active_input) == (["C", "A", "B"], 0)
-    assert bpy.ops.convwass.move_input(direction="UP") == {"CANCELLED"}
-    assert bpy.ops.convwass.move_input(index=2, direction="DOWN") == {"CANCELLED"}
+    assert bpy.ops.convwass.move_morph_input(direction="UP") == {"CANCELLED"}
+    assert bpy.ops.convwass.move_morph_input(index=2, direction="DOWN") == {"CANCELLED"}
     assert listed() == ["C", "A", "B"]
 
 
 def test_undo_brings_the_list_back(shapes):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     bpy.ops.ed.undo_push(message="added")
-    bpy.ops.convwass.clear_inputs()
+    bpy.ops.convwass.clear_morph_inputs()
     bpy.ops.ed.undo_push(message="cleared")
     bpy.ops.ed.undo()
     assert listed() == ["A", "B", "C"]
@@ -113,7 +113,7 @@ def test_shapes_are_checked_when_they_are_added_and_when_asked(shapes):
     add("plane", "D", location=(8, 0, 0))
     select(*bpy.data.objects)
     cone.data.clear_geometry()
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     found = {item.object.name: item for item in settings().inputs}
     assert {name: item.verdict for name, item in found.items()} == {
         "A": "SOUND",
@@ -129,7 +129,7 @@ def test_shapes_are_checked_when_they_are_added_and_when_asked(shapes):
     cube.data.update_tag()
     bpy.context.view_layer.update()
     assert found["B"].verdict == "SOUND"
-    bpy.ops.convwass.check_inputs(index=1)
+    bpy.ops.convwass.check_morph_inputs(index=1)
     assert (found["B"].verdict, found["B"].finding[:19]) == ("FLIPPED", "2 flipped triangles")
 
 
@@ -143,27 +143,27 @@ def test_holes_are_found(shapes):
     bmesh.ops.delete(mesh, geom=[mesh.faces[0]], context="FACES_ONLY")
     mesh.to_mesh(cube.data)
     mesh.free()
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     item = next(item for item in settings().inputs if item.object == cube)
     assert (item.verdict, item.finding[:24]) == ("HOLES", "Holes with 4 open edges;")
 
 
 def test_the_warning_says_what_is_wrong(shapes):
-    from convwass_addon.operators.edit_inputs import CONVWASS_OT_check_inputs
+    from convwass_addon.operators.morph_inputs import CONVWASS_OT_check_morph_inputs
 
     class Properties:
         index = 0
 
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     settings().inputs[0].finding = "It is bad"
-    assert CONVWASS_OT_check_inputs.description(bpy.context, Properties).startswith("It is bad.")
+    assert CONVWASS_OT_check_morph_inputs.description(bpy.context, Properties).startswith("It is bad.")
     Properties.index = -1
-    assert CONVWASS_OT_check_inputs.description(bpy.context, Properties).startswith("Look again")
+    assert CONVWASS_OT_check_morph_inputs.description(bpy.context, Properties).startswith("Look again")
 
 
 def test_the_list_is_baked_rather_than_the_selection(shapes):
-    bpy.ops.convwass.add_inputs()
-    bpy.ops.convwass.move_input(index=0, direction="DOWN")
+    bpy.ops.convwass.add_morph_inputs()
+    bpy.ops.convwass.move_morph_input(index=0, direction="DOWN")
     settings().inputs[2].enabled = False
     select(shapes[2])
     assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
@@ -171,7 +171,7 @@ def test_the_list_is_baked_rather_than_the_selection(shapes):
 
 
 def test_names_are_baked_rather_than_the_list(shapes):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     select()
     assert bpy.ops.convwass.bake_morph(**QUICK, inputs="C, A") == {"FINISHED"}
     assert stored_morph(morph_collection()).inputs == ["C", "A"]
@@ -202,17 +202,17 @@ def test_wrong_arguments_are_refused_and_leave_nothing(shapes, arguments, messag
 
 
 def test_a_shape_that_was_deleted_is_told(shapes):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     select(shapes[0])
     bpy.ops.object.delete()
     with pytest.raises(RuntimeError, match="has been deleted"):
         bpy.ops.convwass.bake_morph(**QUICK)
-    bpy.ops.convwass.check_inputs()
+    bpy.ops.convwass.check_morph_inputs()
     assert settings().inputs[1].verdict == "UNUSABLE"
 
 
 def test_a_single_blend_takes_the_weights_of_the_list(shapes):
-    bpy.ops.convwass.add_inputs()
+    bpy.ops.convwass.add_morph_inputs()
     for item, weight in zip(settings().inputs, (3.0, 1.0, 0.0), strict=True):
         item.weight = weight
     assert bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24) == {"FINISHED"}

@@ -18,7 +18,7 @@ from ..bridge.morphs.stored import stored_settings
 from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
 from ..properties.morphs import CACHE_FORMATS, DEFAULT_FOLDER
-from .manage_morph import OnActiveMorph, active_morph, select_only
+from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse_if_known
 
 
