@@ -111,3 +111,6 @@ def main(name: str, folder: Path, last: int) -> None:
 
 if __name__ == "__main__":
     main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))
+    sys.stdout.flush()
+    # The module bpy crashes in some of its versions when Python cleans up.
+    os._exit(0)
