@@ -77,7 +77,7 @@ def _options() -> argparse.Namespace:
         metavar="SCENARIO",
         help="out of: %(choices)s",
     )
-    parser.add_argument("--timeout", type=float, default=1200.0, help="seconds until it is stopped (%(default)g)")
+    parser.add_argument("--timeout", type=float, default=2400.0, help="seconds until it is stopped (%(default)g)")
     return parser.parse_args()
 
 
