@@ -33,9 +33,9 @@ def _while_it_bakes(window: Window) -> Iterator[float]:
     own.resolution, own.frames = 96, 24
     yield from window.press("convwass.bake_morph")
     progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: progress.fraction > 0.3, 120, "the bake gets to a third")
+    yield from window.wait(lambda: progress.running and progress.fraction > 0.3, 120, "the bake gets to a third")
     running = _module("operators.background")._RUNNING
-    assert _threads() and len(running) == 1, "nothing runs that could be ended"
+    assert _threads() and len(running) == 1, f"{len(running)} jobs run, and threads: {_threads()}"
     assert _contents() != before, "the bake shows nothing while it runs"
     bpy.ops.preferences.addon_disable(module=_EXTENSION)
     assert not running, "a job is known after the extension was switched off"
