@@ -106,7 +106,7 @@ def checked_by(monkeypatch, checks):
 
 @pytest.mark.parametrize("name", CASES)
 def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, tmp_path):
-    """Inside of solves too; at twelve checks, from the first to the last. What comes after works as if nothing was."""
+    """Inside of solves too; at eight checks, from the first to the last. What comes after works as if nothing was."""
     work = prepare(name, tmp_path)
     before = traces(tmp_path)
     whole = Checks()
@@ -116,7 +116,7 @@ def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, t
             work()
     assert traces(tmp_path) == before
     assert whole.count > 2, "it never asks"
-    for last in sorted(set(np.linspace(0, whole.count - 1, 12).astype(int).tolist())):
+    for last in sorted(set(np.linspace(0, whole.count - 1, 8).astype(int).tolist())):
         with monkeypatch.context() as patch:
             checked_by(patch, Checks(last))
             with suppress(RuntimeError):
