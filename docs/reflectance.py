@@ -6,8 +6,9 @@ Three times five by five balls under one lamp, after figure 8 of Solomon et al. 
 linearly, as a Mix Shader does, in the middle every lobe is a Wasserstein barycenter, at the right it may spread no more
 than the widest of the materials besides. In the corners, alike everywhere: facets that lean to one side and to the
 other (twill, hammered metal), and metals brushed along the parallels and along the meridians of the ball. The balls are
-lit straight from the tables, so that nothing but the interpolation differs. It takes a quarter of an
-hour.
+lit straight from the tables, so that nothing but the interpolation differs.
+
+It takes a quarter of an hour.
 """
 
 from __future__ import annotations

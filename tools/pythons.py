@@ -17,6 +17,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from .system import as_root
+
 WANTED = ("3.13", "3.11")
 """The Python versions that ``bpy`` has wheels for, best first."""
 
@@ -176,8 +178,7 @@ def _ask_launcher(launcher: str, version: str) -> str | None:
 
 
 def _advice(wanted: tuple[str, ...], without_venv: Interpreter | None) -> str:
-    # A bare machine whose user is root may not have sudo.
-    sudo = "" if hasattr(os, "geteuid") and os.geteuid() == 0 else "sudo "
+    sudo = as_root()
     if without_venv is not None:
         return (
             f"Python {without_venv.version} at {without_venv.path} would do, but its venv module is not installed.\n"

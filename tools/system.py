@@ -17,9 +17,14 @@ CHOLMOD_DNF = "gcc python3-devel suitesparse-devel"
 """The packages that scikit-sparse needs to be compiled."""
 
 
+def as_root() -> str:
+    """Return what begins a line that root has to run: nothing where the user is root, who may not have sudo."""
+    return "" if hasattr(os, "geteuid") and os.geteuid() == 0 else "sudo "
+
+
 def install_lines(apt: str, dnf: str) -> str:
     """Return the command that installs packages here; both known ones where neither apt-get nor dnf is found."""
-    sudo = "" if hasattr(os, "geteuid") and os.geteuid() == 0 else "sudo "
+    sudo = as_root()
     by_tool = {
         "apt-get": f"    {sudo}apt-get update && {sudo}apt-get install -y {apt}",
         "dnf": f"    {sudo}dnf install -y {dnf}",
