@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import EnumProperty
 
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
@@ -17,7 +17,7 @@ from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
 from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
-from ..properties.morphs import CACHE_FORMATS, DEFAULT_FOLDER
+from ..properties.morphs import CACHE_FORMATS, folder_property
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse_if_known
 
@@ -25,13 +25,7 @@ from .reporting import refuse_if_known
 class _OutputMorph(OnActiveMorph):
     bl_options = {"REGISTER", "UNDO"}
 
-    folder: StringProperty(
-        name="Folder",
-        description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
-        default=DEFAULT_FOLDER,
-        subtype="DIR_PATH",
-        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
-    )
+    folder: folder_property()
 
     def execute(self, context):
         morph = active_morph(context)

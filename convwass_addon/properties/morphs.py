@@ -55,6 +55,17 @@ STORED_OPTIONS = (
 """Properties that are stored with a morph besides those of its solver."""
 
 
+def folder_property() -> object:
+    """Return the property of where the files of a morph go."""
+    return StringProperty(
+        name="Folder",
+        description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
+        default=DEFAULT_FOLDER,
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
+
+
 class MorphProperties(SolverProperties):
     """What a morph is asked for: mixed into the scene's settings and into the operator, so both are one."""
 
@@ -162,13 +173,7 @@ class MorphProperties(SolverProperties):
         ),
     )
     output: EnumProperty(name="Output", description="What a bake leaves in the scene", items=OUTPUTS)
-    folder: StringProperty(
-        name="Folder",
-        description="Where the files go, in a folder named after the morph; // is the folder of the .blend file",
-        default=DEFAULT_FOLDER,
-        subtype="DIR_PATH",
-        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
-    )
+    folder: folder_property()
     cache_format: EnumProperty(name="Format", description="Which file is written", items=CACHE_FORMATS)
     hide_inputs: BoolProperty(
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
