@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .edges import edge_use
+
 # Edges are flipped until none has a weight, half the sum of two cotangents, below this.
 _NOTICEABLE = 1e-6
 # Meshes with triangles of any use are done after ten to thirty rounds.
@@ -56,16 +58,11 @@ def closed_surface(faces: NDArray[np.int64], lengths: NDArray[np.float64]) -> Cl
     lengths : (m, 3) float64
         Of the sides that start from every corner.
     """
-    tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    counts = np.diff(starts, append=len(keys))
-    if counts.max() > 2:
+    use, tails = edge_use(faces), faces.ravel()
+    if use.count.max() > 2:
         return None
-    pairs, border = starts[counts == 2], order[starts[counts == 1]]
-    first, second = order[pairs], order[pairs + 1]
+    pairs, border = use.start[use.count == 2], use.side[use.start[use.count == 1]]
+    first, second = use.side[pairs], use.side[pairs + 1]
     alike = tails[first] == tails[second]
     if len(border) or alike.any():
         return _double(faces, lengths, first, second, alike, border)

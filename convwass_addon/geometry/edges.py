@@ -20,6 +20,8 @@ class EdgeUse:
 
     Attributes
     ----------
+    side : (3m,) int64
+        Each half-edge: 3 f + c runs from corner c of triangle f to the next.
     face : (3m,) int64
         Triangle of each half-edge.
     forward : (3m,) bool
@@ -30,6 +32,7 @@ class EdgeUse:
         Number of triangles at each undirected edge.
     """
 
+    side: NDArray[np.int64]
     face: NDArray[np.int64]
     forward: NDArray[np.bool_]
     start: NDArray[np.int64]
@@ -46,7 +49,7 @@ def edge_use(faces: NDArray[np.int64]) -> EdgeUse:
     key = key[order]
     start = np.flatnonzero(np.r_[True, key[1:] != key[:-1]]) if len(key) else np.empty(0, np.int64)
     count = np.diff(np.r_[start, len(key)])
-    return EdgeUse(face=order // 3, forward=(tail < head)[order], start=start, count=count)
+    return EdgeUse(side=order, face=order // 3, forward=(tail < head)[order], start=start, count=count)
 
 
 @dataclass(frozen=True)
