@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a morph asks of a motion: where every input is for a blend with given weights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+
+
+@dataclass(frozen=True)
+class MovedShape:
+    """An input, moved towards the other inputs of a blend.
+
+    Attributes
+    ----------
+    rest : TriangleMesh
+        The input where it stands in the scene, perhaps with its triangles subdivided.
+    vertices : (n, 3) float64
+        Where the vertices of `rest` have moved to, scene units.
+    """
+
+    rest: TriangleMesh
+    vertices: NDArray[np.float64]
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """The moved surface, with the triangles of `rest`."""
+        return TriangleMesh(self.vertices, self.rest.faces)
+
+
+class Motion(Protocol):
+    """Moves the inputs of a morph towards each other; only what still differs is then transported.
+
+    A motion can be sent to another process, and gives the same shapes there.
+    """
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
+
+        With a weight of one, the input itself. The result depends on the weights alone, so a path that comes back to
+        the same weights comes back to the same shapes.
+        """
+        ...
+
+    def record(self) -> dict[str, object]:
+        """Say how well the motion fits, ready for JSON."""
+        ...
