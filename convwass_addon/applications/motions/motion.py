@@ -24,10 +24,13 @@ class MovedShape:
         The input where it stands in the scene, perhaps with its triangles subdivided.
     vertices : (n, 3) float64
         Where the vertices of `rest` have moved to, scene units.
+    parents : (m,) int64 or None
+        Triangle of the input that every triangle of `rest` is a part of; None where nothing was subdivided.
     """
 
     rest: TriangleMesh
     vertices: NDArray[np.float64]
+    parents: NDArray[np.int64] | None = None
 
     @property
     def mesh(self) -> TriangleMesh:
