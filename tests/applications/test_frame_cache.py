@@ -192,12 +192,6 @@ def test_every_setting_is_in_the_name(name):
     assert not set(keys(options=changed)) & set(keys())
 
 
-def test_the_code_is_in_the_name(monkeypatch):
-    expected = keys()
-    monkeypatch.setattr(frame_cache, "code_digest", lambda: b"another")
-    assert not set(keys()) & set(expected)
-
-
 def test_a_frame_is_told_by_the_blends_before_it_in_its_run_and_by_none_after():
     assert keys(blends=BLENDS[:3]) == keys()[:3]
     assert keys(blends=BLENDS[1:4])[0] != keys()[1]

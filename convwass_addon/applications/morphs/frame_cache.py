@@ -9,7 +9,6 @@ import json
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +17,12 @@ from ...errors import ConvwassError, InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..whole_paths import whole_path
+from .code_digest import code_digest
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .parts import FaceLabels
-
-_ROOMS = ("transport", "geometry", "applications")
 
 
 class FrameCache:
@@ -256,15 +254,4 @@ def _bake_digest(
     hashed.update(json.dumps(description, sort_keys=True).encode())
     for array in arrays:
         hashed.update(np.ascontiguousarray(array).data)
-    return hashed.digest()
-
-
-@cache
-def code_digest() -> bytes:
-    """SHA-256 of the code that computes frames: what another version left behind is not taken for this one's."""
-    hashed = hashlib.sha256()
-    package = Path(__file__).parents[1]
-    for path in sorted(path for room in _ROOMS for path in (package / room).rglob("*.py")):
-        text = path.read_text(encoding="utf-8").encode()
-        hashed.update(f"{path.relative_to(package).as_posix()} {len(text)}\n".encode() + text)
     return hashed.digest()
