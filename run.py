@@ -11,6 +11,7 @@
     python3 run.py fuzz [ARGS]        try to break the add-on, such as  --minutes 10
     python3 run.py gallery [ARGS]     draw the figures of the paper, into docs/; takes an hour (--only 7 draws one)
     python3 run.py lint [PATHS]       check the style of the code
+    python3 run.py translations       list the texts that are not translated yet, and translations without a text
     python3 run.py api                write the pages about the API from the docstrings, into docs/
     python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
 
@@ -45,6 +46,7 @@ COMMANDS = {
     "package": [["-m", "tools.package"]],
     "fuzz": [["-m", "tests.fuzz"]],
     "gallery": [["docs/gallery.py"]],
+    "translations": [["-m", "tools.translations"]],
     "api": [["-m", "tools.api_pages"]],
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
     "python": [[]],

@@ -1,89 +1,48 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The texts of the user interface in other languages than English: a table per language."""
+"""The texts of the user interface in other languages than English, one ``.po`` file for each."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..sentence import Sentence
-from . import (
-    french,
-    french_armatures,
-    french_densities,
-    french_flat,
-    french_light,
-    french_messages,
-    french_recolor,
-    french_reflectance,
-    french_soft_maps,
-    german,
-    german_armatures,
-    german_densities,
-    german_flat,
-    german_light,
-    german_messages,
-    german_recolor,
-    german_reflectance,
-    german_soft_maps,
-)
+from .po_file import DEFAULT_CONTEXT, read_po
+
+FOLDER = Path(__file__).parent
+
+# Blender looks for the labels of operators in this context, and for everything else in the default one.
+_OPERATOR_CONTEXT = "Operator"
 
 
-def _joined(*tables: dict[str, str]) -> dict[str, str]:
-    """Join the tables of a language; raises ValueError where a text stands in two of them."""
-    joined = {}
-    for table in tables:
-        double = joined.keys() & table.keys()
-        if double:
-            raise ValueError(f"translated twice: {sorted(double)}")
-        joined |= table
-    return joined
+def languages() -> list[str]:
+    """Return the languages that there are translations for, as Blender names them: the names of the files."""
+    return sorted(path.stem for path in FOLDER.glob("*.po"))
 
 
-TABLES: dict[str, dict[str, str]] = {
-    "de_DE": _joined(
-        german.TEXTS,
-        german_messages.TEXTS,
-        german_densities.TEXTS,
-        german_flat.TEXTS,
-        german_soft_maps.TEXTS,
-        german_armatures.TEXTS,
-        german_light.TEXTS,
-        german_reflectance.TEXTS,
-        german_recolor.TEXTS,
-    ),
-    "fr_FR": _joined(
-        french.TEXTS,
-        french_messages.TEXTS,
-        french_densities.TEXTS,
-        french_flat.TEXTS,
-        french_soft_maps.TEXTS,
-        french_armatures.TEXTS,
-        french_light.TEXTS,
-        french_reflectance.TEXTS,
-        french_recolor.TEXTS,
-    ),
-}
-"""For every language, the translation of every English text."""
+def catalog(language: str) -> dict[tuple[str, str], str]:
+    """Return the translations into a language by context and English text.
 
-# Blender looks for the labels of operators in the second context, and for everything else in the first.
-_CONTEXTS = ("*", "Operator")
+    A text without a context of its own is translated in the same way everywhere, so it is there for labels of operators
+    as well. Blender shows the English text where there is none.
+    """
+    found = read_po(FOLDER / f"{language}.po")
+    everywhere = {text: own for (context, text), own in found.items() if context == DEFAULT_CONTEXT}
+    return {(_OPERATOR_CONTEXT, text): own for text, own in everywhere.items()} | found
 
 
 def translated(sentence: Sentence) -> str:
-    """Return a sentence in the language of the user interface; in English where it has no translation."""
+    """Return a sentence in the language of Blender's interface; so are the sentences that it holds."""
     values = {name: translated(own) if isinstance(own, Sentence) else own for name, own in sentence.values.items()}
     return Sentence(sentence.template, values).filled(rpt_(sentence.template))
 
 
 def register() -> None:
-    """Hand the tables to Blender."""
-    texts = {
-        language: {(context, english): own for english, own in table.items() for context in _CONTEXTS}
-        for language, table in TABLES.items()
-    }
-    bpy.app.translations.register(__package__, texts)
+    """Give Blender the translations into all languages."""
+    bpy.app.translations.register(__package__, {language: catalog(language) for language in languages()})
 
 
 def unregister() -> None:

@@ -110,8 +110,8 @@ def presets() -> dict[str, int]:
 
 
 def languages() -> list[str]:
-    """Return the languages that the extension has tables of; the bpy module itself is built without any."""
-    return sorted(sys.modules[f"{MODULE}.convwass_addon.translations"].TABLES)
+    """Return the languages that the extension has translations into; the bpy module itself is built without any."""
+    return sys.modules[f"{MODULE}.convwass_addon.translations"].languages()
 
 
 def clear() -> None:

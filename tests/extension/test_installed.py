@@ -129,7 +129,7 @@ def test_every_panel_is_drawn(seen):
 
 def test_presets_and_languages_come_along(seen):
     assert set(seen["presets"]) == {"Draft", "Standard", "Fine"}
-    assert seen["languages"] == ["de_DE", "fr_FR"]
+    assert seen["languages"] == ["de", "fr"]
 
 
 def test_disabling_and_removing_take_everything_away_but_the_work(seen, removed, profile):

@@ -169,7 +169,10 @@ def _kinds_of(error: type[ConvwassError]) -> Iterator[type[ConvwassError]]:
 
 
 @cache
-def all_texts() -> frozenset[str]:
-    """Return all of them; needs the add-on."""
-    said = (text for _, message in messages() for text in message.templates)
-    return frozenset(text for text in (*registered_texts(), *source_texts(), *said) if text)
+def all_texts() -> dict[str, str]:
+    """Return all of them with a place where each stands, empty where Blender knows it by itself; needs the add-on."""
+    found = dict.fromkeys((*registered_texts(), *source_texts()), "")
+    for place, message in messages():
+        found |= dict.fromkeys(message.templates, place)
+    found.pop("", None)
+    return found
