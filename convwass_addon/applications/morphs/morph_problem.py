@@ -46,6 +46,9 @@ class MorphFrame:
     origins : (k, n, 3) float32 or None
         Where in the scene the matter at every vertex of `mesh` comes from, on every input; None where that was not
         asked for. See :func:`.origins.blend_origins`.
+    tangents : (k, n, 3) float32 or None
+        What velocities are read from in place of the origins, where the inputs move; see
+        :func:`.moved_origins.moved_tangents`.
     """
 
     blend: Blend
@@ -53,6 +56,7 @@ class MorphFrame:
     record: dict[str, object]
     potentials: tuple[PartPotentials, ...] = ()
     origins: NDArray[np.float32] | None = None
+    tangents: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True)

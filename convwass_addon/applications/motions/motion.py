@@ -6,11 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
 
 
@@ -32,10 +34,15 @@ class MovedShape:
     vertices: NDArray[np.float64]
     parents: NDArray[np.int64] | None = None
 
-    @property
+    @cached_property
     def mesh(self) -> TriangleMesh:
         """The moved surface, with the triangles of `rest`."""
         return TriangleMesh(self.vertices, self.rest.faces)
+
+    @cached_property
+    def finder(self) -> ClosestPointFinder:
+        """Finds places on the moved surface."""
+        return ClosestPointFinder(self.mesh.corners)
 
 
 class Motion(Protocol):

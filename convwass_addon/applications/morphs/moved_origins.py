@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the matter of a blend of moving inputs comes from, and where it is going.
+
+A vertex of the blend belongs to one place on every moved input: a triangle and barycentric coordinates. The same place
+on the input at rest is its origin; the same places on the inputs moved a little further tell its velocity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPoints
+from ..motions.motion import Motion, MovedShape
+
+# Change of the weights over which motion is differentiated.
+_STEP = 1e-3
+
+
+def moved_origins(
+    places: Sequence[ClosestPoints],
+    shapes: Sequence[MovedShape],
+    active: NDArray[np.int64],
+    vertices: NDArray[np.float64],
+    count: int,
+) -> NDArray[np.float32]:
+    """Return where on the inputs at rest the vertices of a blend come from.
+
+    Parameters
+    ----------
+    places : sequence of ClosestPoints
+        For every input of positive weight, where on it the vertices are.
+    shapes : sequence of MovedShape
+        These inputs.
+    active : (a,) int64
+        Their indices.
+    vertices : (n, 3) float64
+        Of the blend, in the scene.
+    count : int
+        Number of all inputs.
+
+    Returns
+    -------
+    (count, n, 3) float32
+        In the scene; the vertices themselves for inputs without weight.
+    """
+    origins = np.tile(vertices.astype(np.float32), (count, 1, 1))
+    for index, own, shape in zip(active, places, shapes, strict=True):
+        origins[index] = own.interpolated(shape.rest.corners)
+    return origins
+
+
+def moved_tangents(
+    places: Sequence[ClosestPoints], motion: Motion, weights: Sequence[float], vertices: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Return points that the vertices of a blend move towards or away from as the weights change.
+
+    With x(w) the place of a vertex, D_i = d/ds x(w + s (e_i - w)) is how it moves as weight i grows and the others
+    shrink in proportion. For weights that change at the rates r, of sum zero and none of them of an input without
+    weight, the velocity is sum_i r_i (x + D_i).
+
+    Parameters
+    ----------
+    places : sequence of ClosestPoints
+        As for :func:`moved_origins`.
+    motion : Motion
+        How the inputs move.
+    weights : (k,)
+        Of the blend.
+    vertices : (n, 3) float64
+        Of the blend, in the scene.
+
+    Returns
+    -------
+    (k, n, 3) float32
+        x + D_i; x for inputs without weight.
+    """
+    alphas = np.asarray(weights, dtype=np.float64)
+    active = np.flatnonzero(alphas)
+    tangents = np.tile(vertices.astype(np.float32), (len(alphas), 1, 1))
+    for index in active:
+        direction = -alphas
+        direction[index] += 1.0
+        # Towards the input itself no more than half of the way.
+        step = min(_STEP, 0.5 * alphas[active].min())
+        ahead = _followed(places, motion, alphas + step * direction, active)
+        behind = _followed(places, motion, alphas - step * direction, active)
+        tangents[index] += ((ahead - behind) / (2.0 * step)).astype(np.float32)
+    return tangents
+
+
+def _followed(
+    places: Sequence[ClosestPoints], motion: Motion, weights: NDArray[np.float64], active: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Mean of the moved places with the weights, (n, 3)."""
+    moved = motion.moved(tuple(weights.tolist()))
+    return sum(
+        weights[index] * own.interpolated(moved[index].mesh.corners) for index, own in zip(active, places, strict=True)
+    )

@@ -1,0 +1,141 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Morphs whose inputs move towards each other: every blend transports only what still differs between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...progress import Control
+from ..motions.motion import Motion, MovedShape
+from .blending import solve_blends
+from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
+from .moved_origins import moved_origins, moved_tangents
+from .parts import Matching, joined, voxelized_parts
+from .volumes import Lattice
+
+# Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.
+_SAMPLED_BLENDS = 33
+# Room in cells for what lies between two of them.
+_SLACK_CELLS = 2
+
+
+@dataclass(frozen=True)
+class MovingProblem:
+    """What all blends of moving inputs have in common; can be sent to another process.
+
+    Attributes
+    ----------
+    still : MorphProblem
+        The inputs where they stand: their volumes and connectivity are those that blends get.
+    motion : Motion
+        Where the inputs are in every blend.
+    lattice : Lattice
+        Of the cells of `still`, with room for the moved inputs.
+    names : tuple of str
+        What messages call the inputs.
+    matching : Matching
+        Which of their triangles travel together.
+    """
+
+    still: MorphProblem
+    motion: Motion
+    lattice: Lattice
+    names: tuple[str, ...]
+    matching: Matching
+
+    @classmethod
+    def of(
+        cls,
+        still: MorphProblem,
+        motion: Motion,
+        blends: Sequence[Blend],
+        names: Sequence[str],
+        matching: Matching,
+        control: Control,
+    ) -> MovingProblem:
+        """Lay out a grid that holds the moved inputs of all `blends`.
+
+        Parameters
+        ----------
+        still : MorphProblem
+            The inputs where they stand, with their connectivity.
+        motion : Motion
+            How they move.
+        blends : sequence of Blend
+            All blends of the morph, also those that are computed elsewhere: the grid is the same for all.
+        names, matching
+            As for the attributes.
+        control : Control
+            Stops the work.
+        """
+        lattice = _grown(still.lattice, motion, blends, control)
+        return cls(still, motion, lattice, tuple(names), matching)
+
+    def frame(self, blend: Blend, control: Control) -> MorphFrame:
+        """Solve one blend; an input with a weight of one is shown as it is."""
+        if blend.source is not None:
+            return solve_blends(self.still, [blend], control.check)[0]
+        moved = self.motion.moved(blend.weights)
+        control.check()
+        active = np.flatnonzero(blend.weights)
+        shapes = [moved[i] for i in active]
+        problem = self._problem_of(blend, shapes, active, control)
+        alone = Blend(tuple(blend.weights[i] for i in active))
+        (solved,) = solve_blends(problem, [alone], control.check)
+        record = {**solved.record, "weights": blend.weights, "motion": self.motion.record()}
+        if solved.origins is None:
+            return MorphFrame(blend, solved.mesh, record)
+        places = [shape.finder.find_about(own) for shape, own in zip(shapes, solved.origins, strict=True)]
+        origins = moved_origins(places, shapes, active, solved.mesh.vertices, len(blend.weights))
+        tangents = moved_tangents(places, self.motion, blend.weights, solved.mesh.vertices)
+        return MorphFrame(blend, solved.mesh, record, origins=origins, tangents=tangents)
+
+    def _problem_of(
+        self, blend: Blend, shapes: Sequence[MovedShape], active: NDArray[np.int64], control: Control
+    ) -> MorphProblem:
+        """Return the problem of the moved inputs of one blend, with the volumes and connectivity of the still ones."""
+        center = np.asarray(blend.weights) @ self.lattice.centers
+        lattice = replace(self.lattice, centers=np.tile(center, (len(active), 1)))
+        matching = replace(
+            self.matching,
+            faces=tuple(_of_parents(self.matching.faces[i], shape) for i, shape in zip(active, shapes, strict=True)),
+        )
+        volumes = []
+        for place, (index, shape) in enumerate(zip(active, shapes, strict=True)):
+            name = self.names[index]
+            thickness = self.still.settings.thickness
+            volumes.append(voxelized_parts(shape.mesh, name, place, lattice, thickness, matching, control.check))
+        problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, self.still.settings)
+        known = {part.name: part.volumes[active] for part in self.still.parts}
+        parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in problem.parts)
+        connectivity = tuple(self.still.connectivity[i] for i in active)
+        return replace(problem, parts=parts, connectivity=connectivity)
+
+
+def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:
+    """Return labels of the triangles of a moved shape from those of the input's; all of one label may be none."""
+    return labels if shape.parents is None or not len(labels) else labels[shape.parents]
+
+
+def _grown(lattice: Lattice, motion: Motion, blends: Sequence[Blend], control: Control) -> Lattice:
+    """Return the lattice with as many more cells as moved shapes need; the cells that are there stay."""
+    mixed = [blend for blend in blends if blend.source is None]
+    if not mixed:
+        return lattice
+    chosen = np.unique(np.linspace(0, len(mixed) - 1, min(len(mixed), _SAMPLED_BLENDS)).round().astype(int))
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for index in chosen:
+        control.check()
+        weights = mixed[index].weights
+        center = np.asarray(weights) @ lattice.centers
+        for shape in motion.moved(weights):
+            if shape is not None:
+                bounds = shape.mesh.bounds - center
+                low, high = np.minimum(low, bounds[0]), np.maximum(high, bounds[1])
+    return lattice.holding(low, high, 0 if len(chosen) == len(mixed) else _SLACK_CELLS)

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph import prepared_problem
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.moving_problem import MovingProblem
+from convwass_addon.applications.morphs.parts import unparted
+from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import Control, drained
+from tests.shapes import box
+
+ANGLE = np.pi / 2
+NAMES = ("lying", "standing")
+
+
+def turned(mesh: TriangleMesh, angle: float) -> TriangleMesh:
+    """Turn about the end of the rod, where it is hinged."""
+    c, s = np.cos(angle), np.sin(angle)
+    return TriangleMesh(mesh.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), mesh.faces)
+
+
+ROD = box((2.0, 0.3, 0.3), center=(1.0, 0.0, 0.0))
+SHAPES = (ROD, turned(ROD, ANGLE))
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Both rods turn about the hinge, exactly."""
+
+    def moved(self, weights):
+        share = weights[1]
+        turns = (share * ANGLE, (share - 1.0) * ANGLE)
+        return [
+            MovedShape(shape, turned(shape, turn).vertices) if weight > 0 else None
+            for shape, turn, weight in zip(SHAPES, turns, weights, strict=True)
+        ]
+
+    def record(self):
+        return {"kind": "turning"}
+
+
+@pytest.fixture(scope="module")
+def problem() -> MovingProblem:
+    settings = MorphSettings(resolution=48)
+    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
+    return MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5])
+def test_a_turning_rod_stays_a_rod(problem, share):
+    frame = problem.frame(Blend((1.0 - share, share)), Control())
+    expected = turned(ROD, share * ANGLE)
+    assert frame.mesh.volume == pytest.approx(ROD.volume, rel=5e-3)
+    away = ClosestPointFinder(expected.corners).find(frame.mesh.vertices).distances
+    assert away.mean() < 0.15 * problem.lattice.spacing
+    reach = np.linalg.norm(frame.mesh.vertices[:, :2], axis=1).max()
+    assert reach == pytest.approx(2.0, abs=problem.lattice.spacing)
+
+
+def test_origins_lie_on_the_inputs_and_belong_together(problem):
+    frame = problem.frame(Blend((0.5, 0.5)), Control())
+    for shape, own in zip(SHAPES, frame.origins, strict=True):
+        assert ClosestPointFinder(shape.corners).find(own).distances.max() < 1e-5
+    back = turned(TriangleMesh(frame.origins[1].astype(float), frame.mesh.faces), -ANGLE).vertices
+    apart = np.linalg.norm(back - frame.origins[0], axis=1)
+    assert np.quantile(apart, 0.95) < problem.lattice.spacing
+
+
+def test_velocity_is_that_of_the_turn(problem):
+    """With weights that change at the rate r, a point at p moves with r ANGLE z x p."""
+    frame = problem.frame(Blend((0.5, 0.5)), Control())
+    rate = 0.1
+    velocity = -rate * frame.tangents[0].astype(float) + rate * frame.tangents[1]
+    x, y, _ = frame.mesh.vertices.T
+    expected = rate * ANGLE * np.stack([-y, x, np.zeros_like(x)], axis=1)
+    assert np.abs(velocity - expected).mean() < 0.02 * rate * ANGLE
+
+
+def test_the_grid_holds_what_swings_out(problem):
+    """At half of the way the rod reaches further along no axis than before, but a rod that swings through does."""
+    settings = MorphSettings(resolution=48)
+    opposite = (ROD, turned(ROD, np.pi))
+
+    @dataclass(frozen=True)
+    class HalfCircle(Turning):
+        def moved(self, weights):
+            turns = (weights[1] * np.pi, (weights[1] - 1.0) * np.pi)
+            return [
+                MovedShape(shape, turned(shape, turn).vertices) for shape, turn in zip(opposite, turns, strict=True)
+            ]
+
+    still = drained(prepared_problem(opposite, NAMES, unparted(2), settings, 1))
+    moving = MovingProblem.of(still, HalfCircle(), path_blends(2, 4), NAMES, unparted(2), Control())
+    assert moving.lattice.spacing == still.lattice.spacing
+    assert moving.lattice.shape[1] > still.lattice.shape[1] + 20
+    frame = moving.frame(Blend((0.5, 0.5)), Control())
+    assert frame.mesh.volume == pytest.approx(ROD.volume, rel=5e-3)
+    assert frame.mesh.bounds[1, 1] == pytest.approx(2.0, abs=still.lattice.spacing)
+
+
+def test_an_input_itself_is_shown_as_it_is(problem):
+    assert problem.frame(Blend((1.0, 0.0)), Control()).mesh is None
