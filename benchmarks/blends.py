@@ -18,6 +18,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphProblem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import SplitShapes
+from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import Lattice, voxelize
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
@@ -96,8 +97,9 @@ def surface_at(
     """
     lattice = Lattice(densities.shape[1:], 1.0, np.zeros(3), np.zeros((2, 3)))
     whole = SplitShapes(("all",), (list(densities),), densities.sum(axis=(1, 2, 3), dtype=np.float64)[None], ())
-    problem = MorphProblem.of(whole, lattice, settings)
-    problem = replace(problem, parts=(replace(problem.parts[0], volumes=np.asarray(volumes, np.float64)),))
+    transport = TransportProblem.of(whole, lattice, settings)
+    part = replace(transport.parts[0], volumes=np.asarray(volumes, np.float64))
+    problem = MorphProblem(replace(transport, parts=(part,))).with_connectivity()
     (frame,) = blending.solve_blends(problem, [Blend((1.0 - t, t))])
     return frame.mesh
 

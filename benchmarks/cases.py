@@ -20,7 +20,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications.morphs import blending
+from convwass_addon.applications.morphs import blend_solver, blending
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.files import save_blend
@@ -118,7 +118,7 @@ def path(cells: int, frames: int) -> dict[str, object]:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         settings = MorphSettings(resolution=cells)
         job = MorphJob(bpy.context.scene, depsgraph, inputs, blends, settings, {"layout": "PATH", "frames": frames}, 1)
-    blending.barycenter = watch.timed("solve", blending.barycenter)
+    blend_solver.barycenter = watch.timed("solve", blend_solver.barycenter)
     blending.read_surface = watch.timed("surface", blending.read_surface)
     steps = job.steps()
     with watch.stage("voxelize"):

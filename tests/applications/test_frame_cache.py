@@ -22,11 +22,11 @@ from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFram
 from convwass_addon.applications.morphs.frame_file import MAGIC, DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
-from convwass_addon.applications.morphs.morph_problem import MorphProblem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import FaceLabels
 from convwass_addon.applications.morphs.potentials import PartPotentials
 from convwass_addon.applications.morphs.runs import RUN_LENGTH, runs_of
+from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from tests.shapes import ball, box
 
@@ -113,7 +113,7 @@ def test_runs_that_are_finished_before_their_turn_are_kept_too(tmp_path, monkeyp
         if len(list(tmp_path.iterdir())) >= last:
             raise Cancelled("enough")
 
-    monkeypatch.setattr(MorphProblem, "effort", lambda problem, blend: blend.frame**4)
+    monkeypatch.setattr(TransportProblem, "effort", lambda problem, blend: blend.frame**4)
     with pytest.raises(Cancelled):
         list(bake(FrameCache(tmp_path), check=check, workers=1))
     assert len(list(tmp_path.iterdir())) == last

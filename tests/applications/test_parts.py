@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 
 from convwass_addon.applications import memory
-from convwass_addon.applications.morphs import blending
+from convwass_addon.applications.morphs import blend_solver
 from convwass_addon.applications.morphs.layouts import single_blend
 from convwass_addon.applications.morphs.merging import merged_parts
 from convwass_addon.applications.morphs.morph import morph
@@ -242,14 +242,14 @@ def test_a_bound_of_the_entropy_is_shared_out():
     """Without parts and with two that lie apart, the same bound leads to the same entropy of the whole."""
     shapes, labels = [pair(0.5, 0.5)] * 2, [of_pair("x", "y")] * 2
     densities = []
-    original = blending.merged_parts
+    original = blend_solver.merged_parts
 
     def spy(parts, volumes):
         densities.append(sum(part * volume for part, volume in zip(parts, volumes, strict=True)) / volumes.sum())
         return original(parts, volumes)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(blending, "merged_parts", spy)
+        patch.setattr(blend_solver, "merged_parts", spy)
         for chosen in (None, labels):
             blended(shapes, chosen, [0.5, 0.5], MorphSettings(resolution=48, entropy_limit=-2.5))
     entropies = [-(d[d > 0] * np.log(d[d > 0])).mean() * (d > 0).mean() for d in densities]

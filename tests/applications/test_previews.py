@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications import memory
-from convwass_addon.applications.morphs import blending, morph_problem, runs
+from convwass_addon.applications.morphs import blend_solver, blending, morph_problem, runs
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph, prepared_problem
-from convwass_addon.applications.morphs.morph_problem import MorphProblem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import FaceLabels, matched, unparted
 from convwass_addon.applications.morphs.reading import connectivity_of
+from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import voxelize
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid
@@ -136,8 +136,8 @@ def test_what_was_sketched_is_not_solved_again(monkeypatch):
         begun.append(options["begun"])
         return real(*args, **options)
 
-    real = blending.barycenter
-    monkeypatch.setattr(blending, "barycenter", noting)
+    real = blend_solver.barycenter
+    monkeypatch.setattr(blend_solver, "barycenter", noting)
     blending.solve_blends(problem, run, None, sketches)
     assert [id(one) for one in begun] == [id(part.solved) for sketch in sketches for part in sketch.parts]
     assert len(begun) == 2
@@ -152,7 +152,7 @@ def test_sketches_are_small_on_any_grid(sides, sketched):
     while (coarser := grids[0].coarser()) is not None:
         grids.insert(0, coarser)
     part = SimpleNamespace(inputs=SimpleNamespace(levels=[SimpleNamespace(domain=grid) for grid in grids]))
-    depth = MorphProblem((part,), None, QUICK, ()).sketch_depth
+    depth = TransportProblem((part,), None, QUICK).sketch_depth
     assert grids[-1 - depth].shape[0] == sketched
 
 
@@ -222,7 +222,7 @@ def test_no_more_is_sketched_than_there_is_memory_for(monkeypatch):
     problem = problem_of(shapes, QUICK)
     frames = frames_of(steps_of(shapes, blends, workers=1))
     for fitting, previews in ((12, 12), (11, 8), (4, 4), (3, 0), (0, 0)):
-        free = problem.lattice.memory(shapes, 1, 1) + fitting * problem.sketch_bytes
+        free = problem.lattice.memory(shapes, 1, 1) + fitting * problem.transport.sketch_bytes
         monkeypatch.setattr(memory, "available_memory", lambda free=free: free)
         steps = steps_of(shapes, blends, workers=1)
         assert sum(step.preview is not None for step in steps) == previews
@@ -241,7 +241,7 @@ def test_what_sketches_keep_is_estimated(shapes, sharpness):
     sketches = list(blending.sketch_blends(problem, run))
     kept = tracemalloc.get_traced_memory()[0] / len(sketches)
     tracemalloc.stop()
-    assert 0.4 < kept / problem.sketch_bytes < 1.0
+    assert 0.4 < kept / problem.transport.sketch_bytes < 1.0
 
 
 def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
@@ -253,8 +253,8 @@ def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
             sketched.append(weakref.ref(solved))
         return solved
 
-    real = blending.barycenter
-    monkeypatch.setattr(blending, "barycenter", noting)
+    real = blend_solver.barycenter
+    monkeypatch.setattr(blend_solver, "barycenter", noting)
 
     def alive():
         gc.collect()

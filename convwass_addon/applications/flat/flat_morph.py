@@ -6,13 +6,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from ...errors import InputError
 from ...sentence import Sentence
 from ..checks import Check
 from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
-from ..morphs.runs import as_solved, runs_in_threads, runs_of
+from ..morphs.runs import as_solved, runs_of, solved_in_threads
+from .flat_blending import solve_flat_blends
 from .flat_frames import FlatStep
 from .flat_problem import flat_problem
 from .flat_settings import FlatSettings
@@ -74,9 +76,10 @@ def flat_morph(
     problem = flat_problem(shapes, names, settings)
     yield FlatStep(_BEGUN, Sentence("Drew the shapes on the grid"))
     threads = min(workers or os.cpu_count() or 1, len(runs))
-    fitting = problem.lattice.fitting_workers(len(shapes), len(problem.parts), threads)
+    fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
-    with runs_in_threads(problem, runs, check, fitting) as pending:
+    solve = partial(solve_flat_blends, problem)
+    with solved_in_threads(solve, problem.transport.effort, runs, check, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, check), None)
         for done, frame in enumerate(frames, start=1):
             fraction = _BEGUN + (1.0 - _BEGUN) * done / total

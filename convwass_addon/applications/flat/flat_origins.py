@@ -4,19 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...transport import Barycenter
-from ..morphs.layouts import Blend
-from ..morphs.origins import Displacements, PartTransport
-
-if TYPE_CHECKING:
-    from .flat_problem import FlatProblem
+from ..morphs.blend_solver import SolvedBlend
+from ..morphs.origins import Displacements, part_transports
+from .flat_problem import FlatProblem
 
 # Which part has most of the mass is kept for every so many cells.
 _STRIDE = 2
@@ -50,27 +45,17 @@ class FlatOrigins:
     corners: NDArray[np.float64]
 
     @classmethod
-    def of(
-        cls,
-        problem: FlatProblem,
-        blend: Blend,
-        solved: Sequence[Barycenter],
-        sigmas: Sequence[float],
-        areas: NDArray[np.float64],
-    ) -> FlatOrigins:
+    def of(cls, problem: FlatProblem, solved: SolvedBlend) -> FlatOrigins:
         """Read the maps of a blend off the potentials of its parts."""
-        lattice, reach = problem.lattice, problem.settings.reach
-        maps = tuple(
-            Displacements.of(PartTransport(part, lattice.grid(sigma), float(area), reach))
-            for part, sigma, area in zip(solved, sigmas, areas, strict=True)
-        )
-        most = np.stack([area * part.density[::_STRIDE, ::_STRIDE] for part, area in zip(solved, areas, strict=True)])
+        lattice, weights = problem.lattice, solved.blend.weights
+        parts = part_transports(solved, problem.transport)
+        most = np.stack([part.volume * part.solved.density[::_STRIDE, ::_STRIDE] for part in parts])
         return cls(
-            maps,
-            np.flatnonzero(blend.weights),
+            tuple(map(Displacements.of, parts)),
+            np.flatnonzero(weights),
             np.argmax(most, axis=0).astype(np.int16),
             lattice.spacing,
-            lattice.corner(blend.weights),
+            lattice.corner(weights),
             lattice.origin + lattice.centers,
         )
 

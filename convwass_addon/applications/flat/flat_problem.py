@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.flat_mending import FlatConnectivity
 from ..morphs.layouts import Blend
-from ..morphs.morph_problem import MorphProblem
 from ..morphs.parts import SplitShapes
+from ..morphs.transport_problem import TransportProblem
 from .flat_lattice import FlatLattice
+from .flat_layers import InputLayers, input_layers
+from .flat_outlines import own_outline
 from .flat_pieces import flat_pieces
-from .flat_reading import flat_frame, flat_input_frame, own_outline
-from .flat_regions import InputLayers, input_layers
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatImage, FlatInput
 from .letters import matched_letters
@@ -28,51 +28,58 @@ _LEAST_CELLS = 20.0
 
 
 @dataclass(frozen=True)
-class FlatProblem(MorphProblem):
-    """The same as for solids, on a plane grid: volumes are areas in cells, or masses of images.
+class FlatProblem:
+    """Flat shapes on a plane grid: volumes are areas in cells, or masses of images.
 
     Attributes
     ----------
-    lattice : FlatLattice
-        Where the cells of the shapes are.
-    settings : FlatSettings
-        How to blend them.
+    transport : TransportProblem
+        The shapes as distributions, and how to blend them.
     connectivity : tuple of FlatConnectivity
-        How every shape hangs together at this resolution.
+        How every shape is connected at this resolution.
     silhouettes : tuple of float
         Area in cells of what of every shape is at least half full.
     layers : tuple of InputLayers
         Where every shape has which color, where colors are carried and there are several.
     """
 
-    silhouettes: tuple[float, ...] = ()
-    layers: tuple[InputLayers, ...] = ()
+    transport: TransportProblem
+    connectivity: tuple[FlatConnectivity, ...]
+    silhouettes: tuple[float, ...]
+    layers: tuple[InputLayers, ...]
 
-    def shape_connectivity(self, index: int) -> FlatConnectivity:
-        """Read how shape `index` hangs together, from all of its parts."""
-        return FlatConnectivity.of(own_outline(self.occupancy(index), self.silhouettes[index]))
+    @property
+    def lattice(self) -> FlatLattice:
+        """Where the cells of the shapes are."""
+        return self.transport.lattice
 
-    def blend_volumes(self, blend: Blend) -> NDArray[np.float64]:
+    @property
+    def settings(self) -> FlatSettings:
+        """How to blend the shapes."""
+        return self.transport.settings
+
+    def blend_areas(self, blend: Blend) -> NDArray[np.float64]:
         """Areas of the parts of a blend in cells, (p,); where densities are asked for, their masses.
 
         Lengths go evenly from one shape to the other: the barycenter of a shape and its double is one and a half times
         as large. So it is the roots of areas that are interpolated. Masses are themselves.
         """
         if self.settings.output == "densities":
-            return super().blend_volumes(blend)
-        return np.array([_between(blend.weights, part.volumes) for part in self.parts])
+            return self.transport.blend_volumes(blend)
+        return np.array([_interpolated_area(blend.weights, part.volumes) for part in self.transport.parts])
 
     def fullness(self, blend: Blend) -> float:
         """How many times larger the silhouette of a blend is than its mass in full cells: more than 1 for gray ones."""
-        return _between(blend.weights, self.silhouettes) / _between(blend.weights, self.volumes)
+        silhouette = _interpolated_area(blend.weights, self.silhouettes)
+        return silhouette / _interpolated_area(blend.weights, self.transport.volumes)
 
 
-def _between(weights: Sequence[float], areas: Sequence[float] | NDArray[np.float64]) -> float:
+def _interpolated_area(weights: Sequence[float], areas: Sequence[float] | NDArray[np.float64]) -> float:
     return float(np.dot(weights, np.sqrt(areas)) ** 2)
 
 
 def flat_problem(shapes: Sequence[FlatInput], names: Sequence[str], settings: FlatSettings) -> FlatProblem:
-    """Rasterize shapes on one grid, and read how they hang together.
+    """Rasterize shapes on one grid, and read how they are connected.
 
     Raises
     ------
@@ -100,15 +107,16 @@ def flat_problem(shapes: Sequence[FlatInput], names: Sequence[str], settings: Fl
         np.array([[own[index].sum() for own in every] for index in range(count)]),
         (),
     )
-    problem = FlatProblem.for_sketches(split, lattice, settings)
-    problem = replace(
-        problem,
-        silhouettes=tuple(_silhouette(shape, sum(own)) for shape, own in zip(shapes, every, strict=True)),
-        layers=input_layers(shapes, lattice.centers, lattice) if settings.carry else (),
-        reader=flat_frame,
-        input_reader=flat_input_frame,
+    silhouettes = tuple(_silhouette(shape, sum(own)) for shape, own in zip(shapes, every, strict=True))
+    transport = TransportProblem.of(split, lattice, settings)
+    return FlatProblem(
+        transport,
+        tuple(
+            FlatConnectivity.of(own_outline(transport.occupancy(index), area)) for index, area in enumerate(silhouettes)
+        ),
+        silhouettes,
+        input_layers(shapes, lattice.centers, lattice) if settings.carry else (),
     )
-    return problem.with_connectivity()
 
 
 def _silhouette(shape: FlatInput, occupancy: NDArray[np.float64]) -> float:

@@ -9,32 +9,21 @@ where these layers are the same; it is read like an outline, from a field that i
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_erosion, distance_transform_edt, gaussian_filter, map_coordinates
+from scipy.ndimage import binary_erosion
 
 from ...errors import InputError
 from ...geometry.contours import outline_at_level
-from ...geometry.coverage import coverage
 from ...geometry.flat_mending import FlatMending
 from ...geometry.outlines import Outline, ring_area
-from ...geometry.planar_fill import filled_boundary
 from ..morphs.layouts import Blend
 from .flat_frames import ColoredOutline
 from .flat_origins import FlatOrigins
-from .flat_pieces import layers_of
-from .flat_shapes import FlatImage, FlatInput
+from .flat_problem import FlatProblem
 
-if TYPE_CHECKING:
-    from .flat_lattice import FlatLattice
-    from .flat_problem import FlatProblem
-
-# Cells over which the borders between layers are smoothed.
-_BLUR = 0.7
 # How fast a field leaves zero at a border between layers, beside its fall at the edge of the blend; and by how much
 # regions reach over such a border, so that curves fitted to either side leave no gap; and at most where three
 # meet, or two at the edge of the blend.
@@ -44,71 +33,6 @@ _ALL_AROUND = np.ones((3, 3), bool)
 _LIFT = 16.0
 # What is smaller, in cells, is no region and no hole.
 _LEAST_CELLS = 4.0
-
-
-@dataclass(frozen=True)
-class InputLayers:
-    """The layers of an input on the grid of the morph.
-
-    Attributes
-    ----------
-    colors : (l, 4) float64
-        Red, green, blue, opacity, linear.
-    shares : (l, nx, ny) float32 or None
-        How much of every cell belongs to each; beyond the input as where it is nearest. None where there is one.
-    """
-
-    colors: NDArray[np.float64]
-    shares: NDArray[np.float32] | None
-
-    def margins(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
-        """By how much the share of every layer is beyond that of all others at places, (n, 2) in cells: (l, n)."""
-        if self.shares is None:
-            return np.ones((1, len(cells)))
-        found = np.stack([map_coordinates(own, cells.T - 0.5, order=1, mode="nearest") for own in self.shares])
-        top, second = np.sort(found, axis=0)[[-1, -2]]
-        return np.where(found == top, found - second, found - top)
-
-
-def input_layers(
-    shapes: Sequence[FlatInput], centers: NDArray[np.float64], lattice: FlatLattice
-) -> tuple[InputLayers, ...]:
-    """Draw the layers of shapes on a grid; nothing where all shapes have one color at the most, or some have none.
-
-    Parameters
-    ----------
-    shapes : sequence of FlatShape or FlatImage
-        The inputs.
-    centers : (k, 2)
-        Where the grid stands on each.
-    lattice : FlatLattice
-        The grid.
-    """
-    if any(isinstance(shape, FlatImage) or shape.colors is None for shape in shapes):
-        return ()
-    if all(len(layers_of(shape, np.arange(len(shape.rings)))) == 1 for shape in shapes):
-        return ()
-    return tuple(_drawn(shape, lattice, center) for shape, center in zip(shapes, centers, strict=True))
-
-
-def _drawn(shape: FlatInput, lattice: FlatLattice, center: NDArray[np.float64]) -> InputLayers:
-    layers = layers_of(shape, np.arange(len(shape.rings)))
-    colors = np.stack([shape.colors[layer[0]] for layer in layers]).astype(np.float64)
-    if len(layers) == 1:
-        return InputLayers(colors, None)
-    corner, scale = lattice.origin + center, 1.0 / lattice.spacing
-    filled = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers]
-    shares = np.stack([coverage(own.moved(-corner * scale, scale), lattice.shape) for own in filled])
-    # What comes later is painted over what comes before.
-    beyond = np.ones(lattice.shape)
-    for own in shares[::-1]:
-        own *= beyond
-        beyond = beyond - own
-    whole = shares.sum(axis=0)
-    nearest = distance_transform_edt(whole < 0.5, return_distances=False, return_indices=True)
-    known = np.where(whole >= 0.5, shares / np.maximum(whole, 0.5), 0.0)
-    known = known[(slice(None), *nearest)]
-    return InputLayers(colors, np.stack([gaussian_filter(own, _BLUR) for own in known]).astype(np.float32))
 
 
 def colored_regions(

@@ -22,14 +22,16 @@ from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
 from ..workers import frame_workers
+from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
 from .morph import VOXEL_SHARE, MorphStep, prepared_problem
-from .morph_problem import MorphFrame, MorphPart, MorphProblem
+from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .parts import FaceLabels, matched, unparted
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
+from .transport_problem import MorphPart
 from .volumes import fitting_workers
 
 # Share of the progress at which frames that were missing are there.
@@ -213,7 +215,7 @@ def _frame_at(
 def _usable(frame: MorphFrame, problem: MorphProblem) -> bool:
     """Whether a frame has potentials that can be of this problem; inputs have none."""
     lattice, least = problem.lattice, problem.settings.sigma
-    return len(frame.potentials) == len(problem.parts) and all(
+    return len(frame.potentials) == len(problem.transport.parts) and all(
         part.suit(lattice.shape, frame.blend.weights) and least <= part.sigma <= max(lattice.shape)
         for part in frame.potentials
     )
@@ -229,7 +231,9 @@ def _started(
 ) -> MorphFrame | None:
     """Solve from the potentials of one or two neighbors; None where that does not end soon."""
     solved, sigmas = [], [part.sigma for part in known[0].potentials]
-    for index, (part, limit) in enumerate(zip(problem.parts, problem.entropy_limits(place.blend), strict=True)):
+    volumes = problem.transport.blend_volumes(place.blend)
+    limits = problem.transport.entropy_limits(volumes)
+    for index, (part, limit) in enumerate(zip(problem.transport.parts, limits, strict=True)):
         starts = [frame.potentials[index].barycenter(frame.blend.weights) for frame in known]
         inputs = _inputs(part, problem, sigmas[index])
         try:
@@ -238,7 +242,7 @@ def _started(
             return None
         if not solved[-1].converged:
             return None
-    return surfaced_frame(problem, place.blend, solved, sigmas)
+    return surfaced_frame(problem, SolvedBlend(place.blend, tuple(solved), tuple(sigmas), volumes))
 
 
 def _inputs(part: MorphPart, problem: MorphProblem, sigma: float) -> Inputs:

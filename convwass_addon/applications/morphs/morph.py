@@ -157,9 +157,9 @@ def morph(
             problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads, check)
             problem = replace(problem, keeps_potentials=store is not None and store.keeps_potentials)
             most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
-            if previews and executor is None and problem.sketch_depth:
+            if previews and executor is None and problem.transport.sketch_depth:
                 needed = problem.lattice.memory(shapes, most, matching.count)
-                chosen = _previewed(missing, looked_at, problem.sketch_bytes, needed)
+                chosen = _previewed(missing, looked_at, problem.transport.sketch_bytes, needed)
                 sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, chosen, check, most))
                 pending = sketched.frames
                 yield from _previews(sketched, check)

@@ -26,6 +26,8 @@ from scipy.spatial import cKDTree
 from ...transport import Barycenter, Grid
 from ...transport.domain import LOG_NOTHING
 from ...transport.fidelity import fidelity
+from .blend_solver import SolvedBlend
+from .transport_problem import TransportProblem
 from .volumes import Lattice
 
 # Interpolated values count where cells that are known have at least this share of them.
@@ -52,6 +54,14 @@ class PartTransport:
     grid: Grid
     volume: float
     reach: float | None = None
+
+
+def part_transports(solved: SolvedBlend, problem: TransportProblem) -> list[PartTransport]:
+    """Return what the maps of every part of a blend are read from."""
+    return [
+        PartTransport(part, problem.lattice.grid(sigma), float(volume), problem.settings.reach)
+        for part, sigma, volume in zip(solved.parts, solved.sigmas, solved.volumes, strict=True)
+    ]
 
 
 def blend_origins(

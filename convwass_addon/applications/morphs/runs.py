@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from ...errors import Cancelled, InputError
 from ...geometry.mending import Connectivity
 from ..workers import frame_workers, one_blas_thread
-from .blending import Sketch, sketch_blends, solve_blends
+from .blending import HandOver, Sketch, sketch_blends, solve_blends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .spare_threads import SpareThreads
@@ -24,6 +24,9 @@ RUN_LENGTH = 4
 weigh much, and few enough for the first frames to be there soon."""
 
 Run = tuple[Blend, ...]
+Frame = TypeVar("Frame")
+RunSolver = Callable[[Run, Callable[[], None], HandOver], "list[Frame]"]
+"""Makes the frames of a run; calls the second argument between iterations, and gives the third what reads a frame."""
 Pending = dict["Future[list[MorphFrame]]", int]
 """What is still being solved: the index of the run for each future."""
 
@@ -98,27 +101,51 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
 def runs_in_threads(
     problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
 ) -> Iterator[Pending]:
+    """Solve runs of a morph of solids in threads; see :func:`solved_in_threads`."""
+
+    def solve(run: Run, check: Callable[[], None], hand_over: HandOver) -> list[MorphFrame]:
+        return solve_blends(problem, run, check, None, hand_over)
+
+    with solved_in_threads(solve, problem.transport.effort, runs, check, workers) as pending:
+        yield pending
+
+
+@contextmanager
+def solved_in_threads(
+    solve: RunSolver,
+    effort: Callable[[Blend], float],
+    runs: dict[int, Run],
+    check: Callable[[], None] | None,
+    workers: int,
+) -> Iterator[Pending]:
     """Solve runs in threads, which stop between two iterations once nobody waits for them any more.
 
     The longest comes first, so that it is not left over when the others are done; these come in order, since what is
     made of them begins with the first.
+
+    Parameters
+    ----------
+    solve : callable
+        Makes the frames of one run.
+    effort : callable
+        Estimates how long a blend takes beside others.
+    runs : dict
+        All of them.
+    check : callable or None
+        Called between iterations; what it raises ends the work.
+    workers : int
+        How many threads.
     """
     with _threads(check, workers) as (executor, check_both):
         spare = SpareThreads(executor, len(runs), workers - 1)
-        longest = max(runs, key=lambda index: sum(map(problem.effort, runs[index])))
+        longest = max(runs, key=lambda index: sum(map(effort, runs[index])))
         order = sorted(runs, key=lambda index: (index != longest, index))
-        yield {executor.submit(_solve, problem, runs[index], check_both, spare): index for index in order}
+        yield {executor.submit(_begin, solve, runs[index], check_both, spare): index for index in order}
 
 
-def _solve(
-    problem: MorphProblem,
-    run: Run,
-    check: Callable[[], None],
-    spare: SpareThreads,
-    sketches: Sequence[Sketch] | None = None,
-) -> list[MorphFrame]:
+def _begin(solve: RunSolver, run: Run, check: Callable[[], None], spare: SpareThreads) -> list[Frame]:
     spare.begin()
-    return solve_blends(problem, run, check, sketches, spare.hand_over)
+    return solve(run, check, spare.hand_over)
 
 
 @contextmanager
@@ -164,7 +191,9 @@ def _begun(
         for index in sketched:
             if place < len(runs[index]):
                 sketches[index].append(executor.submit(_next_sketch, chains[index], sketches[index][-1:]))
-    connectivity = [executor.submit(problem.shape_connectivity, index) for index in range(len(problem.volumes))]
+    connectivity = [
+        executor.submit(problem.shape_connectivity, index) for index in range(len(problem.transport.volumes))
+    ]
     frames = {
         executor.submit(_solve_sketched, problem, run, check, spare, connectivity, sketches.get(index)): index
         for index, run in runs.items()
@@ -190,7 +219,8 @@ def _solve_sketched(
 ) -> list[MorphFrame]:
     known = None if sketches is None else [sketch.result() for sketch in sketches]
     whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity))
-    return _solve(whole, run, check, spare, known)
+    spare.begin()
+    return solve_blends(whole, run, check, known, spare.hand_over)
 
 
 @contextmanager

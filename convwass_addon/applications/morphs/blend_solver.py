@@ -1,0 +1,203 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Barycenters of the parts of blends, a run of neighbors at a time; what is read from them is said elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
+from .layouts import Blend
+from .merging import MergedParts, merged_parts
+from .transport_problem import MorphPart, TransportProblem
+
+# By how much the automatic blur grows where it does not reach.
+_WIDEN = 1.25
+
+
+@dataclass(frozen=True)
+class PartSketch:
+    """The coarse levels of one part of a blend.
+
+    Attributes
+    ----------
+    solved : Barycenter
+        On a coarser grid.
+    sigma : float
+        Its blur in cells of any level.
+    initial : Barycenter or None
+        The sketch that it was started from.
+    """
+
+    solved: Barycenter
+    sigma: float
+    initial: Barycenter | None
+
+
+@dataclass(frozen=True)
+class SolvedBlend:
+    """A blend as the barycenters of its parts.
+
+    A transport that sends every part to itself is block-diagonal, so the barycenter under it is the sum of the
+    barycenters of the parts.
+
+    Attributes
+    ----------
+    blend : Blend
+        Which one; no input as it is.
+    parts : tuple of Barycenter
+        One per part.
+    sigmas : tuple of float
+        The blur of each in cells.
+    volumes : (p,) float64
+        The volume that each is to have, in cells.
+    """
+
+    blend: Blend
+    parts: tuple[Barycenter, ...]
+    sigmas: tuple[float, ...]
+    volumes: NDArray[np.float64]
+
+    def merged(self) -> MergedParts:
+        """Return the sum of the parts."""
+        return merged_parts([part.density for part in self.parts], self.volumes)
+
+    def figures(self) -> dict[str, object]:
+        """Say for a record how the parts were solved: figures of the worst of them, iterations of all."""
+        records = [part.record() for part in self.parts]
+        if len(records) == 1:
+            return records[0]
+        worst = max(records, key=lambda record: (not record["converged"], record["marginal_error"] or 0.0))
+        return {**worst, "iterations": tuple(map(sum, zip(*(part.iterations for part in self.parts), strict=True)))}
+
+    def part_figures(self, problem: TransportProblem, merged: MergedParts) -> dict[str, object]:
+        """Say for a record what there is of every part; nothing of one alone."""
+        if len(self.parts) == 1 and not problem.notices:
+            return {}
+        names = (part.name for part in problem.parts)
+        return {
+            "parts": dict(zip(names, (self.volumes / self.volumes.sum()).tolist(), strict=True)),
+            "overlap": merged.overlap,
+            "notices": tuple((notice.kind, notice.name) for notice in problem.notices),
+        }
+
+
+class BlendSolver:
+    """Solves blend after blend, each started from the one before.
+
+    Parameters
+    ----------
+    problem : TransportProblem
+        The shapes and the settings.
+    check : callable, optional
+        Called between iterations; what it raises ends the solve.
+    """
+
+    def __init__(self, problem: TransportProblem, check: Callable[[], None] | None = None) -> None:
+        self._problem = problem
+        self._parts = [_PartSolver(part, problem, check) for part in problem.parts]
+
+    def solve(self, blend: Blend, volumes: NDArray[np.float64], sketch: Sequence[PartSketch] = ()) -> SolvedBlend:
+        """Solve a blend whose parts have `volumes`, (p,) cells, going on from its sketch where there is one."""
+        limits = self._problem.entropy_limits(volumes)
+        known = sketch or [None] * len(self._parts)
+        solved = tuple(part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True))
+        return SolvedBlend(blend, solved, tuple(part.sigma for part in self._parts), volumes)
+
+    def sketch(self, blend: Blend, volumes: NDArray[np.float64]) -> tuple[PartSketch, ...]:
+        """Solve the coarse levels of the same; for a problem with a `sketch_depth`."""
+        limits = self._problem.entropy_limits(volumes)
+        return tuple(part.sketch(blend, limit) for part, limit in zip(self._parts, limits, strict=True))
+
+
+class _PartSolver:
+    """Solves one part of blend after blend, each started from what the ones before teach."""
+
+    def __init__(self, part: MorphPart, problem: TransportProblem, check: Callable[[], None] | None) -> None:
+        self._inputs = part.inputs
+        self._lattice = problem.lattice
+        self._settings = problem.settings
+        self._check = check
+        self._depth = problem.sketch_depth
+        self._last: Barycenter | None = None
+        # The sketch that the last one went on from.
+        self._begun: Barycenter | None = None
+        self.sigma = problem.settings.sigma
+
+    def solve(self, blend: Blend, limit: Literal["max"] | float | None, sketch: PartSketch | None = None) -> Barycenter:
+        """Solve with the blur of the settings; where that was left open, with the least that is needed above it."""
+
+        def finished(inputs: Inputs, options: dict[str, object]) -> Barycenter:
+            begun = self._usable(sketch, inputs.domain.sigma, options["initial"])
+            solved = barycenter(inputs, blend.weights, inputs.domain, begun=begun, **options)
+            self._begun = begun
+            return solved
+
+        return self._widening(blend, limit, finished)
+
+    def sketch(self, blend: Blend, limit: Literal["max"] | float | None) -> PartSketch:
+        """Solve the coarse levels in the same way."""
+        started_from: list[Barycenter | None] = []
+
+        def sketched(inputs: Inputs, options: dict[str, object]) -> Barycenter:
+            for _ in range(self._depth):
+                inputs = inputs.coarser
+            started_from[:] = [options["initial"]]
+            return barycenter(inputs, blend.weights, inputs.domain, **options)
+
+        solved = self._widening(blend, limit, sketched)
+        return PartSketch(solved, self.sigma, *started_from)
+
+    def _usable(self, sketch: PartSketch | None, sigma: float, initial: Barycenter | None) -> Barycenter | None:
+        """Return the sketch if it is what would be solved here: of the same blur, and started in the same way."""
+        if sketch is None or sketch.sigma != sigma:
+            return None
+        if initial is None:
+            return sketch.solved if sketch.initial is None else None
+        return sketch.solved if sketch.initial is not None and sketch.initial is self._begun else None
+
+    def _widening(
+        self,
+        blend: Blend,
+        limit: Literal["max"] | float | None,
+        solve: Callable[[Inputs, dict[str, object]], Barycenter],
+    ) -> Barycenter:
+        if self._settings.blur is not None:
+            return self._solve_on(self._inputs, blend, limit, "automatic", solve)
+        inputs, sigma = self._inputs, self._settings.sigma
+        while True:
+            try:
+                return self._solve_on(inputs, blend, limit, "scaling", solve)
+            except KernelTooNarrowError:
+                # A frame close to one shape reaches farther to the other, and may need a wider kernel than the rest.
+                self._last = None
+                sigma *= _WIDEN
+                inputs = self._inputs.on(self._lattice.grid(sigma))
+
+    def _solve_on(
+        self,
+        inputs: Inputs,
+        blend: Blend,
+        limit: Literal["max"] | float | None,
+        numerics: Literal["automatic", "scaling"],
+        solve: Callable[[Inputs, dict[str, object]], Barycenter],
+    ) -> Barycenter:
+        sigma = inputs.domain.sigma
+        options = {
+            "sharpness": self._settings.sharpness_at(blend.weights),
+            "entropy_limit": limit,
+            "reach": self._settings.reach,
+            "initial": self._last if sigma == self.sigma else None,
+            "tolerance": self._settings.stopping_error,
+            "max_iterations": self._settings.max_iterations,
+            "numerics": numerics,
+            "monitor": None if self._check is None else lambda *_: self._check(),
+        }
+        solved = solve(inputs, options)
+        self._last, self.sigma = solved, sigma
+        return solved

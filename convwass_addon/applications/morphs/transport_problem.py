@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is transported in a morph, of solids or in a plane: the parts of all shapes as distributions on one grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...transport import Grid, Inputs
+from .layouts import Blend
+from .morph_settings import MorphSettings
+from .parts import PartNotice, SplitShapes
+
+# Sketches are solved on the finest of the coarser levels that has so few cells.
+_SKETCH_CELLS = 300_000
+# Most bytes per cell of the level it is solved on, measured, that a sketch keeps until its blend is finished: for all
+# cells, for those that the largest shape fills, and for every further part.
+_SKETCH_BYTES, _SKETCH_BYTES_FILLED, _SKETCH_BYTES_PART = 52, 85, 45
+
+
+class GridLattice(Protocol):
+    """The common grid of the shapes, in space or in a plane: :class:`.Lattice` or :class:`.FlatLattice`.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Cells per axis.
+    spacing : float
+        Size of a cell in scene units.
+    """
+
+    shape: tuple[int, ...]
+    spacing: float
+
+    def grid(self, sigma: float) -> Grid:
+        """Return the transport domain with a kernel of `sigma` cells."""
+
+
+@dataclass(frozen=True)
+class MorphPart:
+    """What is transported by itself: a part of all shapes, or the whole shapes.
+
+    Attributes
+    ----------
+    name : str
+        What the record calls it.
+    inputs : Inputs
+        The part of every shape as a distribution.
+    volumes : (k,) float64
+        Its volume in every shape, in cells.
+    """
+
+    name: str
+    inputs: Inputs
+    volumes: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TransportProblem:
+    """The distributions whose barycenters are the blends; can be sent to another process.
+
+    Attributes
+    ----------
+    parts : tuple of MorphPart
+        One, unless parts travel together.
+    lattice : GridLattice
+        Where the cells of the shapes are.
+    settings : MorphSettings
+        How to blend them.
+    notices : tuple of PartNotice
+        What the user should know about the parts.
+    """
+
+    parts: tuple[MorphPart, ...]
+    lattice: GridLattice
+    settings: MorphSettings
+    notices: tuple[PartNotice, ...] = ()
+
+    @classmethod
+    def of(cls, shapes: SplitShapes, lattice: GridLattice, settings: MorphSettings) -> TransportProblem:
+        """Turn the cells that shapes fill into distributions."""
+        grid = lattice.grid(settings.sigma)
+        parts = tuple(
+            MorphPart(name, Inputs.of(densities, grid), volumes)
+            for name, densities, volumes in zip(shapes.names, shapes.densities, shapes.volumes, strict=True)
+        )
+        return cls(parts, lattice, settings, shapes.notices)
+
+    @property
+    def volumes(self) -> NDArray[np.float64]:
+        """Volumes of the shapes in cells, (k,)."""
+        return np.sum([part.volumes for part in self.parts], axis=0)
+
+    def input_volume(self, index: int) -> float:
+        """Volume of shape `index`, or its area in a plane, in scene units."""
+        return self.volumes[index] * self.lattice.spacing ** len(self.lattice.shape)
+
+    def occupancy(self, index: int) -> NDArray[np.float64]:
+        """Share of every cell that shape `index` fills, all of its parts together."""
+        occupancy = np.zeros(self.lattice.shape)
+        for part in self.parts:
+            level = part.inputs.levels[-1]
+            filled = np.exp(level.log_mus[index])
+            occupancy.reshape(-1)[level.regions[index].index] += filled * (part.volumes[index] / filled.sum())
+        return occupancy
+
+    @property
+    def sketch_depth(self) -> int:
+        """How many levels finer than a sketch the blends are; 0 where the grid has no coarser one to sketch on."""
+        *coarser, _ = (level.domain.cells for level in self.parts[0].inputs.levels)
+        if not coarser:
+            return 0
+        return len(coarser) + 1 - max(sum(cells <= _SKETCH_CELLS for cells in coarser), 1)
+
+    @property
+    def sketch_bytes(self) -> int:
+        """What one sketch keeps at the most until its blend is finished."""
+        cells = float(np.prod(self.lattice.shape))
+        filled = float(self.volumes.max()) / cells
+        of_cell = _SKETCH_BYTES + _SKETCH_BYTES_FILLED * filled + _SKETCH_BYTES_PART * (len(self.parts) - 1)
+        return int(cells / 8**self.sketch_depth * of_cell)
+
+    def effort(self, blend: Blend) -> float:
+        """Estimate how long a blend takes beside others: the kernel works on boxes as large as those of its shapes."""
+        if blend.source is not None:
+            return 0.0
+        boxes = np.zeros(len(self.volumes))
+        for part in self.parts:
+            boxes += [region.box_cells for region in part.inputs.levels[-1].regions]
+        return float(boxes @ blend.weights)
+
+    def blend_volumes(self, blend: Blend) -> NDArray[np.float64]:
+        """Volumes of the parts of a blend in cells, (p,)."""
+        return np.array([float(np.dot(blend.weights, part.volumes)) for part in self.parts])
+
+    def entropy_limits(self, volumes: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
+        """Entropy bounds of parts of a blend that have these volumes, (p,).
+
+        Densities of mass m in places of their own add up to m (H - ln m).
+        """
+        limit = self.settings.entropy_limit
+        if limit is None or limit == "max":
+            return [limit] * len(self.parts)
+        return [limit + float(np.log(share)) for share in volumes / volumes.sum()]
