@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .bregman import BregmanIteration
 from .checks import check_entropy_limit, check_sharpness, check_solver, check_weights
-from .domain import LOG_NOTHING, Domain
+from .domain import Domain
 from .inputs import Inputs, Level
+from .log_range import LOG_NOTHING
 from .potentials import Potentials
 from .region import Region
 from .sharpening import entropy

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .barycenter import Barycenter, barycenter
-from .domain import LOG_NOTHING
 from .inputs import Inputs
+from .log_range import LOG_NOTHING
 from .potentials import Potentials
 from .region import Region
 from .sinkhorn import Monitor

@@ -10,9 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, RELEVANT, KernelTooNarrowError, Multiscale, total_mass
+from .domain import KernelTooNarrowError, Multiscale, total_mass
 from .fidelity import fidelity
 from .inputs import Level
+from .log_range import LOG_NOTHING, RELEVANT
 from .pieces import PieceMasses
 from .potentials import Potentials
 from .region import Region

@@ -5,22 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-if TYPE_CHECKING:
-    from .region import Region
-
-# Logarithm that stands for "nothing here": far below all that float64 scalings can express, still finite.
-LOG_NOTHING = -1e4
-# The largest scaling is exp(600): half of the range of float64 lies below one, and no row of a kernel sums to more.
-HEADROOM = 600.0
-# Scalings below this would only produce subnormal products, which are many times slower.
-NEGLIGIBLE = 1e-290
-# Densities below exp(-600) are quotients of roundings: scalings there must not leak into their neighborhood.
-RELEVANT = 600.0
+from .region import Region
 
 
 class KernelTooNarrowError(ArithmeticError):
@@ -133,12 +123,3 @@ def total_mass(density: NDArray[np.float64], weights: float | NDArray[np.float64
     if isinstance(weights, float):
         return float(density.sum()) * weights
     return float((density * weights).sum())
-
-
-def floored_log(values: NDArray[np.float64], shift: float | NDArray[np.float64] = 0.0) -> None:
-    """Take the logarithm of an array of any shape in place and add `shift`; LOG_NOTHING where there is nothing."""
-    with np.errstate(divide="ignore"):
-        np.log(values, out=values)
-    # Nothing stays nothing: the floor comes last, since a large shift would lift it to where it looks like a result.
-    values += shift
-    np.maximum(values, LOG_NOTHING, out=values)

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .domain import LOG_NOTHING, Domain
+from .domain import Domain
+from .log_range import LOG_NOTHING
 
 
 def point_distances(sources: int | Sequence[int] | ArrayLike, domain: Domain) -> NDArray[np.float64]:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
-from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .gaussian import GaussianKernel
 from .log_lines import log_blur
+from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .matrix_product import contract
 from .region import Region, ThroughWholeArrays
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas
 
-from .domain import LOG_NOTHING, NEGLIGIBLE, floored_log
+from .log_range import LOG_NOTHING, NEGLIGIBLE, floored_log
 
 # Cells of a block, in standard deviations: across one the kernel falls by e^-100, which float64 holds with room.
 _BLOCK = 14.0

@@ -9,7 +9,8 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .domain import LOG_NOTHING, Domain, KernelTooNarrowError
+from .domain import Domain, KernelTooNarrowError
+from .log_range import LOG_NOTHING
 
 
 def transport_map(log_scaling: ArrayLike, domain: Domain, values: ArrayLike | None = None) -> NDArray[np.float64]:

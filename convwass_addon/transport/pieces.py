@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, Domain
+from .domain import Domain
+from .log_range import LOG_NOTHING
 
 
 @dataclass(frozen=True)

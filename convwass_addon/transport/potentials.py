@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, Multiscale
+from .domain import Multiscale
+from .log_range import LOG_NOTHING
 from .region import Region
 
 

@@ -7,8 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, RELEVANT, Domain, Multiscale
+from .domain import Domain, Multiscale
 from .graph import PropagationGraph
+from .log_range import LOG_NOTHING, RELEVANT
 from .pieces import PieceMasses
 from .region import Region
 from .relaxation import AdaptiveRelaxation

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from .domain import LOG_NOTHING
+from .log_range import LOG_NOTHING
 
 Box = tuple[slice, ...]
 

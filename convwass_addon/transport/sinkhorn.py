@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import LOG_NOTHING, Domain, KernelTooNarrowError
+from .domain import Domain, KernelTooNarrowError
+from .log_range import LOG_NOTHING
 from .relaxation import AdaptiveRelaxation
 from .stepwise import Round, finished
 

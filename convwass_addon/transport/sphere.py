@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
+from .domain import KernelTooNarrowError
 from .gaussian import GaussianKernel
+from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .region import Region, ThroughWholeArrays
 from .sphere_filter import SphereFilter
 from .zonal_kernel import ZonalKernel, log_zonal

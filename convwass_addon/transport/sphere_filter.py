@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import NEGLIGIBLE
+from .log_range import NEGLIGIBLE
 from .matrix_product import contract
 
 # Azimuths over which the blur along meridians is averaged.

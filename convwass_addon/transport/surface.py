@@ -14,7 +14,8 @@ from scipy.sparse import diags_array
 from ..geometry.edges import vertex_components
 from ..geometry.factorization import Factorization, factorize
 from ..geometry.mesh import TriangleMesh
-from .domain import HEADROOM, LOG_NOTHING, NEGLIGIBLE, KernelTooNarrowError, floored_log
+from .domain import KernelTooNarrowError
+from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .matern import cost_slope, kernel_distance, squared_distance
 from .mesh_levels import MeshLevel
 from .region import Region, ThroughWholeArrays

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .domain import NEGLIGIBLE
+from .log_range import NEGLIGIBLE
 from .matrix_product import contract
 
 # Offsets in longitude that share a matrix product, whose result is then added once.

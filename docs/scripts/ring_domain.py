@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from scipy.special import logsumexp
 
 from convwass_addon.transport import barycenter, distance
-from convwass_addon.transport.domain import LOG_NOTHING
 from convwass_addon.transport.gaussian import GaussianKernel
+from convwass_addon.transport.log_range import LOG_NOTHING
 from convwass_addon.transport.region import ThroughWholeArrays
 
 # Turns of the ring from which heat still arrives.

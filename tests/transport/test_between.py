@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_beside, barycenter_between
-from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.log_range import LOG_NOTHING
 from convwass_addon.transport.potentials import Potentials
 from convwass_addon.transport.region import Region
 

@@ -9,8 +9,8 @@ from hypothesis.extra import numpy as npst
 from scipy.ndimage import gaussian_filter
 
 from convwass_addon.transport import Grid
-from convwass_addon.transport.domain import LOG_NOTHING
 from convwass_addon.transport.log_lines import log_blur
+from convwass_addon.transport.log_range import LOG_NOTHING
 from convwass_addon.transport.region import Region
 
 SHAPES = [(40,), (20, 31), (18, 24, 13)]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from convwass_addon.transport import Grid, barycenter, distance, transport_map
-from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.log_range import LOG_NOTHING
 from tests.transport import gaussians
 from tests.transport.gaussians import gaussian
 

@@ -23,7 +23,7 @@ from convwass_addon.transport import (
     propagate,
     transport_map,
 )
-from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.log_range import LOG_NOTHING
 
 MANY = settings(max_examples=60, deadline=None, derandomize=True)
 LARGEST_SIZE = {1: 40, 2: 18, 3: 8}

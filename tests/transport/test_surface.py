@@ -8,7 +8,7 @@ import pytest
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.transport import KernelTooNarrowError, Surface, barycenter, distance, point_distances
-from convwass_addon.transport.domain import LOG_NOTHING
+from convwass_addon.transport.log_range import LOG_NOTHING
 from tests.shapes import ball, box, joined, torus, with_faces
 from tests.transport.sheets import sheet, sheet_mesh, strip
 from tests.transport.spheres import angles, cap, icosphere, sphere

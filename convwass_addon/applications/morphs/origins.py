@@ -24,8 +24,8 @@ from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
 from ...transport import Barycenter, Grid
-from ...transport.domain import LOG_NOTHING
 from ...transport.fidelity import fidelity
+from ...transport.log_range import LOG_NOTHING
 from .blend_solver import SolvedBlend
 from .transport_problem import TransportProblem
 from .volumes import Lattice

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...transport import Barycenter
-from ...transport.domain import LOG_NOTHING
+from ...transport.log_range import LOG_NOTHING
 from ...transport.potentials import Potentials
 from ...transport.region import Region
 

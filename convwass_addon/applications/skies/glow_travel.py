@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...transport import Inputs, KernelTooNarrowError, Sphere
 from ...transport.barycenter import Barycenter, barycenter
-from ...transport.domain import LOG_NOTHING
+from ...transport.log_range import LOG_NOTHING
 from ...transport.sphere import directions
 from .sky_images import LUMINANCE, light_of, shrunk
 from .sky_settings import SkySettings
