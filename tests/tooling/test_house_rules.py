@@ -164,6 +164,28 @@ def test_the_rule_notices(room, name):
     assert complaint(room, name)
 
 
+def imported_modules(module: str) -> set[str]:
+    """Return the modules of the package that a module imports, in functions and for types too."""
+    found = set()
+    for _, name in imports_of(module):
+        parts = name.split("/")[1:] if name.startswith("./") else []
+        # What is imported is a module, or a name in one.
+        candidates = ["/".join(taken) for taken in (parts, parts[:-1]) if taken]
+        files = [f"{path}{end}" for path in candidates for end in (".py", "/__init__.py")]
+        found.update([file for file in files if (PACKAGE / file).is_file()][:1])
+    return found - {module}
+
+
+def test_imports_make_no_circle():
+    imports = {module: imported_modules(module) for module in modules()}
+    with_imports = sum(map(bool, imports.values()))
+    assert with_imports > 300
+    while imports:
+        free = {module for module, needed in imports.items() if not needed & imports.keys()}
+        assert free, f"these modules import each other: {sorted(imports)}"
+        imports = {module: needed for module, needed in imports.items() if module not in free}
+
+
 def test_arrays_need_no_blender():
     """Nor does importing any one module of these rooms bring it in by a way around."""
     names = [module for module in modules() if room_of(module) in WITHOUT_BLENDER]
