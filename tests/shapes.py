@@ -46,6 +46,20 @@ def torus(major=1.0, minor=0.35, center=(0.0, 0.0, 0.0), segments=(48, 24)):
     return TriangleMesh.from_arrays(vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]))
 
 
+def tube_with_caps(radius=0.7, height=4.0, sides=64):
+    """A closed prism about the z axis, centered at the origin."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    low, high = (np.c_[rim, np.full(sides, side * height / 2)] for side in (-1, 1))
+    here = np.arange(sides)
+    after = np.roll(here, -1)
+    bottom, top = np.full(sides, 2 * sides), np.full(sides, 2 * sides + 1)
+    faces = [(here, after, after + sides), (here, after + sides, here + sides)]
+    faces += [(after, here, bottom), (here + sides, after + sides, top)]
+    corners = np.concatenate([np.stack(triple, axis=1) for triple in faces])
+    return TriangleMesh.from_arrays(np.r_[low, high, [(0, 0, -height / 2), (0, 0, height / 2)]], corners)
+
+
 def square(size=1.0, center=(0.0, 0.0, 0.0)):
     """A flat square, which encloses nothing."""
     corners = np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]) * size + center
