@@ -29,7 +29,7 @@ from scipy.spatial.transform import Rotation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.parts import FaceLabels
+from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.transport import (
     Grid,

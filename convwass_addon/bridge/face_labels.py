@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from scipy.sparse import csr_array
 
-from ..applications.morphs.parts import FaceLabels
+from ..applications.morphs.part_labels import FaceLabels
 
 
 def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:

@@ -17,7 +17,7 @@ import bpy
 from ..applications.whole_paths import whole_path
 from ..errors import InputError
 from .blend_files import appended_objects, listed_names
-from .flat.flat_objects import is_drawn_flat
+from .flat.flat_kinds import is_drawn_flat
 from .objects import frozen_copy
 from .workshop import reason, workshop
 

@@ -7,15 +7,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import bpy
 import numpy as np
 
-from ..applications.morphs.parts import FaceLabels
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
-from .face_labels import LABELS
+
+if TYPE_CHECKING:
+    from ..applications.morphs.part_labels import FaceLabels
 
 _PLACES = 17
 
@@ -95,6 +96,8 @@ def labeled_mesh(
     InputError
         As `triangle_mesh`.
     """
+    from .face_labels import LABELS
+
     with _evaluated(obj, depsgraph, kinds) as evaluated:
         try:
             mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)

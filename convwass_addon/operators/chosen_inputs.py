@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..bridge.active import selected_objects
-from ..bridge.flat.flat_objects import is_shape
+from ..bridge.flat.flat_kinds import is_shape
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
 

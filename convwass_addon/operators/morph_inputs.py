@@ -10,7 +10,8 @@ from bpy.props import IntProperty
 
 from ..applications.morphs.shape_check import ShapeFindings, check_shape
 from ..bridge.active import selected_objects
-from ..bridge.flat.flat_objects import flat_objects, is_shape, looks_flat
+from ..bridge.flat.flat_kinds import is_shape, looks_flat
+from ..bridge.flat.flat_objects import flat_objects
 from ..bridge.objects import triangle_mesh
 from ..errors import ConvwassError, InputError
 from ..preferences import preferences

@@ -17,8 +17,9 @@ from ..applications.palettes.recoloring import Recoloring
 from ..applications.whole_paths import share_a_place
 from ..bridge.files import checked_folder
 from ..bridge.handles import Handle
-from ..bridge.palettes.clip_frames import ClipFrames, first_number, is_clip, sequence_image
+from ..bridge.palettes.clip_frames import ClipFrames, first_number, sequence_image
 from ..bridge.palettes.image_files import save_pixels
+from ..bridge.palettes.image_kinds import is_clip
 from ..drafts import DraftFiles
 from ..errors import InputError
 from ..properties.recolor import RecolorProperties, clip_folder_property

@@ -12,8 +12,9 @@ from ..applications.palettes.lookup_table import LookupTable
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
-from ..bridge.palettes.clip_frames import ClipFrames, is_clip
+from ..bridge.palettes.clip_frames import ClipFrames
 from ..bridge.palettes.grade_nodes import grade_group
+from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError
 from ..properties.recolor import RecolorProperties, cube_size_property
 from .background import BackgroundOperator

@@ -19,7 +19,7 @@ from ..applications.palettes.png_bytes import png_bytes
 from ..applications.palettes.recolor_job import Picture, RecolorStep, recolor_steps
 from ..applications.palettes.recoloring import Recoloring
 from ..bridge.handles import Handle
-from ..bridge.palettes.clip_frames import is_clip
+from ..bridge.palettes.image_kinds import is_clip
 from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
 from ..errors import InputError
 from ..properties.recolor import RecolorProperties

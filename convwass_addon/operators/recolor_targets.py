@@ -10,7 +10,8 @@ import bpy
 from bpy.props import StringProperty
 
 from ..applications.palettes.recolor_job import Picture
-from ..bridge.palettes.image_pixels import RESULT_OF, read_picture
+from ..bridge.palettes.image_kinds import RESULT_OF
+from ..bridge.palettes.image_pixels import read_picture
 from ..errors import InputError
 from .background import is_idle
 

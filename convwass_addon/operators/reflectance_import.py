@@ -10,8 +10,9 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
+from ..bridge.reflectance.frame_span import Frames
 from ..bridge.reflectance.lobe_files import read_lobe_file
-from ..bridge.reflectance.lobe_materials import Frames, lobe_material
+from ..bridge.reflectance.lobe_materials import lobe_material
 from ..errors import ConvwassError, InputError
 from ..properties.light import sun_of
 from .background import is_idle

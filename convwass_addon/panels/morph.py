@@ -8,7 +8,7 @@ import bpy
 from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..bridge.flat.flat_objects import is_shape, looks_flat
+from ..bridge.flat.flat_kinds import is_shape, looks_flat
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
 from ..operators.morph_inputs import (
     CONVWASS_OT_add_morph_inputs,

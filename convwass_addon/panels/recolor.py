@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.palettes.clip_frames import is_clip
+from ..bridge.palettes.image_kinds import is_clip
 from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
 from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
 from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT_write_cube

@@ -12,7 +12,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty,
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.skies.sky_settings import SkySettings
 from ..bridge.morphs.stored import FIRST_FRAMES
-from ..bridge.reflectance.lobe_materials import Frames
+from ..bridge.reflectance.frame_span import Frames
 
 MATERIALS = ("material", "material_2", "material_3", "material_4")
 """Names of the properties of materials; their weights are called weight, weight_2 and so on."""

@@ -17,7 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..bridge.flat.flat_objects import is_shape
+from ..bridge.flat.flat_kinds import is_shape
 from .morphs import MorphProperties
 
 VERDICTS = (

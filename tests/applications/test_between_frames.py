@@ -16,7 +16,7 @@ from convwass_addon.applications.morphs.frame_file import read_frame, write_fram
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.parts import FaceLabels
+from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
 from tests.shapes import ball, box, joined

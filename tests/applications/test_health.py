@@ -10,17 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.applications.morphs.health import (
-    TEXTS,
-    HealthNote,
-    finer,
-    health,
-    health_figures,
-    listed,
-    thin_parts,
-    wall_share,
-)
+from convwass_addon.applications.morphs.health import TEXTS, HealthNote, finer, health, health_figures, listed
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.thin_shapes import thin_parts, wall_share
 from convwass_addon.geometry.occupancy import occupancy
 
 from ..shapes import ball, box, joined

@@ -13,15 +13,8 @@ from convwass_addon.applications.morphs.layouts import single_blend
 from convwass_addon.applications.morphs.merging import merged_parts
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.parts import (
-    FaceLabels,
-    joined,
-    matched,
-    nearest_labels,
-    part_notices,
-    part_volumes,
-    unparted,
-)
+from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, part_notices, unparted
+from convwass_addon.applications.morphs.parts import joined, nearest_labels, part_volumes
 from convwass_addon.applications.morphs.volumes import Lattice, fitting_workers
 from convwass_addon.errors import InputError, ResourceError
 from convwass_addon.geometry.edges import topology

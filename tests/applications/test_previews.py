@@ -20,7 +20,7 @@ from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph, prepared_problem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.parts import FaceLabels, matched, unparted
+from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, unparted
 from convwass_addon.applications.morphs.reading import connectivity_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import voxelize

@@ -17,8 +17,9 @@ from convwass_addon.bridge.flat.choosing import asks_for_flat
 from convwass_addon.bridge.flat.flat_curves import mesh_of, write_curves
 from convwass_addon.bridge.flat.flat_images import silhouette_of
 from convwass_addon.bridge.flat.flat_job import FlatJob
+from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_moves import moved_flats
-from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat, looks_flat
+from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat
 from convwass_addon.bridge.flat.flat_rings import CurveLook
 from convwass_addon.bridge.flat.planes import Plane, blended_plane, plane_of
 from convwass_addon.bridge.morphs.stored import frame_objects

@@ -16,10 +16,11 @@ from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH, h
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.table_pictures import _directions_of, table_of_picture, table_picture
+from convwass_addon.bridge.reflectance.frame_span import Frames
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
 from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr, write_lobe_exr, write_table_exr
-from convwass_addon.bridge.reflectance.lobe_materials import FittedLook, Frames, fitted_material, lobe_material
+from convwass_addon.bridge.reflectance.lobe_materials import FittedLook, fitted_material, lobe_material
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH
 from convwass_addon.errors import InputError
 from tests.lights import glossy, only, principled

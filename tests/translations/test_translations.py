@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from convwass_addon import translations
-from convwass_addon.applications.morphs.parts import FaceLabels, matched
+from convwass_addon.applications.morphs.part_labels import FaceLabels, matched
 from convwass_addon.errors import InputError
 from convwass_addon.sentence import Sentence
 from convwass_addon.translations import catalog, languages, translated

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ..morphs.blend_solver import BlendSolver, SolvedBlend
 from ..morphs.blending import HandOver
-from ..morphs.health import wall_share
 from ..morphs.layouts import Blend
 from ..morphs.spare_threads import at_once
+from ..morphs.thin_shapes import wall_share
 from .flat_frames import FlatDensity, FlatFrame
 from .flat_origins import FlatOrigins
 from .flat_outlines import blend_outline, filled_area, own_outline

@@ -29,7 +29,7 @@ from .layouts import Blend
 from .morph import VOXEL_SHARE, MorphStep, prepared_problem
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .parts import FaceLabels, matched, unparted
+from .part_labels import FaceLabels, matched, unparted
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
 from .transport_problem import MorphPart
 from .volumes import fitting_workers

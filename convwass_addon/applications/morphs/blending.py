@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
-from .health import thin_parts, wall_share
 from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
@@ -21,6 +20,7 @@ from .origins import blend_origins, part_transports
 from .potentials import PartPotentials
 from .reading import own_surface, read_surface
 from .spare_threads import at_once
+from .thin_shapes import thin_parts, wall_share
 
 HandOver = Callable[[Callable[[], "MorphFrame"]], Callable[[], "MorphFrame"]]
 """Takes what makes a frame, and returns what waits for it."""

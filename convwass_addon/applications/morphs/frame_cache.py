@@ -22,7 +22,7 @@ from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
-from .parts import FaceLabels
+from .part_labels import FaceLabels
 
 
 class FrameCache:

@@ -13,7 +13,8 @@ from .blending import sketch_blends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .parts import Matching, joined, voxelized_parts
+from .part_labels import Matching
+from .parts import joined, voxelized_parts
 from .volumes import Lattice
 
 # Cells along the longest side, and how much finer a morph must be for a glance to be worth its time.

@@ -9,15 +9,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
-
-from ...geometry.isosurface import bounding_box
-from ...geometry.thin_parts import LostPart, lost_parts
 from ...sentence import Sentence
 from .morph_settings import MorphSettings
-from .parts import NOTICES, part_notices
+from .part_labels import NOTICES, part_notices
 
 Severity = Literal["INFO", "WARNING", "ERROR"]
 Value = str | int | float
@@ -48,7 +42,9 @@ SEVERITIES: dict[str, Severity] = {
 }
 
 # Parts at least so many cells thick survive a morph.
-_KEPT_CELLS = 2.0
+KEPT_CELLS = 2.0
+# What holds less of a shape than this is no part of it.
+LEAST_SHARE = 1e-3
 # Shares of the shape that are worth a word.
 _SHARE = 0.002
 _WALL_SHARE = 0.001
@@ -58,12 +54,6 @@ _WIDER = 1.01
 _STEP, _FINEST = 8, 512
 # By how much finer a resolution must be to make a difference, and how much finer to try where nothing was measured.
 _LEAST_FINER, _MUCH_FINER = 1.25, 1.5
-# Rods and fins are so many times as long as thick, and hold this share of a shape; otherwise they are its edges.
-_SLENDER, _LEAST_SHARE = 2.0, 1e-3
-# What lies within so many cells of thick parts belongs to them.
-_REACH = 2.0
-# How thick parts are of which no cell is filled by a tenth.
-_FAINT_CELLS = 0.5
 
 
 @dataclass(frozen=True)
@@ -146,60 +136,6 @@ def health_figures(record: Mapping[str, object]) -> dict[str, float]:
     return result
 
 
-def wall_share(density: NDArray[np.floating]) -> float:
-    """Share of the mass of a density, (nx, ny, nz) or (nx, ny), in the outermost cells of its grid."""
-    return 1.0 - float(density[(slice(1, -1),) * density.ndim].sum() / density.sum())
-
-
-def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
-    """Measure the rods and fins of a shape that are too thin to survive a morph.
-
-    Parameters
-    ----------
-    occupancy : (nx, ny, nz)
-        Share of every cell that is inside, from 0 to 1.
-
-    Returns
-    -------
-    dict
-        Ready for JSON: their ``share`` of the shape, and ``parts``, thinnest first, with thickness and length in cells.
-    """
-    low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
-    filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
-    inside = np.pad(filled > 0.5, 1)
-    depth = distance_transform_edt(inside)
-    # A rod as thick as what is kept has its axis so deep.
-    deepest = (_KEPT_CELLS + 1.0) / 2.0
-    core = depth > deepest
-    if not core.any():
-        return _thin_all_over(filled)
-    thick = inside & (distance_transform_edt(~core) <= deepest + 0.5)
-    lost = lost_parts(filled, thick[1:-1, 1:-1, 1:-1], _REACH)
-    thin = [part for part in lost.parts if _is_too_thin(part)]
-    parts = [{"thickness": part.thickness, "length": part.length} for part in thin]
-    share = sum(part.share for part in thin)
-    if lost.scattered >= _LEAST_SHARE:
-        # Too little in any one cell to be followed.
-        parts.append({"thickness": _FAINT_CELLS, "length": 0.0})
-        share += lost.scattered
-    return {"share": float(share), "parts": tuple(sorted(parts, key=lambda part: part["thickness"]))}
-
-
-def _thin_all_over(filled: NDArray[np.float64]) -> dict[str, object]:
-    """Measure a shape of which nothing is thick: a sheet as thick as its volume divided by its shadow."""
-    shadows = [np.count_nonzero(filled.max(axis=axis) > 0.25) for axis in range(3)]
-    thickness = float(filled.sum()) / max(*shadows, 1)
-    if thickness >= _KEPT_CELLS:
-        return {"share": 0.0, "parts": ()}
-    length = float(np.ptp(np.argwhere(filled > 0.25), axis=0).max() + 1) if max(shadows) else 0.0
-    return {"share": 1.0, "parts": ({"thickness": thickness, "length": length},)}
-
-
-def _is_too_thin(part: LostPart) -> bool:
-    slender = part.length >= _SLENDER * part.thickness
-    return slender and part.thickness < _KEPT_CELLS and part.share >= _LEAST_SHARE
-
-
 @dataclass(frozen=True)
 class _Frames:
     """Figures of all frames, and what to call these."""
@@ -238,7 +174,7 @@ def _number(figure: Mapping[str, object], name: str) -> float:
 
 def finer(resolution: int, cells: float) -> int:
     """Return the resolution at which something that is so many cells thick will be thick enough to survive."""
-    wanted = resolution * (max(_KEPT_CELLS / cells, _LEAST_FINER) if cells > 0.0 else _MUCH_FINER)
+    wanted = resolution * (max(KEPT_CELLS / cells, _LEAST_FINER) if cells > 0.0 else _MUCH_FINER)
     return min(math.ceil(wanted / _STEP) * _STEP, max(_FINEST, resolution))
 
 
@@ -255,7 +191,7 @@ def _too_coarse(figures: Sequence[dict[str, object]], resolution: int, names: Se
         index, cells = figure.get("input"), _number(figure, "thin_thickness")
         if not isinstance(index, int) or not 0 <= index < len(names) or index in said:
             continue
-        if _number(figure, "thin_share") >= _LEAST_SHARE and 0.0 < cells < _KEPT_CELLS:
+        if _number(figure, "thin_share") >= LEAST_SHARE and 0.0 < cells < KEPT_CELLS:
             said.add(index)
             values = {
                 "resolution": resolution,

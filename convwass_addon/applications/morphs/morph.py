@@ -29,7 +29,8 @@ from .layouts import Blend
 from .looks import Carried
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .parts import FaceLabels, Matching, joined, matched, unparted, voxelized_parts
+from .part_labels import FaceLabels, Matching, matched, unparted
+from .parts import joined, voxelized_parts
 from .runs import (
     RUN_LENGTH,
     Run,

@@ -16,7 +16,8 @@ from .blending import solve_blends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
-from .parts import Matching, joined, voxelized_parts
+from .part_labels import Matching
+from .parts import joined, voxelized_parts
 from .volumes import Lattice
 
 # Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ...transport import Grid, Inputs
 from .layouts import Blend
 from .morph_settings import MorphSettings
-from .parts import PartNotice, SplitShapes
+from .part_labels import PartNotice
+from .parts import SplitShapes
 
 # Sketches are solved on the finest of the coarser levels that has so few cells.
 _SKETCH_CELLS = 300_000

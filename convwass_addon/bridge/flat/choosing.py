@@ -10,7 +10,8 @@ import bpy
 
 from ...errors import InputError
 from ..objects import MESHED
-from .flat_objects import is_drawn_flat, is_flat, is_shape
+from .flat_kinds import is_drawn_flat, is_shape
+from .flat_objects import is_flat
 
 
 def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, thickness: float) -> bool:

@@ -24,11 +24,6 @@ _SMOOTHED, _ERROR = 0.7, 0.05
 _LEAST_SHARE = 1e-4
 
 
-def is_image(obj: bpy.types.Object) -> bool:
-    """Tell whether an object is an empty that shows an image."""
-    return obj.type == "EMPTY" and obj.empty_display_type == "IMAGE" and obj.data is not None
-
-
 def image_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
     """Read the silhouette of an image empty: what is opaque, or else what stands out from the border.
 

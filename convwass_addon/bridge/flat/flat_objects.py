@@ -16,34 +16,16 @@ from ...errors import InputError
 from ...geometry.flat_moments import directed
 from ..morphs.materials import base_color, input_color
 from ..objects import evaluated_object
-from .flat_images import image_rings, is_image
+from .flat_images import image_rings
+from .flat_kinds import is_drawn_flat
 from .flat_meshes import is_flat_mesh, mesh_rings
 from .flat_pencils import pencil_rings
 from .flat_rings import FlatRings
 from .flat_splines import curve_rings
 from .planes import Plane, common_planes, plane_of
 
-FLAT_KINDS = ("FONT", "CURVE", "GREASEPENCIL")
-"""Types of objects that are flat by their nature, besides empties that show an image."""
-
 # Ratio of two scales in a plane at which an object counts as squashed to a line.
 _SQUASHED = 1e-6
-
-
-def is_shape(obj: bpy.types.Object) -> bool:
-    """Tell whether an object can take part in a morph, flat or solid."""
-    return obj.type == "MESH" or is_drawn_flat(obj)
-
-
-def is_drawn_flat(obj: bpy.types.Object) -> bool:
-    """Tell whether an object is flat by its nature."""
-    return obj.type in FLAT_KINDS or is_image(obj)
-
-
-def looks_flat(obj: bpy.types.Object) -> bool:
-    """Tell by its kind or its bounds, without evaluating anything, whether an object is flat."""
-    sizes = sorted(obj.dimensions)
-    return is_drawn_flat(obj) or (obj.type == "MESH" and sizes[2] > 0 and sizes[0] <= 1e-4 * sizes[2])
 
 
 def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:

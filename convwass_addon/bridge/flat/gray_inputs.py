@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ...applications.flat.flat_shapes import FlatImage, FlatInput
 from ...errors import InputError
 from ..objects import evaluated_object
-from .flat_images import border_of, figure_of, has_ground, is_image, one_tone, pixels_of
+from .flat_images import border_of, figure_of, has_ground, one_tone, pixels_of
+from .flat_kinds import is_image
 from .flat_objects import flat_objects
 from .planes import Plane, plane_of
 

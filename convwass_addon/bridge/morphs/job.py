@@ -16,7 +16,7 @@ from ...applications.morphs.frame_cache import FrameCache
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph import MorphStep, morph
 from ...applications.morphs.morph_settings import MorphSettings
-from ...applications.morphs.parts import FaceLabels, matched, part_notices
+from ...applications.morphs.part_labels import FaceLabels, matched, part_notices
 from ...errors import InputError
 from ...geometry.alignment import aligned
 from ...sentence import Sentence

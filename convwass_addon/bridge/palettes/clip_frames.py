@@ -15,14 +15,8 @@ from ...errors import InputError
 from ..handles import Handle
 from ..numbered_files import numbered_paths
 from .image_files import FORMATS
-from .image_pixels import RESULT_OF, read_picture
-
-_KINDS = ("SEQUENCE", "MOVIE")
-
-
-def is_clip(image: bpy.types.Image | None) -> bool:
-    """Tell whether an image has frames."""
-    return image is not None and image.source in _KINDS
+from .image_kinds import RESULT_OF, is_clip
+from .image_pixels import read_picture
 
 
 class ClipFrames:

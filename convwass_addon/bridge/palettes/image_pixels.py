@@ -13,9 +13,7 @@ from ...applications.palettes.distinct_colors import LEVELS
 from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
-
-RESULT_OF = "convwass_recolored"
-"""Custom property of a result: the name of the image that it was made from."""
+from .image_kinds import RESULT_OF
 
 _LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
 _SRGB = ("sRGB", "sRGB OETF", "Utility - sRGB - Texture", "Non-Color", "Raw", "Generic Data")

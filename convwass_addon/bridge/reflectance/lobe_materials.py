@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...applications.reflectance.materials import Ggx
 from ..keyframes import curves_of, make_linear
 from ..node_trees import own_tree
+from .frame_span import Frames
 from .lobe_images import lobe_image
 from .lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH, lobe_group
 
@@ -41,18 +42,6 @@ class FittedLook:
     lobe: Ggx
     base_color: tuple[float, float, float]
     metallic: float
-
-
-@dataclass(frozen=True)
-class Frames:
-    """Frames of the scene from the first to the last step."""
-
-    first: int
-    last: int
-
-    def of(self, count: int) -> list[float]:
-        """Return where so many steps lie."""
-        return np.linspace(self.first, self.last, count).tolist()
 
 
 def mixed(colors: Sequence[Sequence[float]], weights: NDArray[np.float64]) -> tuple[float, float, float]:

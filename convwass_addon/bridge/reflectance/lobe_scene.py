@@ -11,7 +11,8 @@ import bpy
 
 from ...applications.reflectance.lobe_frames import LobeFrame
 from ...applications.reflectance.weight_sheets import PadSheet
-from .lobe_materials import FittedLook, Frames, fitted_material, lobe_material
+from .frame_span import Frames
+from .lobe_materials import FittedLook, fitted_material, lobe_material
 from .material_pad import material_pad
 from .pad_materials import pad_fitted_material, pad_lobe_material
 

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much of a shape is too thin to survive a morph, or touches the wall of its grid."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from ...geometry.isosurface import bounding_box
+from ...geometry.thin_parts import LostPart, lost_parts
+from .health import KEPT_CELLS, LEAST_SHARE
+
+# Rods and fins are so many times as long as thick; otherwise they are edges of the shape.
+_SLENDER = 2.0
+# What lies within so many cells of thick parts belongs to them.
+_REACH = 2.0
+# How thick parts are of which no cell is filled by a tenth.
+_FAINT_CELLS = 0.5
+
+
+def wall_share(density: NDArray[np.floating]) -> float:
+    """Share of the mass of a density, (nx, ny, nz) or (nx, ny), in the outermost cells of its grid."""
+    return 1.0 - float(density[(slice(1, -1),) * density.ndim].sum() / density.sum())
+
+
+def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
+    """Measure the rods and fins of a shape that are too thin to survive a morph.
+
+    Parameters
+    ----------
+    occupancy : (nx, ny, nz)
+        Share of every cell that is inside, from 0 to 1.
+
+    Returns
+    -------
+    dict
+        Ready for JSON: their ``share`` of the shape, and ``parts``, thinnest first, with thickness and length in cells.
+    """
+    low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
+    filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
+    inside = np.pad(filled > 0.5, 1)
+    depth = distance_transform_edt(inside)
+    # A rod as thick as what is kept has its axis so deep.
+    deepest = (KEPT_CELLS + 1.0) / 2.0
+    core = depth > deepest
+    if not core.any():
+        return _thin_all_over(filled)
+    thick = inside & (distance_transform_edt(~core) <= deepest + 0.5)
+    lost = lost_parts(filled, thick[1:-1, 1:-1, 1:-1], _REACH)
+    thin = [part for part in lost.parts if _is_too_thin(part)]
+    parts = [{"thickness": part.thickness, "length": part.length} for part in thin]
+    share = sum(part.share for part in thin)
+    if lost.scattered >= LEAST_SHARE:
+        # Too little in any one cell to be followed.
+        parts.append({"thickness": _FAINT_CELLS, "length": 0.0})
+        share += lost.scattered
+    return {"share": float(share), "parts": tuple(sorted(parts, key=lambda part: part["thickness"]))}
+
+
+def _thin_all_over(filled: NDArray[np.float64]) -> dict[str, object]:
+    """Measure a shape of which nothing is thick: a sheet as thick as its volume divided by its shadow."""
+    shadows = [np.count_nonzero(filled.max(axis=axis) > 0.25) for axis in range(3)]
+    thickness = float(filled.sum()) / max(*shadows, 1)
+    if thickness >= KEPT_CELLS:
+        return {"share": 0.0, "parts": ()}
+    length = float(np.ptp(np.argwhere(filled > 0.25), axis=0).max() + 1) if max(shadows) else 0.0
+    return {"share": 1.0, "parts": ({"thickness": thickness, "length": length},)}
+
+
+def _is_too_thin(part: LostPart) -> bool:
+    slender = part.length >= _SLENDER * part.thickness
+    return slender and part.thickness < KEPT_CELLS and part.share >= LEAST_SHARE
