@@ -13,7 +13,8 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.skeletons.inner_points import InnerPoint
-from convwass_addon.bridge.armatures.rigs import pin_joints, pinned_ends, register_pins, rig_graph, unregister_pins
+from convwass_addon.bridge.armatures.pins import pin_joints, pinned_ends, register_pins, unregister_pins
+from convwass_addon.bridge.armatures.rigs import rig_graph
 from convwass_addon.cli import armature_verb
 from tests.rigs import chain, harmonic_steps, lines, tube, world_ends
 

@@ -15,9 +15,10 @@ from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.armatures.auto_weights import bind_with_weights
 from ..bridge.armatures.fit_notices import short_notice, unweighted_notice
+from ..bridge.armatures.pins import pin_joints, with_pins
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
-from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph, with_pins
+from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
 from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
 from ..bridge.mesh_checks import writable_mesh

@@ -7,7 +7,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..bridge.armatures.rigs import clear_pins, pin_joints, pinned_ends, require_movable, rig_graph, unpin_joints
+from ..bridge.armatures.pins import clear_pins, pin_joints, pinned_ends, unpin_joints
+from ..bridge.armatures.rigs import require_movable, rig_graph
 from ..errors import ConvwassError
 from ..properties.armatures import chosen_rig
 from .armature_targets import OnRig, chosen_joints, joints_property

@@ -11,7 +11,8 @@ from bpy.props import FloatVectorProperty
 from numpy.typing import NDArray
 
 from ..applications.skeletons.inner_points import InnerPointFinder
-from ..bridge.armatures.rigs import move_joints, pin_joints, require_movable, resting_body, rig_graph
+from ..bridge.armatures.pins import pin_joints
+from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
 from ..errors import ConvwassError, InputError
 from ..properties.armatures import chosen_rig, depth_property
 from .armature_targets import OnBody, chosen_joints, joints_property

@@ -7,8 +7,8 @@ from __future__ import annotations
 import bpy
 from bpy.props import StringProperty
 
+from ..bridge.armatures.pins import KINDS
 from ..bridge.armatures.rig_graphs import RigGraph
-from ..bridge.armatures.rigs import KINDS
 from ..errors import InputError
 from ..properties.armatures import chosen_rig
 from .background import is_idle

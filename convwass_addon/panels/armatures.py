@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..bridge.armatures.rigs import KINDS, pinned_ends
+from ..bridge.armatures.pins import KINDS, pinned_ends
 from ..operators.armature_fit import CONVWASS_OT_fit_armature
 from ..operators.armature_pins import CONVWASS_OT_clear_pins, CONVWASS_OT_pin_joints, CONVWASS_OT_unpin_joints
 from ..operators.armature_place import CONVWASS_OT_place_joint

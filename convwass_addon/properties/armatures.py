@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..bridge.active import active_object
 from ..bridge.armatures.joint_dots import JointDots
-from ..bridge.armatures.rigs import KINDS, register_pins, unregister_pins
+from ..bridge.armatures.pins import KINDS, register_pins, unregister_pins
 
 
 class FitProperties:

@@ -15,18 +15,9 @@ from mathutils import Euler, Matrix, Vector
 
 from convwass_addon.bridge.armatures.armature_graphs import armature_graph
 from convwass_addon.bridge.armatures.joint_moves import move_armature_joints
+from convwass_addon.bridge.armatures.pins import clear_pins, pin_joints, pinned_ends, unpin_joints, with_pins
 from convwass_addon.bridge.armatures.rig_bones import note_rest
-from convwass_addon.bridge.armatures.rigs import (
-    clear_pins,
-    is_posed,
-    pin_joints,
-    pinned_ends,
-    require_movable,
-    resting_body,
-    rig_graph,
-    unpin_joints,
-    with_pins,
-)
+from convwass_addon.bridge.armatures.rigs import is_posed, require_movable, resting_body, rig_graph
 from convwass_addon.errors import InputError
 from tests.rigs import armature, chain, select_joints, tube, world_ends
 
@@ -387,16 +378,16 @@ def test_bones_have_pins_without_the_add_on_for_a_while(monkeypatch):
     with with_pins():
         assert hasattr(bpy.types.Bone, "convwass_pinned")
     assert hasattr(bpy.types.EditBone, "convwass_rest")
-    from convwass_addon.bridge.armatures import rigs
+    from convwass_addon.bridge.armatures import pins
 
-    rigs.unregister_pins()
+    pins.unregister_pins()
     try:
         with with_pins():
             obj = chain(1)
             pin(obj, "A.tail")
         assert not hasattr(bpy.types.Bone, "convwass_pinned")
     finally:
-        rigs.register_pins()
+        pins.register_pins()
     assert pinned_ends(obj) == ["A.tail"]
 
 

@@ -9,16 +9,9 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.armatures.edge_graphs import PINNED, edge_graph
-from convwass_addon.bridge.armatures.rigs import (
-    clear_pins,
-    is_posed,
-    move_joints,
-    pin_joints,
-    pinned_ends,
-    rig_graph,
-    unpin_joints,
-)
+from convwass_addon.bridge.armatures.edge_graphs import edge_graph
+from convwass_addon.bridge.armatures.pins import PINNED, clear_pins, pin_joints, pinned_ends, unpin_joints
+from convwass_addon.bridge.armatures.rigs import is_posed, move_joints, rig_graph
 from convwass_addon.errors import InputError
 from tests.rigs import lines
 

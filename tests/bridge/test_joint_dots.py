@@ -14,7 +14,8 @@ from mathutils import Vector
 from convwass_addon.bridge import viewport_overlay
 from convwass_addon.bridge.armatures import joint_dots
 from convwass_addon.bridge.armatures.joint_dots import JointDots, dots_of
-from convwass_addon.bridge.armatures.rigs import pin_joints, rig_graph
+from convwass_addon.bridge.armatures.pins import pin_joints
+from convwass_addon.bridge.armatures.rigs import rig_graph
 from tests.rigs import chain, lines
 
 pytestmark = pytest.mark.usefixtures("registered_addon")

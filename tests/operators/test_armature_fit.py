@@ -14,7 +14,7 @@ from mathutils import Vector
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.bridge.armatures.auto_weights import bind_with_weights, unweighted
 from convwass_addon.bridge.armatures.fit_notices import unweighted_notice
-from convwass_addon.bridge.armatures.rigs import pinned_ends
+from convwass_addon.bridge.armatures.pins import pinned_ends
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_fit, background
 from convwass_addon.operators.armature_fit import CONVWASS_OT_fit_armature

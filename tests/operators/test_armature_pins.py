@@ -12,7 +12,8 @@ import pytest
 from mathutils import Vector
 
 from convwass_addon.applications.skeletons.inner_points import InnerPoint
-from convwass_addon.bridge.armatures.rigs import pinned_ends, rig_graph
+from convwass_addon.bridge.armatures.pins import pinned_ends
+from convwass_addon.bridge.armatures.rigs import rig_graph
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_place, picking
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint

@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
 from ..mesh_checks import other_vertices, readable_mesh
+from .pins import pinned_vertices
 from .rig_graphs import RigGraph, world_matrix
-
-PINNED = "Pinned"
-"""The attribute of pinned vertices."""
 
 
 def edge_graph(obj: bpy.types.Object) -> RigGraph:
@@ -88,54 +86,7 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     bmesh.update_edit_mesh(mesh)
 
 
-def pin_vertices(obj: bpy.types.Object, vertices: list[int], pinned: bool) -> None:
-    """Pin vertices of a mesh, or let go of them, in Edit Mode or not.
-
-    Raises
-    ------
-    InputError
-        The name of the attribute is taken.
-    """
-    mesh = obj.data
-    _require_own(mesh)
-    if mesh.is_editmode:
-        edited = bmesh.from_edit_mesh(mesh)
-        edited.verts.ensure_lookup_table()
-        layer = edited.verts.layers.bool.get(PINNED) or edited.verts.layers.bool.new(PINNED)
-        edited.verts.ensure_lookup_table()
-        for vertex in vertices:
-            edited.verts[vertex][layer] = pinned
-        bmesh.update_edit_mesh(mesh)
-        return
-    values = pinned_vertices(mesh)
-    values[vertices] = pinned
-    attribute = mesh.attributes.get(PINNED) or mesh.attributes.new(PINNED, "BOOLEAN", "POINT")
-    attribute.data.foreach_set("value", values)
-
-
 def _points(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", points)
     return points.reshape(-1, 3).astype(np.float64)
-
-
-def pinned_vertices(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
-    """Return which vertices of a mesh are pinned, (n,), as they are in Edit Mode where it is being edited."""
-    if mesh.is_editmode:
-        edited = bmesh.from_edit_mesh(mesh)
-        layer = edited.verts.layers.bool.get(PINNED)
-        return np.array([layer is not None and vertex[layer] for vertex in edited.verts], dtype=bool)
-    values = np.zeros(len(mesh.vertices), dtype=bool)
-    attribute = mesh.attributes.get(PINNED)
-    # One of the user's own may have the name.
-    if attribute is not None and (attribute.data_type, attribute.domain) == ("BOOLEAN", "POINT"):
-        attribute.data.foreach_get("value", values)
-    return values
-
-
-def _require_own(mesh: bpy.types.Mesh) -> None:
-    attribute = mesh.attributes.get(PINNED)
-    if attribute is not None and (attribute.data_type, attribute.domain) != ("BOOLEAN", "POINT"):
-        raise InputError(
-            "{name} is an attribute of other values already, and not of pinned joints; rename that first.", name=PINNED
-        )

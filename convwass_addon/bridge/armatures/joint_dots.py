@@ -14,7 +14,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 from ..viewport_overlay import ViewportOverlay, fill_discs
-from .edge_graphs import pinned_vertices
+from .pins import pinned_vertices
 
 # Pixels at a scale of 1.
 _PINNED_RADIUS, _FREE_RADIUS, _RIM = 6.0, 4.0, 1.0

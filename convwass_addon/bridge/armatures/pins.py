@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pins of rigs, which stay where they are when the rig is fitted; quick enough for panels to ask."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import bmesh
+import bpy
+import numpy as np
+from bpy.props import BoolVectorProperty, FloatVectorProperty
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from .rig_bones import SIDES, forget_rest, note_rest
+
+if TYPE_CHECKING:
+    from .rig_graphs import RigGraph
+
+KINDS = ("ARMATURE", "MESH")
+"""Types of objects that can be rigs."""
+
+PINNED = "Pinned"
+"""The attribute of the pinned vertices of a mesh of edges."""
+
+
+def register_pins() -> None:
+    """Let bones have pins, which are saved with them, and follow when bones are renamed, undone and edited."""
+    for kind in (bpy.types.Bone, bpy.types.EditBone):
+        kind.convwass_pinned = BoolVectorProperty(
+            name="Pinned", description="Whether head and tail stay where they are when the armature is fitted", size=2
+        )
+        kind.convwass_rest = FloatVectorProperty(
+            name="Rest", description="Head and tail when a joint of the armature was first pinned", size=6
+        )
+
+
+def unregister_pins() -> None:
+    """Take that away; what is saved in files stays there."""
+    for kind in (bpy.types.Bone, bpy.types.EditBone):
+        del kind.convwass_pinned, kind.convwass_rest
+
+
+@contextmanager
+def with_pins() -> Iterator[None]:
+    """Let bones have pins for a while, where the add-on is not registered."""
+    if hasattr(bpy.types.Bone, "convwass_pinned"):
+        yield
+        return
+    register_pins()
+    try:
+        yield
+    finally:
+        unregister_pins()
+
+
+def pin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int]) -> None:
+    """Pin joints of a rig where they are; bones keep the lengths that they have had so far."""
+    if obj.type == "ARMATURE":
+        note_rest(obj)
+    _set_pins(obj, rig, joints, True)
+
+
+def unpin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int]) -> None:
+    """Let go of joints of a rig."""
+    _set_pins(obj, rig, joints, False)
+
+
+def _set_pins(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int], pinned: bool) -> None:
+    chosen = [rig.ends[joint] for joint in joints]
+    if obj.type != "ARMATURE":
+        pin_vertices(obj, [int(own[0]) for own in chosen], pinned)
+        return
+    bones = obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
+    for own in chosen:
+        for end in own:
+            _pin_end(bones, end, pinned and end == own[0])
+
+
+def _pin_end(bones: bpy.types.bpy_prop_collection, end: str, pinned: bool) -> None:
+    # The joint's name has the pin, so that there is one of it.
+    name, _, side = end.rpartition(".")
+    flags = list(bones[name].convwass_pinned)
+    if flags[SIDES.index(side)] != pinned:
+        flags[SIDES.index(side)] = pinned
+        bones[name].convwass_pinned = flags
+
+
+def clear_pins(obj: bpy.types.Object) -> None:
+    """Let go of all joints of a rig; its bones are as long then as they are."""
+    if obj.type == "ARMATURE":
+        forget_rest(obj)
+        for end in pinned_ends(obj):
+            _pin_end(obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones, end, False)
+        return
+    pin_vertices(obj, list(range(len(obj.data.vertices))), False)
+
+
+def pinned_ends(obj: bpy.types.Object) -> list[str]:
+    """Return what is pinned of a rig, as its joints are called. Quick enough for a panel."""
+    if obj.type == "ARMATURE":
+        bones = obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
+        return [
+            f"{bone.name}.{side}"
+            for bone in bones
+            for side, pinned in zip(SIDES, bone.convwass_pinned, strict=True)
+            if pinned
+        ]
+    return [str(vertex) for vertex in np.flatnonzero(pinned_vertices(obj.data))]
+
+
+def pin_vertices(obj: bpy.types.Object, vertices: list[int], pinned: bool) -> None:
+    """Pin vertices of a mesh, or let go of them, in Edit Mode or not.
+
+    Raises
+    ------
+    InputError
+        The name of the attribute is taken.
+    """
+    mesh = obj.data
+    _require_own(mesh)
+    if mesh.is_editmode:
+        edited = bmesh.from_edit_mesh(mesh)
+        edited.verts.ensure_lookup_table()
+        layer = edited.verts.layers.bool.get(PINNED) or edited.verts.layers.bool.new(PINNED)
+        edited.verts.ensure_lookup_table()
+        for vertex in vertices:
+            edited.verts[vertex][layer] = pinned
+        bmesh.update_edit_mesh(mesh)
+        return
+    values = pinned_vertices(mesh)
+    values[vertices] = pinned
+    attribute = mesh.attributes.get(PINNED) or mesh.attributes.new(PINNED, "BOOLEAN", "POINT")
+    attribute.data.foreach_set("value", values)
+
+
+def pinned_vertices(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Return which vertices of a mesh are pinned, (n,), as they are in Edit Mode where it is being edited."""
+    if mesh.is_editmode:
+        edited = bmesh.from_edit_mesh(mesh)
+        layer = edited.verts.layers.bool.get(PINNED)
+        return np.array([layer is not None and vertex[layer] for vertex in edited.verts], dtype=bool)
+    values = np.zeros(len(mesh.vertices), dtype=bool)
+    attribute = mesh.attributes.get(PINNED)
+    # One of the user's own may have the name.
+    if attribute is not None and (attribute.data_type, attribute.domain) == ("BOOLEAN", "POINT"):
+        attribute.data.foreach_get("value", values)
+    return values
+
+
+def _require_own(mesh: bpy.types.Mesh) -> None:
+    attribute = mesh.attributes.get(PINNED)
+    if attribute is not None and (attribute.data_type, attribute.domain) != ("BOOLEAN", "POINT"):
+        raise InputError(
+            "{name} is an attribute of other values already, and not of pinned joints; rename that first.", name=PINNED
+        )
