@@ -17,6 +17,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.errors import Cancelled, InputError, ResourceError
+from convwass_addon.geometry.alignment import aligned
 from convwass_addon.geometry.edges import topology
 from convwass_addon.sentence import Sentence
 from tests.shapes import ball, box, joined, square, torus, with_faces
@@ -103,6 +104,27 @@ def test_a_sheet_is_refused_by_name_and_taken_with_thickness():
         frames_of(shapes, blend)
     (frame,) = frames_of(shapes, blend, MorphSettings(resolution=32, thickness=0.2))
     assert topology(frame.mesh).closed
+
+
+@pytest.mark.parametrize(
+    ("small", "thickness"), [(ball(0.01), 0.0), (box((0.02, 0.02, 0.02)), 0.0), (square(0.02), 0.001)]
+)
+def test_a_shape_a_hundred_times_smaller_is_refused_for_its_size(small, thickness):
+    settings = MorphSettings(resolution=48, thickness=thickness)
+    with pytest.raises(InputError, match=r"'shape 1' is too small beside .* 0\.\d+ cells long.* Equal Volume"):
+        frames_of([ball(), small], single_blend([1, 1], 2), settings)
+
+
+def test_equal_volume_is_what_helps_a_shape_that_is_too_small():
+    pair = [ball(), box((0.02, 0.02, 0.02))]
+    moved = [move.moved(shape) for move, shape in zip(aligned(pair, "PLACED", "EQUAL_VOLUME"), pair, strict=True)]
+    (frame,) = frames_of(moved, single_blend([1, 1], 2))
+    assert frame.mesh.volume == pytest.approx(pair[0].volume, rel=0.02)
+
+
+def test_a_rod_thinner_than_the_cells_is_not_called_too_small_beside_the_others():
+    with pytest.raises(InputError, match="more resolution"):
+        frames_of([box((1, 0.01, 0.01)), box((1, 0.01, 0.01))], single_blend([1, 1], 2))
 
 
 def test_sharpness_rises_towards_the_ends_only_by_itself():

@@ -161,7 +161,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     [
         (lambda obj: setattr(obj.data, "body", " "), "is empty; type something"),
         (lambda obj: setattr(obj, "scale", (0, 1, 1)), "squashed to a line"),
-        (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small beside the others"),
+        (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small beside the others.*Equal Volume"),
     ],
 )
 def test_what_cannot_be_morphed_is_told_and_leaves_nothing(change, message):

@@ -96,8 +96,8 @@ def flat_problem(shapes: Sequence[FlatInput], names: Sequence[str], settings: Fl
     for name, own in zip(names, every, strict=True):
         if min(float(part.sum()) for part in own) < _LEAST_CELLS:
             raise InputError(
-                "'{name}', or a letter of it, is too small beside the others at this resolution; use a finer one, or "
-                "scale it up.",
+                "'{name}', or a letter of it, is too small beside the others on this grid. Set Scale to Equal Volume "
+                "(--scale equal-volume), scale it up, or use a finer resolution.",
                 name=name,
             )
     count = len(every[0])

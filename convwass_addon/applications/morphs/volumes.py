@@ -15,6 +15,7 @@ from ...geometry.centroid import centroid
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
+from ...geometry.solid_volume import solid_volume
 from ...geometry.thicken import shell_occupancy
 from ...transport import Grid
 from ..memory import available_memory, check_memory
@@ -180,7 +181,7 @@ def voxelize(
     Raises
     ------
     InputError
-        A shape that encloses nothing, or less than a few cells.
+        A shape that encloses nothing, or is too small beside the others.
     """
     for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
         yield voxelized(shape, name, index, lattice, thickness)
@@ -206,9 +207,24 @@ def voxelized(
         cells = lattice.shell_cells(thickness)
         filled = shell_occupancy(corners, lattice.shape, cells)
     if filled.sum() < _LEAST_CELLS:
-        raise InputError(
-            "'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness (the "
-            "Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution.",
-            name=name,
-        )
+        raise _refusal(outward, name, lattice, thickness)
     return filled
+
+
+def _refusal(outward: TriangleMesh, name: str, lattice: Lattice, thickness: float) -> InputError:
+    """Say why a shape fills less than a few cells: it encloses nothing, or the others are so much larger."""
+    extent = float(np.ptp(outward.bounds, axis=0).max())
+    if extent > 0.0:
+        alone = extent / max(lattice.shape)  # the size of a cell if there were no other shape
+        if thickness > 0 or solid_volume(outward) >= _LEAST_CELLS * alone**3:
+            return InputError(
+                "'{name}' is too small beside the other shapes on this grid: it is {extent:.2g} cells long. Set Scale "
+                "to Equal Volume (--scale equal-volume), scale it up, or use a finer resolution.",
+                name=name,
+                extent=extent / lattice.spacing,
+            )
+    return InputError(
+        "'{name}' encloses no volume at this resolution, so there is nothing to move. Give it thickness (the "
+        "Thickness setting, --thickness, or a Solidify modifier); a small solid needs more resolution.",
+        name=name,
+    )
