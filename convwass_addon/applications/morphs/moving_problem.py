@@ -18,6 +18,7 @@ from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
+from .transport_problem import TransportProblem
 from .volumes import Lattice
 
 # Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.
@@ -112,11 +113,11 @@ class MovingProblem:
             name = self.names[index]
             thickness = self.still.settings.thickness
             volumes.append(voxelized_parts(shape.mesh, name, place, lattice, thickness, matching, control.check))
-        problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, self.still.settings)
-        known = {part.name: part.volumes[active] for part in self.still.parts}
-        parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in problem.parts)
+        transport = TransportProblem.of(joined(matching, volumes), lattice, self.still.settings)
+        known = {part.name: part.volumes[active] for part in self.still.transport.parts}
+        parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in transport.parts)
         connectivity = tuple(self.still.connectivity[i] for i in active)
-        return replace(problem, parts=parts, connectivity=connectivity)
+        return MorphProblem(replace(transport, parts=parts), connectivity)
 
 
 def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:
