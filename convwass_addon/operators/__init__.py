@@ -17,6 +17,7 @@ from . import (
     density_stops,
     density_travel,
     morph_bake,
+    morph_guides,
     morph_inputs,
     morph_manage,
     morph_output,
@@ -38,6 +39,7 @@ from . import (
 _MODULES = (
     background,
     morph_bake,
+    morph_guides,
     morph_inputs,
     morph_manage,
     morph_output,

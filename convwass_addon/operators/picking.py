@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+from mathutils import Vector
 from numpy.typing import NDArray
 
 from ..bridge.surfaces import surface_mesh
@@ -121,3 +122,18 @@ def vertex_at(
     mesh = surface_mesh(obj, depsgraph)
     used = np.unique(mesh.faces)
     return int(used[np.linalg.norm(mesh.vertices[used] - point, axis=1).argmin()])
+
+
+def redraw_views(context: bpy.types.Context) -> None:
+    """Draw the 3D viewports of a window again."""
+    for area in context.window.screen.areas:
+        if area.type == "VIEW_3D":
+            area.tag_redraw()
+
+
+def depth_of(obj: bpy.types.Object, vertex: int, depsgraph: bpy.types.Depsgraph, view: bpy.types.RegionView3D) -> float:
+    """Return how far from the viewer a vertex is, along the view."""
+    evaluated = obj.evaluated_get(depsgraph)
+    is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)
+    point: Vector = evaluated.matrix_world @ (evaluated.data if is_kept else obj.data).vertices[vertex].co
+    return -(view.view_matrix @ point).z

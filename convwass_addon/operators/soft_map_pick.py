@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
-from mathutils import Vector
 
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
 from ..translations import translated
-from .picking import PicksPoints, vertex_at
+from .picking import PicksPoints, depth_of, redraw_views, vertex_at
 from .windows import write_status
 
 
@@ -98,13 +97,6 @@ def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> Non
             )
 
 
-def redraw_views(context: bpy.types.Context) -> None:
-    """Draw the 3D viewports of a window again."""
-    for area in context.window.screen.areas:
-        if area.type == "VIEW_3D":
-            area.tag_redraw()
-
-
 def _half_pair(own: CONVWASS_PG_soft_map) -> CONVWASS_PG_map_pair | None:
     """Return the pair that lacks a vertex, which is the last one."""
     return own.pairs[-1] if own.pairs and not own.pairs[-1].is_complete else None
@@ -119,13 +111,5 @@ def _hit(
     for obj in dict.fromkeys((own.source, own.target)):
         vertex = vertex_at(obj, depsgraph, region, place) if obj.visible_get() else None
         if vertex is not None:
-            hits.append((_depth(obj, vertex, depsgraph, region.data), obj, vertex))
+            hits.append((depth_of(obj, vertex, depsgraph, region.data), obj, vertex))
     return min(hits, key=lambda hit: hit[0])[1:] if hits else None
-
-
-def _depth(obj: bpy.types.Object, vertex: int, depsgraph: bpy.types.Depsgraph, view: bpy.types.RegionView3D) -> float:
-    """Return how far from the viewer a vertex is, along the view."""
-    evaluated = obj.evaluated_get(depsgraph)
-    is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)
-    point: Vector = evaluated.matrix_world @ (evaluated.data if is_kept else obj.data).vertices[vertex].co
-    return -(view.view_matrix @ point).z

@@ -4,21 +4,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ..surfaces import surface_mesh
-from ..vertex_groups import group_names, read_groups
-
-# What Blender appends to names that are taken.
-_SUFFIX = re.compile(r"\.\d{3,}$")
+from ..surface_marks import empty_marks, group_marks
+from ..vertex_groups import group_names
 
 
 @dataclass(frozen=True)
@@ -83,8 +76,8 @@ def pairs_from_groups(
     in_both = [name for name, other in partners.items() if other and other in target.vertex_groups]
     if not in_both:
         return FoundPairs((), tuple(partners))
-    first = _middles(source, in_both, depsgraph, largest)
-    second = _middles(target, [partners[name] for name in in_both], depsgraph, largest)
+    first = group_marks(source, in_both, depsgraph, largest)
+    second = group_marks(target, [partners[name] for name in in_both], depsgraph, largest)
     return _paired({name: first.get(name) for name in in_both}, {name: second.get(partners[name]) for name in in_both})
 
 
@@ -113,16 +106,7 @@ def pairs_from_empties(
     InputError
         Not a mesh, or one without a surface.
     """
-    meshes = {obj: surface_mesh(obj, depsgraph) for obj in dict.fromkeys((source, target))}
-    vertices: dict[bpy.types.Object, dict[str, int | None]] = {obj: {} for obj in meshes}
-    for empty in (obj for obj in empties if obj.type == "EMPTY"):
-        place = np.array(empty.evaluated_get(depsgraph).matrix_world.translation, dtype=np.float64)
-        nearest = {obj: _nearest(mesh, place) for obj, mesh in meshes.items()}
-        distances = {obj: np.linalg.norm(meshes[obj].vertices[vertex] - place) for obj, vertex in nearest.items()}
-        owner = _ancestor(empty, meshes) or min(distances, key=distances.get)
-        name = _SUFFIX.sub("", empty.name)
-        # Two of a name on one surface say nothing.
-        vertices[owner][name] = None if name in vertices[owner] else nearest[owner]
+    vertices = empty_marks((source, target), depsgraph, empties)
     if source is not target:
         return _paired(vertices[source], vertices[target])
     own = vertices[source]
@@ -143,37 +127,3 @@ def _paired(first: Mapping[str, int | None], second: Mapping[str, int | None]) -
     made = {name for name in names if first.get(name) is not None and second.get(name) is not None}
     pairs = tuple(MapPair(name, first[name], second[name]) for name in names if name in made)
     return FoundPairs(pairs, tuple(name for name in names if name not in made))
-
-
-def _middles(
-    obj: bpy.types.Object, names: list[str], depsgraph: bpy.types.Depsgraph, largest: float
-) -> dict[str, int | None]:
-    """Return the vertex of each group that is nearest to the middle of its weights; None for empty and large ones."""
-    mesh = surface_mesh(obj, depsgraph)
-    used = np.zeros(len(mesh.vertices), bool)
-    used[mesh.faces] = True
-    found: dict[str, int | None] = {}
-    for name, weights in zip(names, read_groups(obj, names), strict=True):
-        own = np.flatnonzero((weights > 0) & used)
-        # A handful of vertices is a mark on meshes of any size.
-        found[name] = _middle(mesh, own, weights) if 0 < len(own) <= max(largest * used.sum(), 4) else None
-    return found
-
-
-def _middle(mesh: TriangleMesh, own: NDArray[np.int64], weights: NDArray[np.float64]) -> int:
-    points = mesh.vertices[own]
-    center = np.average(points, axis=0, weights=weights[own])
-    return int(own[np.linalg.norm(points - center, axis=1).argmin()])
-
-
-def _nearest(mesh: TriangleMesh, place: NDArray[np.float64]) -> int:
-    used = np.unique(mesh.faces)
-    return int(used[np.linalg.norm(mesh.vertices[used] - place, axis=1).argmin()])
-
-
-def _ancestor(obj: bpy.types.Object, wanted: Mapping[bpy.types.Object, object]) -> bpy.types.Object | None:
-    """Return the first of the wanted objects that an object is parented to, also by way of others."""
-    parent = obj.parent
-    while parent is not None and parent not in wanted:
-        parent = parent.parent
-    return parent

@@ -1,0 +1,249 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The list of guides of a morph: points of its shapes that belong together, clicked on or taken from names."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import EnumProperty, StringProperty
+
+from ..bridge.morphs.morph_guides import (
+    NamedGuide,
+    guides_from_bones,
+    guides_from_empties,
+    guides_from_groups,
+    parsed_guides,
+)
+from ..errors import ConvwassError, InputError
+from ..properties.morph_guides import CONVWASS_PG_guide, CONVWASS_PG_guides
+from .chosen_inputs import chosen_inputs
+from .lists import ACTIVE, index_property, taken_off
+from .picking import PicksPoints, depth_of, redraw_views, vertex_at
+from .reporting import refuse
+from .windows import write_status
+
+
+def guided_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Return the shapes to morph that are meshes, which guides can be on; raises InputError for fewer than two."""
+    objects = chosen_inputs(context, context.scene.convwass_morph).objects
+    meshes = [obj for obj in objects if obj.type == "MESH"]
+    if len(meshes) < 2:
+        raise InputError("Guides are points on meshes; choose at least two meshes to morph.")
+    return meshes
+
+
+class _EditsGuides:
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode first")
+            return False
+        return True
+
+
+class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator):
+    """Click on the same point of each shape, again and again, until Esc ends it; blends then bring these points together"""  # noqa: E501
+
+    bl_idname = "convwass.add_morph_guide"
+    bl_label = "Add Guide"
+
+    label: StringProperty(name="Label", description="What the points are, such as nose", options={"SKIP_SAVE"})
+    points: StringProperty(
+        name="Points",
+        description='Vertices by the names of their objects, such as {"Man": 12, "Woman": 345}; empty for clicks',
+        options={"SKIP_SAVE"},
+    )
+
+    def invoke(self, context, event):
+        if self.points or bpy.app.background:
+            return self.execute(context)
+        try:
+            self._shapes = guided_objects(context)
+        except ConvwassError as error:
+            return refuse(self, error)
+        self._say(context)
+        return self._wait(context)
+
+    def execute(self, context):
+        try:
+            if not self.points:
+                raise InputError("Name the points of the guide: vertices by the names of their objects.")
+            (guide,) = parsed_guides(f'[{{"name": {json.dumps(self.label)}, "points": {self.points}}}]')
+            _add(context.scene.convwass_guides, guide)
+        except ConvwassError as error:
+            return refuse(self, error)
+        return {"FINISHED"}
+
+    def cancel(self, context):
+        own = context.scene.convwass_guides
+        if own.items and len(own.items[-1].points) < 2:
+            own.items.remove(len(own.items) - 1)
+            own.active = max(len(own.items) - 1, 0)
+        PicksPoints.cancel(self, context)
+        redraw_views(context)
+
+    def _is_over(self, context):
+        try:
+            return any(obj.name not in context.scene.objects for obj in self._shapes)
+        except ReferenceError:
+            return True
+
+    def _take(self, context, region, place):
+        depsgraph = context.evaluated_depsgraph_get()
+        hits = []
+        for obj in self._shapes:
+            vertex = vertex_at(obj, depsgraph, region, place) if obj.visible_get() else None
+            if vertex is not None:
+                hits.append((depth_of(obj, vertex, depsgraph, region.data), obj, vertex))
+        if not hits:
+            self.report({"INFO"}, rpt_("There is none of the shapes; click on their surfaces"))
+        else:
+            _, obj, vertex = min(hits, key=lambda hit: hit[0])
+            guide = self._open_guide(context.scene.convwass_guides, obj)
+            guide.place(obj, vertex)
+            if len(guide.points) == len(self._shapes):
+                bpy.ops.ed.undo_push(message=rpt_("Add Guide"))
+        self._say(context)
+        redraw_views(context)
+        return {"RUNNING_MODAL"}
+
+    def _open_guide(self, own: CONVWASS_PG_guides, obj: bpy.types.Object) -> CONVWASS_PG_guide:
+        """Return the guide that a click on an object belongs to: the last one, while it lacks that object."""
+        if own.items:
+            last = own.items[-1]
+            on = [point.object for point in last.points]
+            # The last click on the only object so far counts.
+            if len(on) < len(self._shapes) and (obj not in on or len(on) == 1):
+                return last
+        own.active = len(own.items)
+        return own.items.add()
+
+    def _say(self, context: bpy.types.Context) -> None:
+        """Write in the status bar what to click on next."""
+        own = context.scene.convwass_guides
+        last = own.items[-1] if own.items else None
+        missing = self._shapes
+        number = len(own.items) + 1
+        if last is not None and 0 < len(last.points) < len(self._shapes):
+            on = [point.object for point in last.points]
+            missing, number = [obj for obj in self._shapes if obj not in on], len(own.items)
+        names = ", ".join(obj.name for obj in missing)
+        write_status(context, rpt_("Guide {:d}: click on {:s}    Esc: done").format(number, names))
+
+
+def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
+    """Put a guide on the list.
+
+    Raises
+    ------
+    InputError
+        Objects or vertices that do not exist, or fewer than two.
+    """
+    if len(guide.points) < 2:
+        raise InputError("A guide joins points of at least two shapes; mark the same point on another shape, too.")
+    for name, vertex in guide.points.items():
+        obj = bpy.data.objects.get(name)
+        if obj is None or obj.type != "MESH":
+            raise InputError("There is no mesh object named {name}; check the points of the guide.", name=name)
+        if not 0 <= vertex < len(obj.data.vertices):
+            raise InputError(
+                "There is no vertex {vertex}; {name} has {count} vertices.",
+                vertex=vertex,
+                name=name,
+                count=len(obj.data.vertices),
+            )
+    item = own.items.add()
+    item.label = guide.name
+    for name, vertex in guide.points.items():
+        item.place(bpy.data.objects[name], vertex)
+    own.active = len(own.items) - 1
+
+
+class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
+    """Add a guide for everything that has the same name on several shapes"""
+
+    bl_idname = "convwass.morph_guides_from_names"
+    bl_label = "Guides from Names"
+
+    kind: EnumProperty(
+        name="From",
+        description="What marks the points",
+        items=(
+            ("GROUPS", "Vertex Groups", "Small vertex groups: the vertex in the middle of each"),
+            ("EMPTIES", "Empties", "Empties such as Nose and Nose.001: the vertex nearest to each"),
+            ("BONES", "Bones", "The ends of chains of bones, such as fingertips and toes, of rigs that deform them"),
+        ),
+    )
+
+    def execute(self, context):
+        own, depsgraph = context.scene.convwass_guides, context.evaluated_depsgraph_get()
+        try:
+            objects = guided_objects(context)
+            if self.kind == "EMPTIES":
+                found = guides_from_empties(objects, depsgraph, list(context.scene.objects))
+            else:
+                found = {"GROUPS": guides_from_groups, "BONES": guides_from_bones}[self.kind](objects, depsgraph)
+            known = {guide.label for guide in own.items}
+            new = [guide for guide in found if guide.name not in known]
+            if not found:
+                raise InputError(
+                    "The shapes have no small vertex groups, Empties or bones of the same name; click on points."
+                )
+            for guide in new:
+                _add(own, guide)
+        except ConvwassError as error:
+            return refuse(self, error)
+        self.report({"INFO"}, rpt_("{:d} guides added").format(len(new)))
+        return {"FINISHED"} if new else {"CANCELLED"}
+
+
+class _OnGuides(_EditsGuides):
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.convwass_guides.items:
+            cls.poll_message_set("There are no guides")
+            return False
+        return super().poll(context)
+
+
+class CONVWASS_OT_remove_morph_guide(_OnGuides, bpy.types.Operator):
+    """Take a guide off the list"""
+
+    bl_idname = "convwass.remove_morph_guide"
+    bl_label = "Remove Guide"
+
+    index: index_property()
+
+    def execute(self, context):
+        own = context.scene.convwass_guides
+        index = own.active if self.index == ACTIVE else self.index
+        if index >= len(own.items):
+            return refuse(self, InputError("The list has no guide {index}.", index=index + 1))
+        own.active = taken_off(own.items, index, own.active)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_clear_morph_guides(_OnGuides, bpy.types.Operator):
+    """Empty the list of guides"""
+
+    bl_idname = "convwass.clear_morph_guides"
+    bl_label = "Clear Guides"
+
+    def execute(self, context):
+        own = context.scene.convwass_guides
+        own.items.clear()
+        own.active = 0
+        return {"FINISHED"}
+
+
+classes = (
+    CONVWASS_OT_add_morph_guide,
+    CONVWASS_OT_morph_guides_from_names,
+    CONVWASS_OT_remove_morph_guide,
+    CONVWASS_OT_clear_morph_guides,
+)

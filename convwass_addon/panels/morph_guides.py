@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of the guides of a morph."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.morph_guides import (
+    CONVWASS_OT_add_morph_guide,
+    CONVWASS_OT_clear_morph_guides,
+    CONVWASS_OT_morph_guides_from_names,
+    CONVWASS_OT_remove_morph_guide,
+)
+from .sidebar import Sidebar
+
+
+class CONVWASS_UL_morph_guides(bpy.types.UIList):
+    """Guides: whether they take part, their number, their name, and on how many shapes they have a point"""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.prop(item, "enabled", text="")
+        shown = row.row(align=True)
+        shown.active = item.enabled
+        number = shown.row(align=True)
+        number.ui_units_x = 1.1
+        number.label(text=str(index + 1), translate=False)
+        shown.prop(item, "label", text="")
+        shown.label(text=", ".join(point.object.name for point in item.points if point.object), translate=False)
+        row.operator(CONVWASS_OT_remove_morph_guide.bl_idname, text="", icon="X", emboss=False).index = index
+
+
+class CONVWASS_PT_morph_guides(Sidebar, bpy.types.Panel):
+    """Points of the shapes that belong together"""
+
+    bl_label = "Guides"
+    bl_idname = "CONVWASS_PT_morph_guides"
+    bl_parent_id = "CONVWASS_PT_morph"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, own = self.layout, context.scene.convwass_guides
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        if own.items:
+            row = layout.row()
+            row.template_list("CONVWASS_UL_morph_guides", "", own, "items", own, "active", rows=3)
+            column = row.column(align=True)
+            column.operator(CONVWASS_OT_add_morph_guide.bl_idname, text="", icon="ADD")
+            column.operator(CONVWASS_OT_remove_morph_guide.bl_idname, text="", icon="REMOVE")
+            column.separator()
+            column.operator(CONVWASS_OT_clear_morph_guides.bl_idname, text="", icon="X")
+        layout.operator(CONVWASS_OT_add_morph_guide.bl_idname, icon="EYEDROPPER")
+        layout.operator_menu_enum(CONVWASS_OT_morph_guides_from_names.bl_idname, "kind", icon="GROUP_VERTEX")
+        if own.items:
+            layout.prop(own, "show_labels")
+
+
+classes = (CONVWASS_UL_morph_guides, CONVWASS_PT_morph_guides)

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.morphs.morph_guides import guides_as_text, guides_of_shapes, parsed_guides
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.errors import InputError
+
+
+@pytest.fixture
+def cubes(empty_scene):
+    found = []
+    for name, place in (("One", 0.0), ("Two", 4.0)):
+        bpy.ops.mesh.primitive_cube_add(location=(place, 0.0, 0.0))
+        obj = bpy.context.object
+        obj.name = name
+        found.append(obj)
+    for obj in found:
+        obj.select_set(True)
+    return found
+
+
+def guides():
+    return bpy.context.scene.convwass_guides
+
+
+def test_a_guide_is_added_by_its_points(cubes):
+    assert bpy.ops.convwass.add_morph_guide(label="corner", points='{"One": 3, "Two": 5}') == {"FINISHED"}
+    (found,) = guides().named
+    assert (found.name, dict(found.points)) == ("corner", {"One": 3, "Two": 5})
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ('{"One": 3}', "at least two shapes"),
+        ('{"One": 3, "Nobody": 1}', "no mesh object named Nobody"),
+        ('{"One": 3, "Two": 99}', "Two has 8 vertices"),
+        ('{"One": "x", "Two": 1}', "cannot be read"),
+        ("[", "cannot be read"),
+        ("", "Name the points"),
+    ],
+)
+def test_bad_points_are_refused(cubes, points, message):
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.convwass.add_morph_guide(points=points)
+    assert not guides().items
+
+
+def test_guides_from_groups_and_empties(cubes):
+    for obj, vertex in zip(cubes, (1, 6), strict=True):
+        obj.vertex_groups.new(name="Tip").add([vertex], 1.0, "REPLACE")
+        empty = bpy.data.objects.new("Nose", None)
+        empty.location = obj.matrix_world @ obj.data.vertices[2].co
+        bpy.context.scene.collection.objects.link(empty)
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.morph_guides_from_names(kind="GROUPS") == {"FINISHED"}
+    assert bpy.ops.convwass.morph_guides_from_names(kind="EMPTIES") == {"FINISHED"}
+    assert {guide.name: dict(guide.points) for guide in guides().named} == {
+        "Tip": {"One": 1, "Two": 6},
+        "Nose": {"One": 2, "Two": 2},
+    }
+    assert bpy.ops.convwass.morph_guides_from_names(kind="GROUPS") == {"CANCELLED"}
+
+
+def test_bones_point_at_the_vertices_at_their_ends(cubes):
+    for obj in cubes:
+        bpy.ops.object.armature_add(location=obj.location)
+        rig = bpy.context.object
+        bpy.ops.object.mode_set(mode="EDIT")
+        rig.data.edit_bones[0].name = "Arm"
+        rig.data.edit_bones[0].tail = (0.9, 0.9, 0.9)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        obj.modifiers.new("Rig", "ARMATURE").object = rig
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj in cubes)
+    assert bpy.ops.convwass.morph_guides_from_names(kind="BONES") == {"FINISHED"}
+    (found,) = guides().named
+    for obj in cubes:
+        assert np.allclose(obj.data.vertices[found.points[obj.name]].co, (1.0, 1.0, 1.0))
+
+
+def test_without_names_in_common_it_says_so(cubes):
+    with pytest.raises(RuntimeError, match="no small vertex groups, Empties or bones"):
+        bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
+
+
+def test_guides_are_taken_off_and_cleared(cubes):
+    for vertex in range(3):
+        bpy.ops.convwass.add_morph_guide(label=str(vertex), points=f'{{"One": {vertex}, "Two": {vertex}}}')
+    bpy.ops.convwass.remove_morph_guide(index=1)
+    assert [guide.label for guide in guides().items] == ["0", "2"]
+    bpy.ops.convwass.clear_morph_guides()
+    assert not guides().items
+
+
+def test_modifiers_that_make_vertices_keep_the_place_of_a_guide(cubes):
+    cubes[0].modifiers.new("Fine", "SUBSURF").subdivision_type = "SIMPLE"
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shapes = [triangle_mesh(obj, depsgraph) for obj in cubes]
+    named = parsed_guides('[{"name": "corner", "points": {"One": 7, "Two": 7, "Elsewhere": 1}}]')
+    ((guide),) = guides_of_shapes(named, cubes, shapes, depsgraph)
+    for number, obj in enumerate(cubes):
+        expected = obj.matrix_world @ obj.data.vertices[7].co
+        assert np.allclose(shapes[number].vertices[guide[number]], expected)
+
+
+def test_a_deleted_vertex_is_named(cubes):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shapes = [triangle_mesh(obj, depsgraph) for obj in cubes]
+    named = parsed_guides('[{"name": "corner", "points": {"One": 70, "Two": 7}}]')
+    with pytest.raises(InputError, match="vertex 70 of One, which has 8 vertices"):
+        guides_of_shapes(named, cubes, shapes, depsgraph)
+
+
+def test_guides_survive_being_text():
+    text = '[{"name": "Nase", "points": {"Mann ä": 1, "B": 2}}]'
+    assert parsed_guides(guides_as_text(parsed_guides(text))) == parsed_guides(text)
+    assert parsed_guides("") == []
