@@ -206,7 +206,7 @@ def deformed_pair(kind: PairKind, file: Path, vertices: int = 1000) -> DeformedP
     moved = TriangleMesh(kind.deform(rest), rest.faces)
     moved = TriangleMesh(moved.vertices / np.sqrt(moved.area), moved.faces)
     source = _spread_evenly(rest, vertices)
-    target = _decimated(moved, vertices)
+    target = decimated(moved, 2 * vertices)
     truth = _carried(source.vertices, rest, moved, target)
     mirrored = None
     if kind.mirror is not None:
@@ -238,14 +238,14 @@ def subdivided(mesh: TriangleMesh) -> TriangleMesh:
     return TriangleMesh(np.concatenate([mesh.vertices, mesh.vertices[edges].mean(axis=1)]), faces)
 
 
-def _decimated(mesh: TriangleMesh, count: int) -> TriangleMesh:
-    """Collapse edges by Blender's modifier, which puts vertices where the surface bends."""
+def decimated(mesh: TriangleMesh, triangles: int) -> TriangleMesh:
+    """Collapse edges by Blender's modifier, which puts vertices where the surface bends; their order is shuffled."""
     data = bpy.data.meshes.new("fine")
     data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
     obj = bpy.data.objects.new("fine", data)
     bpy.context.scene.collection.objects.link(obj)
     modifier = obj.modifiers.new("decimate", "DECIMATE")
-    modifier.ratio = 2.0 * count / len(mesh.faces)
+    modifier.ratio = triangles / len(mesh.faces)
     found = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     found.calc_loop_triangles()
     vertices = [vertex.co[:] for vertex in found.vertices]

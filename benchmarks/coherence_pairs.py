@@ -1,0 +1,266 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pairs of shapes whose morph should hold together: poses and builds of one body, and bodies of different build.
+
+Pairs in `TUNED` may be looked at while parameters are chosen; those in `HELD_BACK` are other bodies, for the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from convwass_addon.geometry.mesh import TriangleMesh
+
+from . import creatures, hands, things
+from .bipeds import CHILD, MAN, OGRE, Limb as Bones, Posture, biped, degrees, straight
+from .blends import ASSETS, read_meshes
+from .quadrupeds import DOG, GIRAFFE, GOAT, GRAZING, REARING, STANDING, quadruped
+
+ONE_BUILD = "one build"
+OTHER_BUILD = "other build"
+
+
+@dataclass(frozen=True)
+class LimbPath:
+    """Joints of a limb at both ends of a morph, in scene units.
+
+    Attributes
+    ----------
+    first, second : (n, 3) float64
+        From a joint that only moves along to the limb's tip.
+    root : int
+        Joint that the limb's length is measured from.
+    """
+
+    first: NDArray[np.float64]
+    second: NDArray[np.float64]
+    root: int = 0
+
+    def at(self, t: float) -> NDArray[np.float64]:
+        """Return the joints on the way, (n, 3): segments turn evenly about their joints, their lengths interpolated."""
+        points = [(1.0 - t) * self.first[0] + t * self.second[0]]
+        for one, other in zip(np.diff(self.first, axis=0), np.diff(self.second, axis=0), strict=True):
+            points.append(points[-1] + turned(one, other, t))
+        return np.stack(points)
+
+
+def turned(first: ArrayLike, second: ArrayLike, t: float) -> NDArray[np.float64]:
+    """Turn one vector evenly into another, the length interpolated (spherical linear interpolation)."""
+    lengths = np.array([np.linalg.norm(first), np.linalg.norm(second)])
+    one, other = np.asarray(first) / lengths[0], np.asarray(second) / lengths[1]
+    angle = np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)
+    length = (1.0 - t) * lengths[0] + t * lengths[1]
+    if angle < 1e-9:
+        return length * one
+    return length / np.sin(angle) * (np.sin((1.0 - t) * angle) * one + np.sin(t * angle) * other)
+
+
+@dataclass(frozen=True)
+class Ends:
+    """The two shapes of a pair, and a limb that swings between them, if its joints are known."""
+
+    first: TriangleMesh
+    second: TriangleMesh
+    limb: LimbPath | None = None
+
+
+@dataclass(frozen=True)
+class CoherencePair:
+    """A pair of shapes.
+
+    Attributes
+    ----------
+    name : str
+        What tables call it.
+    build : str
+        `ONE_BUILD` or `OTHER_BUILD`.
+    ends : callable
+        Makes the shapes.
+    """
+
+    name: str
+    build: str
+    ends: Callable[[], Ends]
+
+
+_ARM_DOWN, _ARM_UP = straight(degrees(out=20)), straight(degrees(out=140))
+_ARM_AHEAD = straight(degrees(out=20, forward=120))
+_STRIDE = Posture(
+    arms=(Bones(degrees(16, -32), degrees(14, -8)), Bones(degrees(16, 34), degrees(12, 62))),
+    legs=(Bones(degrees(3, 36), degrees(3, 20)), Bones(degrees(3, -18), degrees(3, -42))),
+    toes=(0.25, -0.6),
+)
+_BACK_STRIDE = Posture(
+    arms=(Bones(degrees(16, 34), degrees(12, 62)), Bones(degrees(16, -32), degrees(14, -8))),
+    legs=(Bones(degrees(3, -18), degrees(3, -42)), Bones(degrees(3, 36), degrees(3, 20))),
+    toes=(-0.6, 0.25),
+)
+_TALL = replace(STANDING, neck=66.0, tail=(235.0, 262.0))
+
+
+def _man_raises_arm() -> Ends:
+    down, up = biped(MAN, Posture(), 1), biped(MAN, Posture(arms=(_ARM_UP, _ARM_DOWN)), 2)
+    return Ends(down.sculpture.mesh(), up.sculpture.mesh(), LimbPath(down.arms[0], up.arms[0]))
+
+
+def _man_walks() -> Ends:
+    return Ends(biped(MAN, Posture(), 3).sculpture.mesh(), biped(MAN, _STRIDE, 4).sculpture.mesh())
+
+
+def _man_to_ogre() -> Ends:
+    return Ends(biped(MAN, Posture(), 5).sculpture.mesh(), biped(OGRE, Posture(), 6).sculpture.mesh())
+
+
+def _child_points() -> Ends:
+    down, ahead = biped(CHILD, Posture(), 7), biped(CHILD, Posture(arms=(_ARM_AHEAD, _ARM_DOWN)), 8)
+    return Ends(down.sculpture.mesh(), ahead.sculpture.mesh(), LimbPath(down.arms[0], ahead.arms[0]))
+
+
+def _ogre_to_child() -> Ends:
+    return Ends(biped(OGRE, _BACK_STRIDE, 9).sculpture.mesh(), biped(CHILD, Posture(), 10).sculpture.mesh())
+
+
+def _dog_rears() -> Ends:
+    one, other = quadruped(DOG, STANDING, 11), quadruped(DOG, REARING, 12)
+    chains = [np.vstack([animal.hips, animal.fore[0]]) for animal in (one, other)]
+    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), LimbPath(*chains, root=1))
+
+
+def _goat_rears() -> Ends:
+    one, other = quadruped(GOAT, STANDING, 13), quadruped(GOAT, REARING, 14)
+    chains = [np.vstack([animal.hips, animal.fore[0]]) for animal in (one, other)]
+    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), LimbPath(*chains, root=1))
+
+
+def _giraffe_grazes() -> Ends:
+    one, other = quadruped(GIRAFFE, _TALL, 15), quadruped(GIRAFFE, GRAZING, 16)
+    chains = [np.vstack([animal.hips, animal.neck]) for animal in (one, other)]
+    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), LimbPath(*chains, root=1))
+
+
+def _goat_to_giraffe() -> Ends:
+    return Ends(quadruped(GOAT, STANDING, 17).sculpture.mesh(), quadruped(GIRAFFE, _TALL, 18).sculpture.mesh())
+
+
+def _hand_points() -> Ends:
+    made = (hands.hand(hands.HAND, gesture, 19 + i) for i, gesture in enumerate((hands.SPREAD, hands.BENT)))
+    return Ends(*(one.sculpture.mesh() for one in made))
+
+
+def _glove_bends() -> Ends:
+    gestures = (hands.GLOVE_OPEN, hands.GLOVE_BENT)
+    made = (hands.hand(hands.GLOVE, gesture, 21 + i) for i, gesture in enumerate(gestures))
+    return Ends(*(one.sculpture.mesh() for one in made))
+
+
+def _octopus_arms() -> Ends:
+    crawl, up, far = creatures.CRAWLING, creatures.RAISED, creatures.REACHING
+    first = creatures.octopus([up, crawl, crawl, crawl, up, crawl, crawl, crawl], [40.0] * 8, 23)
+    turns = [-50.0, 0.0, -30.0, 40.0, -50.0, 0.0, 40.0, -30.0]
+    second = creatures.octopus([crawl, far, up, crawl, crawl, far, crawl, up], turns, 24)
+    return Ends(first.mesh(), second.mesh())
+
+
+def _starfish_curls() -> Ends:
+    bent = creatures.starfish([50.0, -40.0, 60.0, -55.0, 40.0], [20.0, 0.0, -30.0, 40.0, 0.0], 26)
+    return Ends(creatures.starfish([0.0] * 5, [0.0] * 5, 25).mesh(), bent.mesh())
+
+
+def _chair_to_man() -> Ends:
+    return Ends(things.chair(27).mesh(), biped(MAN, Posture(), 28).sculpture.mesh())
+
+
+def _table_to_dog() -> Ends:
+    return Ends(things.table(29).mesh(), quadruped(DOG, STANDING, 30).sculpture.mesh())
+
+
+def _cactus_to_child() -> Ends:
+    up = Posture(arms=(straight(degrees(out=150)), straight(degrees(out=130))))
+    return Ends(things.cactus(31).mesh(), biped(CHILD, up, 32).sculpture.mesh())
+
+
+def _shark_to_airplane() -> Ends:
+    return Ends(creatures.shark(33).mesh(), things.airplane(34).mesh())
+
+
+def _starfish_to_hand() -> Ends:
+    return Ends(
+        creatures.starfish([0.0] * 5, [0.0] * 5, 35).mesh(), hands.hand(hands.HAND, hands.SPREAD, 36).sculpture.mesh()
+    )
+
+
+def _star_to_cross() -> Ends:
+    return Ends(things.star(37).mesh(), things.cross(38).mesh())
+
+
+def _ball_to_knot() -> Ends:
+    return Ends(things.ball(39).mesh(), *_sample("knot"))
+
+
+def _sample(*names: str) -> tuple[TriangleMesh, ...]:
+    return _read([ASSETS / f"{name}.ply" for name in names])
+
+
+def _samples(first: str, second: str) -> Callable[[], Ends]:
+    return lambda: Ends(*_sample(first, second))
+
+
+TUNED = (
+    CoherencePair("man raises arm", ONE_BUILD, _man_raises_arm),
+    CoherencePair("man walks", ONE_BUILD, _man_walks),
+    CoherencePair("man to ogre", ONE_BUILD, _man_to_ogre),
+    CoherencePair("dog rears", ONE_BUILD, _dog_rears),
+    CoherencePair("hand points", ONE_BUILD, _hand_points),
+    CoherencePair("octopus moves", ONE_BUILD, _octopus_arms),
+    CoherencePair("horse to cow", ONE_BUILD, _samples("horse", "cow")),
+    CoherencePair("chair to man", OTHER_BUILD, _chair_to_man),
+    CoherencePair("octopus to horse", OTHER_BUILD, _samples("octopus", "horse")),
+    CoherencePair("horse to bird", OTHER_BUILD, _samples("horse", "bird")),
+    CoherencePair("star to cross", OTHER_BUILD, _star_to_cross),
+    CoherencePair("ball to knot", OTHER_BUILD, _ball_to_knot),
+)
+"""May be looked at while parameters are chosen."""
+
+HELD_BACK = (
+    CoherencePair("child points", ONE_BUILD, _child_points),
+    CoherencePair("giraffe grazes", ONE_BUILD, _giraffe_grazes),
+    CoherencePair("goat rears", ONE_BUILD, _goat_rears),
+    CoherencePair("glove bends", ONE_BUILD, _glove_bends),
+    CoherencePair("starfish curls", ONE_BUILD, _starfish_curls),
+    CoherencePair("goat to giraffe", ONE_BUILD, _goat_to_giraffe),
+    CoherencePair("ogre to child", ONE_BUILD, _ogre_to_child),
+    CoherencePair("table to dog", OTHER_BUILD, _table_to_dog),
+    CoherencePair("cactus to child", OTHER_BUILD, _cactus_to_child),
+    CoherencePair("shark to airplane", OTHER_BUILD, _shark_to_airplane),
+    CoherencePair("starfish to hand", OTHER_BUILD, _starfish_to_hand),
+    CoherencePair("dolphins to bird", OTHER_BUILD, _samples("dolphins", "bird")),
+    CoherencePair("A to B", OTHER_BUILD, _samples("letter_a", "letter_b")),
+)
+"""Other bodies, not looked at while parameters are chosen."""
+
+_FOLDER_PAIRS = (("spot", "bob", True), ("blub", "spot", False))
+
+
+def further_pairs(folder: Path, *, tuned: bool) -> tuple[CoherencePair, ...]:
+    """Return the pairs of a folder of other meshes that belong to one half, where both files are there."""
+    found = []
+    for first, second, is_tuned in _FOLDER_PAIRS:
+        files = [sorted(folder.glob(f"{name}*tri*.obj")) for name in (first, second)]
+        if is_tuned == tuned and all(files):
+            paths = [matches[0].absolute() for matches in files]
+            found.append(CoherencePair(f"{first} to {second}", OTHER_BUILD, _files(paths)))
+    return tuple(found)
+
+
+def _files(paths: list[Path]) -> Callable[[], Ends]:
+    return lambda: Ends(*_read(paths))
+
+
+def _read(paths: list[Path]) -> tuple[TriangleMesh, ...]:
+    """Read meshes, as large as those that are sculpted here."""
+    return tuple(TriangleMesh(2.0 * mesh.vertices, mesh.faces) for mesh in read_meshes(paths))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shapes of the coherence benchmark are closed, and two poses of a body share its measures but no triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks import bipeds, creatures, hands, quadrupeds
+from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, TUNED, further_pairs
+from benchmarks.rival_measures import Hold
+from convwass_addon.geometry.edges import topology
+
+
+def test_there_are_pairs_of_both_kinds_in_both_halves_and_none_in_both():
+    for half in (TUNED, HELD_BACK):
+        assert len(half) >= 12
+        assert {pair.build for pair in half} == {ONE_BUILD, OTHER_BUILD}
+    names = [pair.name for pair in (*TUNED, *HELD_BACK)]
+    assert len(set(names)) == len(names)
+
+
+def test_two_poses_of_a_body_are_closed_and_meshed_anew():
+    ends = TUNED[0].ends()
+    for mesh in (ends.first, ends.second):
+        hold = Hold.of(mesh)
+        assert topology(mesh).closed
+        assert (len(hold.shares), hold.handles) == (1, 0)
+        assert mesh.volume > 0
+        assert 5000 <= len(mesh.faces) <= 15000
+    assert ends.first.volume == pytest.approx(ends.second.volume, rel=0.02)
+    common = {tuple(point) for point in ends.first.vertices.round(6)} & {
+        tuple(point) for point in ends.second.vertices.round(6)
+    }
+    assert not common
+
+
+def test_limbs_keep_their_lengths_in_every_pose():
+    def lengths(joints):
+        return np.linalg.norm(np.diff(joints, axis=0), axis=1)
+
+    one = bipeds.biped(bipeds.MAN, bipeds.Posture(), 0)
+    arms = (bipeds.straight(bipeds.degrees(out=140)), bipeds.straight(bipeds.degrees(forward=70)))
+    other = bipeds.biped(bipeds.MAN, bipeds.Posture(arms=arms), 0)
+    animals = [quadrupeds.quadruped(quadrupeds.DOG, pose, 0) for pose in (quadrupeds.STANDING, quadrupeds.REARING)]
+    fingers = [hands.hand(hands.HAND, gesture, 0).fingers for gesture in (hands.SPREAD, hands.BENT)]
+    tentacles = [creatures.octopus_arm(0.4, *pose) for pose in ((creatures.RAISED, 40.0), (creatures.CRAWLING, -30.0))]
+    pairs = [
+        (one.arms[0], other.arms[0]),
+        (one.arms[1], other.arms[1]),
+        (animals[0].fore[0], animals[1].fore[0]),
+        (animals[0].neck, animals[1].neck),
+        *zip(*fingers, strict=True),
+        tuple(tentacles),
+    ]
+    for first, second in pairs:
+        np.testing.assert_allclose(lengths(first), lengths(second), rtol=1e-9)
+
+
+def test_the_arm_swings_by_120_degrees_and_keeps_its_length_on_the_way():
+    limb = TUNED[0].ends().limb
+    first, middle, last = (limb.at(t)[-1] - limb.at(t)[0] for t in (0.0, 0.5, 1.0))
+    for vector in (middle, last):
+        assert np.linalg.norm(vector) == pytest.approx(np.linalg.norm(first))
+    cosine = first @ last / (first @ first)
+    assert np.degrees(np.arccos(cosine)) == pytest.approx(120.0)
+
+
+def test_pairs_of_a_folder_are_added_where_both_files_are_there(tmp_path):
+    assert further_pairs(tmp_path, tuned=True) == ()
+    for name in ("spot_triangulated.obj", "bob_tri.obj"):
+        (tmp_path / name).touch()
+    assert [pair.name for pair in further_pairs(tmp_path, tuned=True)] == ["spot to bob"]
+    assert further_pairs(tmp_path, tuned=False) == ()
