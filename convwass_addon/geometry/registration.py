@@ -15,13 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array, diags_array
 from scipy.spatial import cKDTree
 
 from .closest_points import ClosestPoints, closest_in_triangles
-from .factorization import Factorization, factorize
+from .elastic_surface import ElasticSurface
 from .normals import triangle_normals, vertex_normals
-from .rotations import nearest_rotations
 from .unit_shape import UnitShape
 
 # A pair pulls like this much of the surface's area at weight one; with the closest points' weights below that is firm.
@@ -30,6 +28,8 @@ _PAIR_WEIGHT = 20.0
 _TURN = 0.2
 # Keeps pieces of the source where they are that nothing else holds.
 _HOLD = 1e-3
+# Closest points pull vertices whose start is not trusted at all by this share of their weight.
+_LEAST_PULL = 0.1
 # How starts are compared.
 _JUDGED_WIDTH, _JUDGED_CLOSENESS = 0.05, 100.0
 
@@ -79,6 +79,9 @@ class Registration:
         Vertices that belong together.
     start : (n, 3)
         Where the source's vertices begin.
+    confidence : (n,), optional
+        How far the start of each vertex is right, 0 to 1: the start pulls in proportion to it, and closest points pull
+        where it is 0 with a tenth of the weight that they have where it is 1. By default 1 everywhere.
 
     Attributes
     ----------
@@ -87,12 +90,19 @@ class Registration:
     """
 
     def __init__(
-        self, source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], start: NDArray[np.float64]
+        self,
+        source: UnitShape,
+        target: UnitShape,
+        pairs: NDArray[np.int64],
+        start: NDArray[np.float64],
+        confidence: NDArray[np.floating] | None = None,
     ) -> None:
         self.points = start.copy()
         self._guess = start
         self._source, self._target, self._pairs = source, target, pairs
-        self._shape = _Elastic(source)
+        self._confidence = np.ones(len(start)) if confidence is None else confidence.astype(np.float64)
+        self._pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
+        self._shape = ElasticSurface(source)
         self._finder = FacingPoints(target)
 
     def advance(self, stage: Stage) -> None:
@@ -102,12 +112,13 @@ class Registration:
 
     def _step(self, stage: Stage) -> None:
         areas = self._source.areas
-        weights = (stage.trust + _HOLD) * areas
-        pulls = stage.trust * areas[:, None] * self._guess + _HOLD * areas[:, None] * self.points
+        trusted = stage.trust * self._confidence * areas
+        weights = trusted + _HOLD * areas
+        pulls = trusted[:, None] * self._guess + _HOLD * areas[:, None] * self.points
         if stage.closeness > 0:
             near, sums = self._closest(stage.closeness)
-            weights = weights + near
-            pulls += sums
+            weights = weights + self._pulled * near
+            pulls += self._pulled[:, None] * sums
         here, there = self._pairs.T
         np.add.at(weights, here, _PAIR_WEIGHT)
         np.add.at(pulls, here, _PAIR_WEIGHT * self._target.vertices[there])
@@ -148,77 +159,6 @@ class Registration:
         missed = np.square(self.points[here] - self._target.vertices[partners]).sum()
         apart = self._source.areas @ np.square(found.distances) + self._target.areas @ there
         return self._shape.strain(self.points, _JUDGED_WIDTH) + _JUDGED_CLOSENESS * apart + _PAIR_WEIGHT * missed
-
-
-class _Elastic:
-    """The edges of a surface and what they resist."""
-
-    def __init__(self, shape: UnitShape) -> None:
-        matrix = shape.laplacian.matrix
-        entries = matrix.tocoo()
-        rows, columns = entries.coords
-        apart = rows != columns
-        self._rows, self._columns, self._weights = rows[apart], columns[apart], -entries.data[apart]
-        count = len(shape.vertices)
-        self._areas = shape.areas
-        # With an entry on every place of the diagonal, to which what pulls is added.
-        self._matrix = (matrix + diags_array(np.ones(count))).tocsc()
-        self._matrix.sort_indices()
-        ends = np.repeat(np.arange(count), np.diff(self._matrix.indptr))
-        self._diagonal = np.flatnonzero(self._matrix.indices == ends)
-        self._matrix.data[self._diagonal] -= 1.0
-        self._edges = shape.vertices[self._rows] - shape.vertices[self._columns]
-        self._sums = csr_array(
-            (np.ones(len(self._rows)), (self._rows, np.arange(len(self._rows)))), shape=(count, len(self._rows))
-        )
-        self._squares = self._sums @ (self._weights * np.square(self._edges).sum(axis=1))
-        self._blurs: dict[float, Factorization] = {}
-
-    def relaxed(
-        self, points: NDArray[np.float64], weights: NDArray[np.float64], pulls: NDArray[np.float64], width: float
-    ) -> NDArray[np.float64]:
-        """Fit rotations to points, and solve for points that agree with them and with what pulls."""
-        right = self._sums @ (self._weights[:, None] * self._turned(points, width)) + pulls
-        # Vertices without edges stay where they are.
-        loose = self._areas <= 0
-        held = np.where(loose, 1.0, weights)
-        right[loose] = points[loose]
-        factor = factorize(self._with_diagonal(1.0, held))
-        return np.ascontiguousarray(factor.solve(np.ascontiguousarray(right.T)).T)
-
-    def strain(self, points: NDArray[np.float64], width: float) -> float:
-        """Return how much edges differ from what their neighborhoods make of them."""
-        moved = points[self._rows] - points[self._columns]
-        rest = np.square(moved - self._turned(points, width)).sum(axis=1)
-        return float(0.5 * (self._weights * rest).sum())
-
-    def _turned(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Edges turned and scaled as the neighborhoods of their ends are, (e, 3)."""
-        fits = self._fits(points, width)
-        return 0.5 * np.einsum("eij,ej->ei", fits[self._rows] + fits[self._columns], self._edges)
-
-    def _fits(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Rotation times scale that takes each neighborhood best from rest to where it is, (n, 3, 3)."""
-        moved = points[self._rows] - points[self._columns]
-        products = self._weights[:, None, None] * moved[:, :, None] * self._edges[:, None, :]
-        sums = self._sums @ products.reshape(len(moved), 9)
-        smooth = self._blurred(np.concatenate([sums.T, self._squares[None]]), width)
-        fitted = nearest_rotations(smooth[:9].reshape(3, 3, -1))
-        scales = np.maximum(fitted.traces, 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
-        return np.ascontiguousarray(np.moveaxis(scales * fitted.rotations, 2, 0))
-
-    def _blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Return sums over neighborhoods, (k, n): one implicit step of heat."""
-        if width not in self._blurs:
-            held = np.where(self._areas > 0, self._areas, 1.0)
-            self._blurs[width] = factorize(self._with_diagonal(width**2, held))
-        return self._blurs[width].solve(np.ascontiguousarray(columns))
-
-    def _with_diagonal(self, scale: float, values: NDArray[np.float64]) -> csc_array:
-        """Return a multiple of the stiffness with values added to its diagonal."""
-        system = scale * self._matrix
-        system.data[self._diagonal] += values
-        return system
 
 
 @dataclass(frozen=True)

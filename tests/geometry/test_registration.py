@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import vertex_normals
-from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, FacingPoints, Registration
+from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, FacingPoints, Registration, Stage
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet
 from tests.shapes import ball, box
@@ -139,3 +139,17 @@ def test_normals_of_a_ball_point_away_from_its_center():
     mesh = ball(points=300)
     found = vertex_normals(mesh.vertices, mesh.faces)
     assert np.einsum("nd,nd->n", found, mesh.vertices).min() > 0.99
+
+
+def test_a_start_that_is_not_trusted_does_not_pull(arms):
+    mesh, _ = arms
+    source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 0.8), mesh.faces))
+    start = target.vertices.copy()
+    wrong = source.vertices[:, 0] > np.quantile(source.vertices[:, 0], 0.8)
+    start[wrong] += (0.0, 0.0, 1.0)
+    pairs = np.empty((0, 2), np.int64)
+    stages = (Stage(0.0, 100.0, 0.06, 3), Stage(20.0, 30.0, 0.05, 8))
+    doubted = advanced(Registration(source, target, pairs, start, 1.0 - wrong), stages)
+    believed = advanced(Registration(source, target, pairs, start), stages)
+    missed = [np.linalg.norm(found.points - target.vertices, axis=1)[wrong].mean() for found in (doubted, believed)]
+    assert missed[0] < 0.1 * missed[1]
