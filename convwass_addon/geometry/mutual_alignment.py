@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several shapes laid on each other rigidly, each moved by no more than its share.
+
+Rotations and translations minimize the weighted squared distances of corresponding points (generalized Procrustes
+analysis; J. Gower, "Generalized Procrustes Analysis", Psychometrika 40, 1975). What they leave free, a common motion,
+is chosen such that the weighted mean of the motions is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rotation_fields import rotation_matrices, rotation_vectors
+
+# Rounds in which every shape is turned towards the others; two shapes need one.
+_ROUNDS = 30
+# Rounds for the mean of rotations.
+_MEAN_ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class RigidPose:
+    """Turns about a center and moves.
+
+    Attributes
+    ----------
+    vector : (3,) float64
+        Rotation vector, radians.
+    center : (3,) float64
+        What the shape turns about.
+    offset : (3,) float64
+        How the center moves.
+    """
+
+    vector: NDArray[np.float64]
+    center: NDArray[np.float64]
+    offset: NDArray[np.float64]
+
+    def applied(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points, (n, 3), moved."""
+        return (points - self.center) @ rotation_matrices(self.vector[None])[0].T + self.center + self.offset
+
+    def scaled(self, share: float) -> RigidPose:
+        """Return a share of the motion."""
+        return RigidPose(share * self.vector, self.center, share * self.offset)
+
+
+@dataclass(frozen=True)
+class Correspondence:
+    """Points of two shapes that belong together, by their moments.
+
+    Attributes
+    ----------
+    shapes : (int, int)
+        Which two.
+    means : (2, 3) float64
+        Means of the points of either.
+    covariance : (3, 3) float64
+        Of those of the first with those of the second.
+    """
+
+    shapes: tuple[int, int]
+    means: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls,
+        shapes: tuple[int, int],
+        first: NDArray[np.float64],
+        second: NDArray[np.float64],
+        weights: NDArray[np.float64],
+    ) -> Correspondence:
+        """Sum up points, (n, 3) each, with weights, (n,), of which only the proportions matter."""
+        shares = weights / weights.sum()
+        means = np.stack([shares @ first, shares @ second])
+        covariance = np.einsum("n,ni,nj->ij", shares, first - means[0], second - means[1])
+        return cls(shapes, means, covariance)
+
+    @property
+    def swapped(self) -> Correspondence:
+        """The same, the other way around."""
+        return Correspondence(self.shapes[::-1], self.means[::-1], self.covariance.T)
+
+    def about(self, first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the second moments about given points, (3, 3)."""
+        return self.covariance + np.outer(self.means[0] - first, self.means[1] - second)
+
+
+def mutual_poses(weights: Sequence[float], correspondences: Sequence[Correspondence]) -> list[RigidPose]:
+    """Return for every shape how it moves to lie on the others.
+
+    Parameters
+    ----------
+    weights : sequence of float
+        Share of every shape in the common place, of sum one: a shape with weight one stays where it is.
+    correspondences : sequence of Correspondence
+        Between these shapes. Each counts by the product of its shapes' weights.
+    """
+    count, shares = len(weights), np.asarray(weights, dtype=np.float64)
+    both = [*correspondences, *(found.swapped for found in correspondences)]
+    pulls = np.array([shares[found.shapes[0]] * shares[found.shapes[1]] for found in both])
+    centers = _centers(both, pulls, count)
+    turns = _turns(both, pulls, centers, count)
+    mean = _mean_rotation(turns, shares)
+    # Turned back by what all have in common.
+    turns = np.einsum("ji,njk->nik", mean, turns)
+    offsets = _offsets(both, pulls, centers, turns, shares) + shares @ centers - centers
+    vectors = rotation_vectors(turns)
+    return [RigidPose(*parts) for parts in zip(vectors, centers, offsets, strict=True)]
+
+
+def _centers(both: list[Correspondence], pulls: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return the mean of the corresponding points of every shape, (k, 3)."""
+    sums, totals = np.zeros((count, 3)), np.zeros(count)
+    for found, pull in zip(both, pulls, strict=True):
+        sums[found.shapes[0]] += pull * found.means[0]
+        totals[found.shapes[0]] += pull
+    return sums / np.where(totals > 0, totals, 1.0)[:, None]
+
+
+def _turns(
+    both: list[Correspondence], pulls: NDArray[np.float64], centers: NDArray[np.float64], count: int
+) -> NDArray[np.float64]:
+    """Return rotations, (k, 3, 3), that lay all shapes on each other, the first one at rest."""
+    turns = np.tile(np.eye(3), (count, 1, 1))
+    moments = [
+        (found.shapes, pull * found.about(*centers[list(found.shapes)]))
+        for found, pull in zip(both, pulls, strict=True)
+    ]
+    known = {0}
+    # First every shape is laid on those that have a place already, then all on all.
+    for _ in range(count - 1):
+        for shape in sorted({shapes[0] for shapes, _ in moments if shapes[1] in known} - known):
+            turns[shape] = _turned(shape, [part for part in moments if part[0][1] in known], turns)
+            known.add(shape)
+    for _ in range(_ROUNDS if count > 2 else 0):
+        for shape in range(1, count):
+            turns[shape] = _turned(shape, moments, turns)
+    return turns
+
+
+def _turned(
+    shape: int, moments: list[tuple[tuple[int, int], NDArray[np.float64]]], turns: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the rotation of one shape that lays it best on the others as they are."""
+    parts = [turns[shapes[1]] @ moment.T for shapes, moment in moments if shapes[0] == shape]
+    if not parts:
+        return turns[shape]
+    left, _, right = np.linalg.svd(sum(parts))
+    left[:, 2] *= np.sign(np.linalg.det(left @ right))
+    return left @ right
+
+
+def _mean_rotation(turns: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation from which the weighted mean of the rotation vectors to all others is none, (3, 3)."""
+    mean = turns[0]
+    for _ in range(_MEAN_ROUNDS):
+        step = shares @ rotation_vectors(np.einsum("ji,njk->nik", mean, turns))
+        mean = mean @ rotation_matrices(step[None])[0]
+    return mean
+
+
+def _offsets(
+    both: list[Correspondence],
+    pulls: NDArray[np.float64],
+    centers: NDArray[np.float64],
+    turns: NDArray[np.float64],
+    shares: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return where the turned shapes' centers go from their common place, (k, 3), with weighted mean zero."""
+    count = len(shares)
+    # The last row keeps the mean; it is scaled like the others.
+    scale = max(float(pulls.sum()), np.finfo(float).tiny)
+    matrix, right = np.outer(shares, shares) * scale, np.zeros((count, 3))
+    for (one, other), found, pull in zip((found.shapes for found in both), both, pulls, strict=True):
+        apart = turns[other] @ (found.means[1] - centers[other]) - turns[one] @ (found.means[0] - centers[one])
+        matrix[one, one] += pull
+        matrix[one, other] -= pull
+        right[one] += pull * apart
+    return np.linalg.lstsq(matrix, right, rcond=None)[0]

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertices from deformation gradients: what triangles should become, reconciled by one prefactored Poisson system.
+
+Y. Yu et al., "Mesh Editing with Poisson-Based Gradient Field Manipulation", ACM Transactions on Graphics 23(3), 2004;
+D. Xu et al., "Poisson Shape Interpolation", ACM Symposium on Solid and Physical Modeling, 2005.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array, diags_array
+
+from .edge_energy import EdgeEnergy
+from .factorization import Factorization, factorize
+from .mesh import TriangleMesh
+
+# Weight per area with which vertices are drawn to their anchors: it fixes where every component is, and nothing else.
+_ANCHORING = 1e-4
+# Triangles thinner than this, by area over squared longest edge, have no gradient of their own.
+_THIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Links:
+    """Springs between vertices, which keep components of a mesh together.
+
+    Attributes
+    ----------
+    ends : (k, 2) int64
+        Two vertices each.
+    weights : (k,) float64
+        How much each counts; an edge between two regular triangles has 0.58.
+    """
+
+    ends: NDArray[np.int64]
+    weights: NDArray[np.float64]
+
+    @classmethod
+    def none(cls) -> Links:
+        """Return no links at all."""
+        return cls(np.empty((0, 2), np.int64), np.empty(0))
+
+
+def deformation_gradients(
+    rest: NDArray[np.float64], moved: NDArray[np.float64], faces: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return the matrices, (m, 3, 3), that take triangles and their normals from rest to where they are.
+
+    A normal grows as the square root of its triangle's area (R. Sumner and J. Popovic, "Deformation Transfer for
+    Triangle Meshes", SIGGRAPH 2004). Triangles without area at rest get the identity.
+
+    Parameters
+    ----------
+    rest, moved : (n, 3)
+        Positions of the vertices.
+    faces : (m, 3) int64
+        Triangles.
+    """
+    before, after = _frames(rest[faces]), _frames(moved[faces])
+    longest = np.square(before).sum(axis=1).max(axis=1)
+    # The determinant of a frame is its area's square over the square root of that: area to the power of 3/2.
+    regular = np.linalg.det(before) > (_THIN * longest) ** 1.5
+    before[~regular] = after[~regular] = np.eye(3)
+    return after @ np.linalg.inv(before)
+
+
+def _frames(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return two edges and the scaled normal of every triangle as columns, (m, 3, 3)."""
+    one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normals = np.cross(one, other)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.stack([one, other, normals / np.sqrt(np.where(lengths > 0, lengths, 1.0))], axis=2)
+
+
+class PoissonDeformation:
+    """Finds vertices whose triangles come closest to given deformation gradients.
+
+    They minimize sum_tij w_tij |(y_i - y_j) - G_t (x_i - x_j)|^2 over the edges of triangles, plus the same for links,
+    plus a very small multiple of the squared distances from anchors. The system is factorized at its first use, and
+    anew after it was sent to another process.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        At rest, of any topology.
+    links : Links
+        Between its vertices.
+    """
+
+    def __init__(self, mesh: TriangleMesh, links: Links) -> None:
+        self.mesh, self.links = mesh, links
+        self._energy = EdgeEnergy.of(mesh)
+        area = max(mesh.area, np.finfo(float).tiny)
+        # A vertex that nothing holds goes to its anchor.
+        self._anchoring = _ANCHORING * np.maximum(mesh.vertex_areas / area, 1e-9)
+        self._factor: Factorization | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out the factors, which cannot be sent."""
+        return {**self.__dict__, "_factor": None}
+
+    def solve(
+        self, gradients: NDArray[np.float64], link_vectors: NDArray[np.float64], anchors: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the vertices, (n, 3).
+
+        Parameters
+        ----------
+        gradients : (m, 3, 3)
+            What should become of every triangle.
+        link_vectors : (k, 3)
+            What should lead from the second to the first end of every link.
+        anchors : (n, 3)
+            Where vertices are drawn to; with exact gradients only their mean matters.
+        """
+        if self._factor is None:
+            self._factor = factorize(self._system())
+        right = self._energy.pulls(gradients) + self._anchoring[:, None] * anchors
+        if len(self.links.ends):
+            pulls = self.links.weights[:, None] * link_vectors
+            one, other = self.links.ends.T
+            for axis in range(3):
+                right[:, axis] += np.bincount(one, pulls[:, axis], len(right))
+                right[:, axis] -= np.bincount(other, pulls[:, axis], len(right))
+        return np.ascontiguousarray(self._factor.solve(np.ascontiguousarray(right.T)).T)
+
+    def _system(self) -> csc_array:
+        count = len(self.mesh.vertices)
+        one, other = self.links.ends.T
+        one_way = coo_array((self.links.weights, (one, other)), shape=(count, count))
+        both = (one_way + one_way.T).tocsc()
+        diagonal = self._anchoring + np.asarray(both.sum(axis=0)).ravel()
+        return csc_array(self._energy.stiffness + diags_array(diagonal) - both)

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A surface drawn onto another that it nearly lies on, by a smooth field of displacements along its normals.
+
+No vertex leaves its neighbors, so that nothing folds that was not folded before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array, diags_array
+
+from ..progress import Control
+from .facing_points import FacingPointFinder
+from .factorization import factorize
+from .mesh import TriangleMesh
+from .normals import triangle_normals, vertex_normals
+
+_ROUNDS = 3
+# Points farther away than this, in sizes of the target (the square root of its area), count little.
+_REACH = 0.03
+# How much displacements resist to differ from edge to edge, against a weight of one for a point right below.
+_SMOOTHNESS = 0.3
+# With this weight vertices stay where they are.
+_LEAST = 1e-4
+
+
+def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Control) -> NDArray[np.float64]:
+    """Return new vertices, (n, 3), of a surface that nearly lies on `target`, drawn closer to it."""
+    smoothness = _SMOOTHNESS * _graph_laplacian(moved)
+    finder, facing = FacingPointFinder(target), triangle_normals(target.corners)
+    reach = _REACH * np.sqrt(target.area)
+    points = moved.vertices
+    for _ in range(_ROUNDS):
+        control.check()
+        normals = vertex_normals(points, moved.faces)
+        found = finder.find(points, normals)
+        heights = np.einsum("nd,nd->n", found.interpolated(target.corners) - points, normals)
+        agreement = np.clip(np.einsum("nd,nd->n", facing[found.triangles], normals), 0.0, 1.0)
+        weights = np.square(agreement) * np.exp(-np.square(found.distances / reach))
+        system = factorize(csc_array(smoothness + diags_array(weights + _LEAST)))
+        right = (weights * heights)[:, None] * normals
+        points = points + system.solve(np.ascontiguousarray(right.T)).T
+    return np.ascontiguousarray(points)
+
+
+def _graph_laplacian(mesh: TriangleMesh) -> csc_array:
+    """Return the Laplacian, (n, n), of the mesh's edges with weight one each."""
+    tails, heads = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    apart = tails != heads
+    rows, columns = tails[apart], heads[apart]
+    count = len(mesh.vertices)
+    adjacency = coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count)).tocsc()
+    adjacency = adjacency + adjacency.T
+    adjacency.data[:] = 1.0
+    return csc_array(diags_array(np.asarray(adjacency.sum(axis=0)).ravel()) - adjacency)

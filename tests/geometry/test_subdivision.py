@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Triangles cut where edges are long: the same surface, closed where it was."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.subdivision import with_short_edges
+from tests.shapes import ball, box
+
+
+def edge_lengths(mesh):
+    return np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2)
+
+
+@pytest.mark.parametrize("longest", [2.0, 1.2, 0.7, 0.11])
+def test_the_surface_stays_what_it_is(longest):
+    mesh = box((1.0, 2.0, 0.3))
+    found = with_short_edges(mesh, longest, 100_000)
+    assert edge_lengths(found.mesh).max() <= longest
+    assert topology(found.mesh) == topology(mesh)
+    assert found.mesh.area == pytest.approx(mesh.area)
+    assert found.mesh.volume == pytest.approx(mesh.volume)
+    np.testing.assert_array_equal(found.mesh.vertices[: len(mesh.vertices)], mesh.vertices)
+
+
+def test_parts_lie_in_the_triangles_that_they_are_said_to_be_of():
+    mesh = box((1.0, 2.0, 0.3))
+    found = with_short_edges(mesh, 0.25, 100_000)
+    normals = np.cross(mesh.corners[:, 1] - mesh.corners[:, 0], mesh.corners[:, 2] - mesh.corners[:, 0])
+    away = np.einsum("tcd,td->tc", found.mesh.corners - mesh.corners[found.parents][:, :1], normals[found.parents])
+    np.testing.assert_allclose(away, 0.0, atol=1e-12)
+    corners = found.mesh.corners
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    np.testing.assert_allclose(np.bincount(found.parents, areas), np.linalg.norm(normals, axis=1))
+
+
+def test_short_edges_are_left_alone():
+    mesh = ball(points=200)
+    found = with_short_edges(mesh, 3.0, 1000)
+    assert found.mesh is mesh
+    assert found.parents is None
+
+
+def test_there_are_never_more_vertices_than_wanted():
+    found = with_short_edges(box(), 0.01, 60)
+    assert 8 < len(found.mesh.vertices) <= 60
+
+
+def test_edges_of_three_triangles_and_of_one_are_cut_alike():
+    fan = TriangleMesh.from_arrays(
+        [(0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, -1, 0), (0.5, 0, 1)], [(0, 1, 2), (1, 0, 3), (0, 1, 4)]
+    )
+    found = with_short_edges(fan, 0.6, 1000).mesh
+    assert found.area == pytest.approx(fan.area)
+    # The shared edge has one middle.
+    on_axis = np.abs(found.vertices[:, 1:]).max(axis=1) < 1e-12
+    np.testing.assert_allclose(np.sort(found.vertices[on_axis, 0]), [0.0, 0.5, 1.0])

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A surface drawn onto one that it nearly lies on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.errors import Cancelled
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.surface_projection import drawn_along_normals
+from convwass_addon.progress import Control
+from tests.shapes import ball, box
+
+
+def test_a_smooth_gap_is_closed_without_folds():
+    target = ball(points=3000)
+    near = ball(points=700)
+    gap = 1.0 + 0.02 * np.sin(3.0 * near.vertices[:, :1])
+    drawn = drawn_along_normals(TriangleMesh(near.vertices * gap, near.faces), target, Control())
+    before = ClosestPointFinder(target.corners).find(near.vertices * gap).distances
+    after = ClosestPointFinder(target.corners).find(drawn).distances
+    assert after.max() < 0.1 * before.max()
+    corners = drawn[near.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (np.einsum("nd,nd->n", normals, corners.mean(axis=1)) > 0).all()
+
+
+def test_what_lies_on_the_surface_stays():
+    mesh = ball(points=200)
+    np.testing.assert_allclose(drawn_along_normals(mesh, mesh, Control()), mesh.vertices, atol=1e-9)
+
+
+def test_what_is_far_away_or_faces_elsewhere_stays():
+    mesh = box(center=(9.0, 0.0, 0.0))
+    np.testing.assert_allclose(drawn_along_normals(mesh, ball(points=200), Control()), mesh.vertices, atol=1e-6)
+
+
+def test_it_can_be_stopped():
+    control = Control()
+    control.cancel()
+    with pytest.raises(Cancelled):
+        drawn_along_normals(box(), box(), control)
