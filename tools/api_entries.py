@@ -11,6 +11,12 @@ APPLICATIONS = {
         "layouts": ("Blend", "path_blends", "grid_blends", "triangle_blends", "single_blend"),
         "frame_cache": ("FrameCache",),
     },
+    "motions": {
+        "guided_motion": ("guided_motion", "GuidedMotion", "GuidedPair"),
+        "guided_settings": ("GuidedSettings",),
+        "map_quality": ("MapQuality",),
+        "motion": ("Motion", "MovedShape"),
+    },
     "flat": {
         "flat_morph": ("flat_morph",),
         "flat_frames": ("FlatStep", "FlatFrame"),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .mesh import TriangleMesh
 from .orientation import orient_outward
+from .solid_volume import solid_volume
 
 Alignment = Literal["PLACED", "CENTERED", "PRINCIPAL_AXES"]
 Scaling = Literal["PLACED", "EQUAL_VOLUME"]
@@ -86,7 +87,7 @@ def aligned(
         to lie on the side with the longer tail. Where shapes are symmetric and all ways are as good, the smallest turn
         is taken. Nothing is ever mirrored.
     scaling : "PLACED" or "EQUAL_VOLUME"
-        Leave sizes, or give all the volume of the first shape.
+        Leave sizes, or give all the volume of the first shape, as :func:`.solid_volume.solid_volume` measures it.
     names : sequence of str
         What messages call the shapes.
 
@@ -100,9 +101,10 @@ def aligned(
     InputError
         A shape without volume where all are to have equal volumes.
     """
-    solids = [_Solid.of(mesh) for mesh in meshes]
+    outward = [orient_outward(mesh) for mesh in meshes]
+    solids = [_Solid.of(mesh) for mesh in outward]
     first = solids[0]
-    scales = _equal_volume_scales(solids, names) if scaling == "EQUAL_VOLUME" else [1.0] * len(solids)
+    scales = _equal_volume_scales(outward, solids, names) if scaling == "EQUAL_VOLUME" else [1.0] * len(solids)
     moves = []
     for index, (solid, scale) in enumerate(zip(solids, scales, strict=True)):
         turns = alignment == "PRINCIPAL_AXES" and index > 0
@@ -119,14 +121,14 @@ class _Solid:
     The second and third ones, (3, 3) and (3, 3, 3), are those of mass 1.
     """
 
-    volume: float
+    has_volume: bool
     center: NDArray[np.float64]
     second: NDArray[np.float64]
     third: NDArray[np.float64]
 
     @classmethod
-    def of(cls, mesh: TriangleMesh) -> _Solid:
-        corners = orient_outward(mesh).corners
+    def of(cls, outward: TriangleMesh) -> _Solid:
+        corners = outward.corners
         directed = _directed_areas(corners)
         areas = np.linalg.norm(directed, axis=1)
         # About the middle of the surface, the volume of an open shape does not depend on how it is turned.
@@ -137,18 +139,18 @@ class _Solid:
         hole = float(np.linalg.norm(directed.sum(axis=0)))
         if volume > _CLEAR * areas.sum() ** 1.5 and hole < _OPEN * areas.sum():
             tetrahedra = np.concatenate([corners, np.zeros((len(corners), 1, 3))], axis=1)
-            solid = cls._of_simplices(tetrahedra, volumes / volumes.sum(), volume, middle)
+            solid = cls._of_simplices(tetrahedra, volumes / volumes.sum(), True, middle)
             if np.linalg.eigvalsh(solid.second)[0] > 0.0:
                 return solid
-        return cls._of_simplices(corners, areas / areas.sum(), 0.0, middle)
+        return cls._of_simplices(corners, areas / areas.sum(), False, middle)
 
     @classmethod
     def _of_simplices(
-        cls, simplices: NDArray[np.float64], sizes: NDArray[np.float64], volume: float, origin: NDArray[np.float64]
+        cls, simplices: NDArray[np.float64], sizes: NDArray[np.float64], has_volume: bool, origin: NDArray[np.float64]
     ) -> _Solid:
         center = np.einsum("m,mi->i", sizes, simplices.mean(axis=1))
         second, third = _moments(simplices - center, sizes)
-        return cls(volume, center + origin, second, third)
+        return cls(has_volume, center + origin, second, third)
 
 
 def _directed_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -175,16 +177,19 @@ def _moments(
     return second / (corners * (corners + 1)), third / (corners * (corners + 1) * (corners + 2))
 
 
-def _equal_volume_scales(solids: Sequence[_Solid], names: Sequence[str]) -> list[float]:
+def _equal_volume_scales(
+    outward: Sequence[TriangleMesh], solids: Sequence[_Solid], names: Sequence[str]
+) -> list[float]:
     for index, solid in enumerate(solids):
-        if solid.volume <= 0.0:
+        if not solid.has_volume:
             name = names[index] if names else f"Shape {index + 1}"
             raise InputError(
                 "'{name}' encloses no volume, so it cannot be scaled to that of the others. Give it thickness, or "
                 "set the scale to as placed.",
                 name=name,
             )
-    return [float(np.cbrt(solids[0].volume / solid.volume)) for solid in solids]
+    volumes = [solid_volume(mesh) for mesh in outward]
+    return [float(np.cbrt(volumes[0] / volume)) for volume in volumes]
 
 
 def _turn(solid: _Solid, first: _Solid) -> NDArray[np.float64]:

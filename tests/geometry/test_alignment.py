@@ -13,7 +13,7 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.alignment import RigidMove, aligned
 from convwass_addon.geometry.mesh import TriangleMesh
 
-from ..shapes import ball, box, joined, square, torus
+from ..shapes import ball, box, joined, square, torus, tube_with_caps, with_faces
 
 angles = st.floats(-np.pi, np.pi)
 rotations = st.tuples(angles, angles, angles).map(lambda xyz: Rotation.from_euler("xyz", xyz).as_matrix())
@@ -42,7 +42,7 @@ def changed(mesh, rotation=None, offset=(0, 0, 0), scale=1.0):
 
 
 @given(rotations, offsets, scales)
-@settings(max_examples=60)
+@settings(max_examples=15)
 def test_a_turned_moved_and_scaled_copy_comes_to_lie_on_the_shape(rotation, offset, scale):
     shape = changed(lopsided(), offset=(3, -2, 1))
     copy = changed(lopsided(), rotation, offset, scale)
@@ -128,6 +128,14 @@ def test_equal_volume_scales_about_the_own_center():
 def test_inside_out_shapes_have_their_volume():
     shapes = [box((2, 2, 2)), box().flipped()]
     assert aligned(shapes, "PLACED", "EQUAL_VOLUME")[1].scale == pytest.approx(2.0)
+
+
+def test_an_open_shape_is_given_the_volume_that_it_would_have_with_its_hole_closed():
+    """A copy of a tube that lacks the cap at one end, like a scanned arm, is the same size as the tube."""
+    tube, move = tube_with_caps(), Rotation.from_euler("xyz", (0.3, 0.5, 0.9)).as_matrix()
+    is_cap = (tube.corners[..., 2] > 1.99).all(axis=1)
+    scanned = changed(with_faces(tube, ~is_cap), move, (4, 0, 0), 3.0)
+    assert aligned([tube, scanned], "PLACED", "EQUAL_VOLUME")[1].scale == pytest.approx(1 / 3, rel=0.005)
 
 
 def test_what_has_no_volume_is_refused_by_name():

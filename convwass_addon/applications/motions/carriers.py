@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The meshes on which shapes are deformed: not too coarse to bend, not too fine to be fast."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
+
+from ...errors import InputError
+from ...geometry.coarsening import coarsened
+from ...geometry.component_links import component_links
+from ...geometry.edges import distinct_corners
+from ...geometry.mesh import TriangleMesh
+from ...geometry.orientation import orient_outward
+from ...geometry.poisson_deformation import PoissonDeformation
+from ...geometry.subdivision import with_short_edges
+from ...progress import Control
+from ..far_meshes import refuse_far
+
+# Edges longer than this, in sizes of the surface (the square root of its area), cannot bend as limbs do.
+_LONGEST_EDGE = 0.03
+# A mesh with up to this many times the vertices of a carrier carries itself.
+_NEAR_ENOUGH = 1.5
+# Meshes that cannot be simplified are taken as they are up to so many times the vertices of a carrier.
+_BEARABLE = 8
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """A shape and the mesh on which it is deformed.
+
+    Attributes
+    ----------
+    name : str
+        What messages call the shape.
+    rest : TriangleMesh
+        The shape where it stands, with long edges cut. The vertices of the input come first.
+    parents : (t,) int64 or None
+        The triangle of the input that every triangle of `rest` is a part of; None where nothing was cut.
+    mesh : TriangleMesh
+        The mesh that is deformed, facing outward; with the vertices of `rest`, or a coarser one.
+    seeds : (c,) int64
+        The vertex of `rest` that each of its vertices is.
+    blend : csr_array or None
+        The vertices of `rest` as means of those of `mesh`, (n, c); None where these are the same.
+    poisson : PoissonDeformation
+        Of `mesh`.
+    """
+
+    name: str
+    rest: TriangleMesh
+    parents: NDArray[np.int64] | None
+    mesh: TriangleMesh
+    seeds: NDArray[np.int64]
+    blend: csr_array | None
+    poisson: PoissonDeformation = field(repr=False)
+
+    @property
+    def size(self) -> float:
+        """Square root of the area."""
+        return float(np.sqrt(self.mesh.area))
+
+    def places(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return which vertices of `mesh` some of `rest`, (k,), are; the nearest ones for those that are none."""
+        return cKDTree(self.mesh.vertices).query(self.rest.vertices[vertices])[1]
+
+    def carried(self, points: NDArray[np.float64], gradients: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where the vertices of `rest` go, (n, 3).
+
+        Parameters
+        ----------
+        points : (c, 3)
+            Where the vertices of `mesh` are.
+        gradients : (m, 3, 3)
+            How its triangles are turned and stretched.
+        """
+        if self.blend is None:
+            return points
+        areas = np.linalg.norm(
+            np.cross(*(self.mesh.corners[:, corner] - self.mesh.corners[:, 0] for corner in (1, 2))), axis=1
+        )
+        corners = self.mesh.faces.ravel()
+        count = len(points)
+        weighted = np.repeat(areas[:, None] * gradients.reshape(-1, 9), 3, axis=0)
+        sums = np.stack([np.bincount(corners, column, count) for column in weighted.T], axis=1)
+        totals = np.bincount(corners, np.repeat(areas, 3), count)
+        local = np.where(totals[:, None] > 0, sums / np.where(totals > 0, totals, 1.0)[:, None], np.eye(3).ravel())
+        # Every vertex goes where the affine maps of the carrier's vertices around it take it, on average.
+        shifts = points - np.einsum("nij,nj->ni", local.reshape(-1, 3, 3), self.mesh.vertices)
+        blended = self.blend @ np.concatenate([local, shifts], axis=1)
+        return np.einsum("nij,nj->ni", blended[:, :9].reshape(-1, 3, 3), self.rest.vertices) + blended[:, 9:]
+
+
+def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: int, control: Control) -> Carrier:
+    """Prepare a shape for being deformed.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Any triangles; scene units.
+    name : str
+        What messages call it.
+    kept : (k,) int64
+        Vertices that are to be among the carrier's.
+    count : int
+        Wanted number of vertices of the carrier.
+    control : Control
+        Stops the work.
+
+    Raises
+    ------
+    InputError
+        The mesh has no area, lies too far away, or cannot be simplified enough.
+    """
+    refuse_far(mesh)
+    if not len(mesh.faces) or not mesh.area > 0:
+        raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
+    control.check()
+    cut = with_short_edges(mesh, _LONGEST_EDGE * np.sqrt(mesh.area), max(len(mesh.vertices), int(_NEAR_ENOUGH * count)))
+    rest = cut.mesh
+    outward = orient_outward(rest)
+    used = np.zeros(len(rest.vertices), bool)
+    used[outward.faces[distinct_corners(outward.faces)]] = True
+    seeds, blend = np.arange(len(rest.vertices)), None
+    if used.sum() > _NEAR_ENOUGH * count:
+        found = coarsened(outward, outward.vertex_areas, count, kept, check=control.check)
+        if found is not None and len(found.seeds) < _BEARABLE * count:
+            outward, seeds, blend = found.mesh, found.seeds, _with_loose(found.prolongation, rest, found.mesh)
+        elif used.sum() > _BEARABLE * count:
+            raise InputError(
+                "{name} cannot be simplified to fewer than {most} vertices: it has too many pieces or holes. "
+                "Remesh it.",
+                name=name,
+                most=_BEARABLE * count,
+            )
+    control.check()
+    poisson = PoissonDeformation(outward, component_links(outward, control))
+    return Carrier(name, rest, cut.parents, outward, seeds, blend, poisson)
+
+
+def _with_loose(prolongation: csr_array, fine: TriangleMesh, coarse: TriangleMesh) -> csr_array:
+    """Let vertices that no triangle uses go with the nearest vertex of the coarse mesh."""
+    loose = np.flatnonzero(np.diff(prolongation.indptr) == 0)
+    if not len(loose):
+        return prolongation
+    nearest = cKDTree(coarse.vertices).query(fine.vertices[loose])[1]
+    return csr_array(prolongation + csr_array((np.ones(len(loose)), (loose, nearest)), shape=prolongation.shape))

@@ -1,0 +1,273 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes that move towards each other as bodies do: limbs swing, and only what still differs is left to transport.
+
+Every two shapes that occur together are mapped onto each other, and each is deformed to lie on the other. In a blend
+with weights w, shape i is deformed by the weighted mean of its deformations to the others: with gradients
+F_ij = exp(r_ij) Q_ij, its triangles get exp(sum_j w_j r_ij) (sum_j w_j Q_ij), where r_ii = 0 and Q_ii = 1, and a
+Poisson system gives its vertices. Then all shapes are laid on each other rigidly, each by its share. For two shapes
+this is Poisson shape interpolation from both ends; for more it depends on the weights alone, so that every way around
+comes back to the same shapes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.mutual_alignment import Correspondence, mutual_poses
+from ...geometry.rotation_fields import rotation_matrices
+from ...progress import Control, Progress, Work, within
+from ...sentence import Sentence
+from ..soft_maps.soft_map_settings import SoftMapSettings
+from ..workers import one_blas_thread
+from .carriers import Carrier, carrier_of
+from .guided_settings import GuidedSettings
+from .guides import Guide, check_guides, guide_pairs, guide_vertices
+from .map_quality import MapQuality, map_quality
+from .motion import MovedShape
+from .pair_maps import PairMap, pair_map
+from .shape_deformations import ShapeDeformation, laid_points, split_deformation
+
+# Where the map is not trusted at all, points still say a little about how shapes are laid on each other.
+_LEAST_TRUST = 0.01
+# Share of the work on a pair after which its map is there.
+_MAPPED = 0.6
+
+
+@dataclass(frozen=True)
+class GuidedPair:
+    """What is known of two shapes.
+
+    Attributes
+    ----------
+    quality : MapQuality
+        The worse of both ways.
+    guides, followed : int
+        Guides that there are, and how many the map follows.
+    score : float
+        Of the map, 0 to 1.
+    score_without : float or None
+        Of the map without guides, where there are some.
+    """
+
+    quality: MapQuality
+    guides: int
+    followed: int
+    score: float
+    score_without: float | None
+
+    def record(self) -> dict[str, object]:
+        """Return it ready for JSON."""
+        guides = {"given": self.guides, "followed": self.followed, "score_without": self.score_without}
+        return {"score": self.score, **self.quality.as_dict(), **({"guides": guides} if self.guides else {})}
+
+
+@dataclass(frozen=True)
+class GuidedMotion:
+    """Moves shapes towards each other by deforming each onto the others; a :class:`.motion.Motion`.
+
+    Attributes
+    ----------
+    carriers : tuple of Carrier
+        The shapes.
+    deformations : mapping of (int, int) to ShapeDeformation
+        How the first of two shapes is deformed to lie on the second.
+    pairs : mapping of (int, int) to GuidedPair
+        How well two shapes, the smaller number first, agree.
+    settings : GuidedSettings
+        How they are guided.
+    """
+
+    carriers: tuple[Carrier, ...]
+    deformations: Mapping[tuple[int, int], ShapeDeformation]
+    pairs: Mapping[tuple[int, int], GuidedPair]
+    settings: GuidedSettings
+
+    def with_coherence(self, coherence: float) -> GuidedMotion:
+        """Return the same motion with another coherence, at once; see :class:`.guided_settings.GuidedSettings`.
+
+        Raises
+        ------
+        InputError
+            It does not lie between 0 and 1.
+        """
+        return replace(self, settings=replace(self.settings, coherence=coherence))
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every shape as it is in a blend; see :meth:`.motion.Motion.moved`.
+
+        Raises
+        ------
+        ValueError
+            Not one weight per shape, or shapes that were not prepared to occur together.
+        """
+        if len(weights) != len(self.carriers):
+            raise ValueError(f"there are {len(self.carriers)} shapes, but {len(weights)} weights")
+        active = [shape for shape, weight in enumerate(weights) if weight > 0]
+        missing = [(one, other) for one in active for other in active if one != other and not self._knows(one, other)]
+        if missing:
+            raise ValueError(f"shapes {missing[0][0]} and {missing[0][1]} were not prepared to occur together")
+        result: list[MovedShape | None] = [None] * len(self.carriers)
+        if len(active) == 1 or self.settings.way == 0:
+            for shape in active:
+                carrier = self.carriers[shape]
+                result[shape] = MovedShape(carrier.rest, carrier.rest.vertices, carrier.parents)
+            return result
+        for shape, vertices in zip(active, self._moved_together(active, weights), strict=True):
+            result[shape] = MovedShape(self.carriers[shape].rest, vertices, self.carriers[shape].parents)
+        return result
+
+    def record(self) -> dict[str, object]:
+        """Return settings and figures of every pair of shapes, ready for JSON."""
+        pairs = [
+            {"shapes": [self.carriers[shape].name for shape in key], **pair.record()}
+            for key, pair in sorted(self.pairs.items())
+        ]
+        return {"kind": "guided", "settings": self.settings.as_dict(), "pairs": pairs}
+
+    def _knows(self, one: int, other: int) -> bool:
+        return (one, other) in self.deformations
+
+    def _moved_together(self, active: list[int], weights: Sequence[float]) -> list[NDArray[np.float64]]:
+        """Return the vertices of the shapes that take part."""
+        shares = np.array([weights[shape] for shape in active], dtype=np.float64)
+        shares /= shares.sum()
+        states = [self._state(shape, dict(zip(active, shares, strict=True))) for shape in active]
+        with one_blas_thread():
+            points = [self.carriers[shape].poisson.solve(*state) for shape, state in zip(active, states, strict=True)]
+        found = []
+        for place, shape in enumerate(active):
+            for other_place, other in enumerate(active):
+                if other != shape:
+                    found.append(self._correspondence((place, other_place), (shape, other), points))
+        poses = mutual_poses(shares, found)
+        return [
+            pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, state[0]))
+            for shape, own, state, pose in zip(active, points, states, poses, strict=True)
+        ]
+
+    def _state(
+        self, shape: int, shares: Mapping[int, float]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return the gradients of a shape's triangles, its links and its anchors."""
+        mesh, links = self.carriers[shape].mesh, self.carriers[shape].poisson.links
+        way, stiffness = self.settings.way, self.settings.stiffness
+        others = [(way * share, self.deformations[shape, other]) for other, share in shares.items() if other != shape]
+        stays = 1.0 - sum(share for share, _ in others)
+        vectors = sum(share * found.vectors for share, found in others)
+        anchors = stays * mesh.vertices + sum(share * found.points for share, found in others)
+        scale = stays + sum(share * found.scale for share, found in others)
+        stretches = stays * np.eye(3) + sum(share * found.stretches for share, found in others)
+        rest = mesh.vertices[links.ends[:, 0]] - mesh.vertices[links.ends[:, 1]]
+        link_stretches = stays * rest + sum(share * found.link_stretches for share, found in others)
+        if stiffness > 0:
+            stretches = (1.0 - stiffness) * stretches + stiffness * scale * np.eye(3)
+            link_stretches = (1.0 - stiffness) * link_stretches + stiffness * scale * rest
+        gradients = rotation_matrices(vectors[mesh.faces].mean(axis=1)) @ stretches
+        turned = np.einsum("kij,kj->ki", rotation_matrices(vectors[links.ends].mean(axis=1)), link_stretches)
+        return gradients, turned, anchors
+
+    def _correspondence(
+        self, places: tuple[int, int], shapes: tuple[int, int], points: list[NDArray[np.float64]]
+    ) -> Correspondence:
+        """Return which points of a shape belong to which of another, where both have been deformed."""
+        found = self.deformations[shapes]
+        images = found.images.interpolated(points[places[1]][self.carriers[shapes[1]].mesh.faces])
+        weights = self.carriers[shapes[0]].mesh.vertex_areas * (found.confidence + _LEAST_TRUST)
+        return Correspondence.of(places, points[places[0]], images, weights)
+
+
+def guided_motion(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    settings: GuidedSettings | None = None,
+    guides: Sequence[Guide] = (),
+    control: Control | None = None,
+) -> Work[GuidedMotion]:
+    """Prepare shapes for moving towards each other.
+
+    Parameters
+    ----------
+    shapes : sequence of TriangleMesh
+        In scene units: open or closed, in any number of components, of any number of vertices.
+    names : sequence of str
+        What messages call them.
+    pairs : sequence of (int, int)
+        Which shapes occur together in a blend: neighbors of a path, all pairs of a triangle or a pad.
+    settings : GuidedSettings, optional
+        How they are guided.
+    guides : sequence of mappings from int to int
+        Points that belong together: for some of the shapes, by their numbers, a vertex of each.
+    control : Control, optional
+        Stops the work.
+
+    Returns
+    -------
+    GuidedMotion
+        The last value of the generator.
+
+    Yields
+    ------
+    Progress
+        What is being done.
+
+    Raises
+    ------
+    InputError
+        Shapes or guides that cannot be used, or shapes between which there is no map.
+    """
+    settings, control = settings or GuidedSettings(), control or Control()
+    check_guides(guides, shapes, names)
+    wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
+    yield Progress(0.0, Sentence("Reading the shapes"))
+    carriers = []
+    for shape, (mesh, name) in enumerate(zip(shapes, names, strict=True)):
+        kept = guide_vertices(guides, shape)
+        carriers.append(carrier_of(mesh, name, kept, settings.carrier_vertices, control))
+    deformations: dict[tuple[int, int], ShapeDeformation] = {}
+    known: dict[tuple[int, int], GuidedPair] = {}
+    for number, pair in enumerate(wanted):
+        # The same pair the other way around has the same answer, whatever the order of the shapes.
+        ordered = pair if _rank(carriers[pair[0]].mesh) <= _rank(carriers[pair[1]].mesh) else pair[::-1]
+        one, other = (carriers[shape] for shape in ordered)
+        marked = guide_pairs(guides, *ordered)
+        places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
+        begin, end = (0.05 + 0.95 * share / len(wanted) for share in (number, number + 1))
+        there, back, found = yield from within(_deformed(one, other, places, settings, control), begin, end)
+        deformations[ordered], deformations[ordered[::-1]] = there, back
+        quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
+        known[pair] = GuidedPair(quality, found.guides, len(found.pairs), found.score, found.score_without)
+    yield Progress(1.0, Sentence("The shapes know how to move"))
+    return GuidedMotion(tuple(carriers), deformations, known, settings)
+
+
+def _deformed(
+    one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
+) -> Work[tuple[ShapeDeformation, ShapeDeformation, PairMap]]:
+    """Deform two shapes onto each other."""
+    map_settings = SoftMapSettings(vertices=settings.map_vertices)
+    found = yield from within(pair_map(one, other, pairs, map_settings, control), 0.0, _MAPPED)
+    message = Sentence("Laying {first} on {second}", {"first": one.name, "second": other.name})
+    yield Progress(_MAPPED, message)
+    forward, backward = found.found.forward, found.found.backward
+    with one_blas_thread():
+        there = laid_points(one, other, forward, found.pairs, control)
+        there = split_deformation(one, other, there, forward.confidence.astype(np.float64), None, control)
+    yield Progress(0.5 * (1.0 + _MAPPED), message)
+    with one_blas_thread():
+        back = laid_points(other, one, backward, found.pairs[:, ::-1], control)
+        back = split_deformation(other, one, back, backward.confidence.astype(np.float64), there, control)
+    return there, back, found
+
+
+def _rank(mesh: TriangleMesh) -> tuple[object, ...]:
+    """Return what orders two meshes by themselves; turned, moved or scaled they keep their order."""
+    digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()
+    return len(mesh.vertices), len(mesh.faces), round(mesh.volume / mesh.area**1.5, 9), digest

@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motions between shapes of which nothing is known, from map to moved shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.motions.guided_motion import guided_motion
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.errors import Cancelled, InputError
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import Control, drained
+from tests.applications.maps import arm, shuffled
+from tests.grids import figure
+from tests.shapes import ball, box, joined, square
+
+QUICK = GuidedSettings(map_vertices=300, carrier_vertices=1000)
+
+
+def motion_of(*shapes, settings=QUICK, pairs=((0, 1),), guides=(), control=None):
+    names = [f"shape {k}" for k in range(len(shapes))]
+    return drained(guided_motion(shapes, names, pairs, settings, guides, control))
+
+
+def noted(work, reports):
+    """Do all of the work, and keep what it reports."""
+    while True:
+        try:
+            reports.append(next(work))
+        except StopIteration as end:
+            return end.value
+
+
+def apart(one, other):
+    """Largest distance from the vertices of one mesh to the other, in sizes of it."""
+    return ClosestPointFinder(other.corners).find(one.vertices).distances.max() / np.sqrt(other.area)
+
+
+@pytest.fixture(scope="module")
+def arms():
+    straight, _ = arm(0.0)
+    swung, _ = arm(np.radians(120.0))
+    return straight, shuffled(swung)[0]
+
+
+@pytest.fixture(scope="module")
+def swing(arms):
+    return motion_of(*arms)
+
+
+def test_an_arm_that_swings_keeps_its_length(arms, swing):
+    for share in (0.25, 0.5, 0.75):
+        one, other = swing.moved([1.0 - share, share])
+        line = one.vertices[:640].reshape(40, 16, 3).mean(axis=1)
+        assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(4.0, rel=0.03)
+        assert apart(one.mesh, other.mesh) < 0.02
+        assert one.mesh.volume == pytest.approx(arms[0].volume, rel=0.03)
+
+
+def test_the_record_says_how_well_it_fits(swing):
+    (pair,) = swing.record()["pairs"]
+    assert pair["shapes"] == ["shape 0", "shape 1"]
+    assert pair["confidence"] > 0.9
+    assert pair["round_trip_95"] < 0.1
+    assert pair["left"] < 0.01
+    assert pair["torn"] < 0.01
+
+
+def test_swapped_inputs_give_the_same_shapes(arms, swing):
+    reports = []
+    back = noted(guided_motion(arms[::-1], ["other", "one"], [(1, 0)], QUICK), reports)
+    fractions = [report.fraction for report in reports]
+    assert fractions == sorted(fractions)
+    assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    assert len(reports) > 5
+    there, again = swing.moved([0.7, 0.3]), back.moved([0.3, 0.7])
+    np.testing.assert_allclose(again[1].vertices, there[0].vertices, atol=1e-9)
+    np.testing.assert_allclose(again[0].vertices, there[1].vertices, atol=1e-9)
+
+
+def test_dense_meshes_are_deformed_by_coarser_ones():
+    straight, swung = (arm(angle, around=48, along=160)[0] for angle in (0.0, np.radians(120.0)))
+    motion = motion_of(straight, swung)
+    assert len(motion.carriers[0].mesh.vertices) < 0.5 * len(straight.vertices)
+    one, other = motion.moved([0.5, 0.5])
+    assert one.rest is straight
+    line = one.vertices[: 48 * 160].reshape(160, 48, 3).mean(axis=1)
+    assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(4.0, rel=0.03)
+    assert apart(one.mesh, other.mesh) < 0.02
+    # As smooth as it was: no triangle is turned over or much larger than before.
+    before, after = (
+        np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2) for mesh in (straight, one.mesh)
+    )
+    assert (after < 1.6 * before).all()
+
+
+def open_arm(angle):
+    mesh = arm(angle)[0]
+    return TriangleMesh(mesh.vertices, mesh.faces[mesh.corners.mean(axis=1)[:, 0] > 0.2])
+
+
+def with_a_fin(angle):
+    """One more triangle on an edge, and two crumbs beside it."""
+    mesh = arm(angle)[0]
+    faces = np.concatenate([mesh.faces, [[0, 16, len(mesh.vertices)]]])
+    fin = TriangleMesh(np.concatenate([mesh.vertices, [[0.05, 0.6, 0.0]]]), faces)
+    return joined(fin, ball(0.03, (1.0, 0.4, 0.0), points=12), box((0.02, 0.02, 0.02), (1.0, -0.4, 0.0)))
+
+
+def inside_out(angle):
+    return arm(angle)[0].flipped()
+
+
+@pytest.mark.parametrize("kind", [open_arm, with_a_fin, inside_out])
+def test_odd_meshes_move_too(kind):
+    motion = motion_of(kind(0.0), arm(1.5)[0])
+    one, other = motion.moved([0.5, 0.5])
+    assert np.isfinite(one.vertices).all()
+    near = ClosestPointFinder(one.mesh.corners).find(other.vertices).distances
+    assert np.quantile(near, 0.9) < 0.02 * np.sqrt(other.mesh.area)
+
+
+def test_shapes_that_cannot_be_used_are_named():
+    with pytest.raises(InputError, match="shape 1 has no faces"):
+        motion_of(box(), TriangleMesh(np.zeros((3, 3)), np.array([[0, 1, 2]])))
+    with pytest.raises(InputError, match="shape 0 has no faces"):
+        motion_of(TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), box())
+
+
+def test_unlike_shapes_still_give_numbers():
+    motion = motion_of(square(), ball(points=100))
+    moved = motion.moved([0.5, 0.5])
+    for shape in moved:
+        assert np.isfinite(shape.vertices).all()
+    # Two triangles cannot bend: they are cut.
+    assert set(moved[0].parents) == {0, 1}
+    assert len(moved[0].rest.faces) == len(moved[0].parents)
+
+
+@pytest.mark.parametrize("checks", [1, 8, 40])
+def test_it_can_be_stopped(arms, checks):
+    class Stopping(Control):
+        """Cancels itself after some checks."""
+
+        left = checks
+
+        def check(self):
+            self.left -= 1
+            if self.left < 0:
+                self.cancel()
+            super().check()
+
+    with pytest.raises(Cancelled):
+        motion_of(*arms, control=Stopping())
+
+
+@pytest.mark.parametrize(
+    ("guide", "message"),
+    [
+        ({0: 5}, "at least two shapes"),
+        ({0: 5, 7: 5}, "shape 7"),
+        ({0: 5, 1: 100_000}, "no vertex 100000"),
+        ({0: -1, 1: 5}, "no vertex -1"),
+    ],
+)
+def test_guides_that_cannot_be_used_are_refused(arms, guide, message):
+    with pytest.raises(InputError, match=message):
+        motion_of(*arms, guides=[guide])
+
+
+def test_a_vertex_has_one_guide(arms):
+    with pytest.raises(InputError, match="Vertex 5 of shape 0 is in 2"):
+        motion_of(*arms, guides=[{0: 5, 1: 5}, {0: 5, 1: 9}])
+
+
+def test_guides_are_followed():
+    """A figure and the same turned by half a circle: two marked hands tell which is which."""
+    mesh = figure()[0]
+    turned = TriangleMesh(mesh.vertices * (-1.0, -1.0, 1.0), mesh.faces)
+    hands = [int(np.argmax(mesh.vertices @ way)) for way in ((1.0, 0.0, 0.3), (-1.0, 0.0, 0.3), (0.0, -1.0, 0.0))]
+    motion = motion_of(mesh, shuffled(turned)[0], guides=[{0: k, 1: int(shuffled(turned)[1][k])} for k in hands])
+    found = motion.deformations[0, 1].points[hands]
+    np.testing.assert_allclose(found, turned.vertices[hands], atol=0.1)
+    assert motion.pairs[0, 1].followed == 3
