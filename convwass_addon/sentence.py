@@ -46,3 +46,8 @@ class Sentence:
             return template.format(**self.values) if self.values else template
         except (KeyError, IndexError, ValueError):
             return self.template.format(**self.values)
+
+
+def as_sentence(text: str) -> Sentence:
+    """Return a text that Blender knows already, such as the label of a property, as a part of another sentence."""
+    return Sentence(text)

@@ -9,7 +9,9 @@ from pathlib import Path
 import bpy
 from bl_operators.presets import AddPresetBase
 
+from .applications.morphs.morph_settings import MorphSettings
 from .errors import InputError
+from .schema import settings_of
 
 SUBFOLDER = "convwass/solver"
 """Where presets lie within a folder of presets."""
@@ -17,19 +19,7 @@ SUBFOLDER = "convwass/solver"
 MENU = "CONVWASS_PT_solver_presets"
 """The popover that lists them."""
 
-PRESET_PROPERTIES = (
-    "resolution",
-    "use_custom_blur",
-    "blur",
-    "use_custom_sharpness",
-    "sharpness",
-    "locality",
-    "entropy_limit",
-    "entropy_bound",
-    "level",
-    "thin_parts",
-    "mend",
-)
+PRESET_PROPERTIES = tuple(name for one in settings_of(MorphSettings) if one.preset for name in one.properties)
 """What a preset sets; thickness and parts belong to the shapes."""
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import replace
 from types import SimpleNamespace
 
 import bpy
@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 
 from convwass_addon import cli
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.densities.density_attributes import stored_frames
 from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.morphs.morph_request import MorphRequest
 from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_morph
 from convwass_addon.bridge.vertex_groups import write_group
 from convwass_addon.operators.density_changes import changed_inputs
-from convwass_addon.properties.morphs import STORED_OPTIONS
 
 pytestmark = [
     pytest.mark.usefixtures("empty_scene"),
@@ -131,11 +132,21 @@ def test_frames_between_others_are_refused_in_words(solids, tmp_path):
     assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
 
 
-def test_the_table_is_that_of_the_operator():
+def test_all_that_a_bake_is_asked_for_is_stored_and_taken_over():
     arguments = bpy.ops.convwass.bake_morph.get_rna_type().properties
-    own = {field.name: field.default for field in fields(MorphRequest)}
-    assert own.keys() == {*STORED_OPTIONS, "weights", "at"}
-    assert {name: own[name] for name in STORED_OPTIONS} == {name: arguments[name].default for name in STORED_OPTIONS}
+    usual = MorphRequest()
+    for name, value in usual.as_dict().items():
+        if name not in ("weights", "at"):
+            assert arguments[name].default == value, name
+    asked = replace(usual, layout="GRID", steps=7, alignment="CENTERED", start="CUSTOM", frame_start=9, words="LETTERS")
+    solver = MorphSettings(resolution=33, blur=2.0, entropy_limit=-1.5, level="half-max", mend=False)
+    own = bpy.context.scene.convwass_morph
+    own.take_stored({**solver.as_dict(), **asked.as_dict()})
+    assert own.request() == asked
+    assert own.solver_settings() == solver
+    assert own.flat_resolution == 512
+    own.take_stored({**FlatSettings(resolution=300).as_dict(), **usual.as_dict(), "flat": True})
+    assert (own.flat_settings().resolution, own.flat_settings().words, own.resolution) == (300, "mass", 33)
 
 
 @pytest.fixture

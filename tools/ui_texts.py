@@ -23,7 +23,7 @@ ROOMS = ("operators", "panels", "bridge")
 
 _TRANSLATORS = {"rpt_", "tip_", "iface_", "poll_message_set"}
 # They make errors and sentences of templates that come from the others.
-_HANDING_ON = {"bridge/soft_maps/soft_map_bytes.py", "errors.py", "translations/__init__.py"}
+_HANDING_ON = {"bridge/soft_maps/soft_map_bytes.py", "errors.py", "sentence.py", "translations/__init__.py"}
 _ARGUMENTS = {"label": "text", "operator": "text", "prop": "text", "row": "heading", "column": "heading"}
 
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import bpy
 
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.frame_cache import FrameCache
-from ..applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
@@ -21,6 +20,7 @@ from ..bridge.morphs.exports import FORMATS
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import folder_beside
 from ..errors import InputError
+from .from_schema import given_settings
 
 
 @dataclass(frozen=True)
@@ -42,26 +42,9 @@ class Computing:
     between: Between | None = None
 
 
-# Cells along the longest side where nobody says how many.
-_SOLID_RESOLUTION, _FLAT_RESOLUTION = 100, 512
-
-
 def settings_of(options: Namespace) -> MorphSettings:
     """Return how a morph of solid shapes is to be made."""
-    return MorphSettings(
-        resolution=_SOLID_RESOLUTION if options.resolution is None else options.resolution,
-        blur=options.blur,
-        sharpness=options.sharpness,
-        entropy_limit=options.entropy_limit,
-        level=options.level,
-        thickness=options.thickness,
-        locality=options.locality,
-        thin_parts=not options.no_thin_parts,
-        mend=not options.no_mend,
-        parts=options.parts,
-        tolerance=options.tolerance,
-        carry=not options.no_carry,
-    )
+    return MorphSettings(**given_settings(options, MorphSettings))
 
 
 def flat_settings_of(options: Namespace) -> FlatSettings:
@@ -78,9 +61,7 @@ def flat_settings_of(options: Namespace) -> FlatSettings:
             "and --frames-range."
         )
     refuse_volumes(options.output == "volume")
-    shared = settings_of(options).as_dict()
-    resolution = _FLAT_RESOLUTION if options.resolution is None else options.resolution
-    return FlatSettings(**{**shared, "resolution": resolution, "words": options.words, "parts": "none"})
+    return FlatSettings(**given_settings(options, FlatSettings) | {"parts": "none"})
 
 
 def request_of(options: Namespace, target: Path) -> MorphRequest:
@@ -88,56 +69,30 @@ def request_of(options: Namespace, target: Path) -> MorphRequest:
 
     What means nothing for the shapes at hand is stored all the same, as the operator does.
     """
-    flat_output, folder = _flat_output(options), folder_beside(target)
+    given = given_settings(options, MorphRequest)
+    flat_output = given.get("flat_output", "CURVE") if _is_plain(options) else "MESH"
+    folder = folder_beside(target)
     if flat_output == "PICTURE":
         # Pictures are there before the .blend is.
         folder = bpy.path.abspath(folder, start=str(target.parent))
     kinds = {"volume": "VOLUME", "player": "PLAYER", "pad": "PLAYER", "alembic": "CACHE", "usd": "CACHE"}
-    return MorphRequest(
-        layout=_as_enum(options.layout) if options.weights is None else "BLEND",
-        frames=options.frames,
-        steps=options.steps,
-        alignment=_as_enum(options.align),
-        scaling=_as_enum(options.scale),
-        output=kinds.get(options.output, "OBJECTS"),
-        folder=folder,
-        cache_format="usd" if options.output == "usd" else "alembic",
-        words=_as_enum(options.words),
-        flat_output=flat_output,
-        grays=_as_enum(options.grays),
-        weights=options.weights,
-        at=options.at,
-    )
-
-
-def _as_enum(choice: str) -> str:
-    return choice.replace("-", "_").upper()
-
-
-def _flat_output(options: Namespace) -> str:
-    """Return what frames of flat shapes are: "CURVE", "MESH", "DRAWING" or "PICTURE"."""
-    plain = options.output == "objects" and not (options.render or options.export)
-    return options.flat_output.upper() if plain else "MESH"
-
-
-def blends_of(options: Namespace, count: int) -> list[Blend]:
-    """Return what is to be made of so many shapes.
-
-    Raises
-    ------
-    InputError
-        The layout or the weights do not suit so many shapes.
-    """
-    if count < 2:
-        raise InputError("A morph needs at least two shapes; name one more.")
-    if options.weights is not None:
-        return single_blend(options.weights, count)
-    makers: dict[str, Callable[[], list[Blend]]] = {
-        "path": lambda: path_blends(count, options.frames),
-        "grid": lambda: grid_blends(count, options.steps),
-        "triangle": lambda: triangle_blends(count, options.steps),
+    own = {
+        "output": kinds.get(options.output, "OBJECTS"),
+        "folder": folder,
+        "cache_format": "usd" if options.output == "usd" else "alembic",
+        "words": getattr(options, "words", "mass").upper(),
+        "flat_output": flat_output,
+        "weights": options.weights,
+        "at": options.at,
     }
-    return makers[options.layout]()
+    if options.weights is not None:
+        own["layout"] = "BLEND"
+    return MorphRequest(**given | own)
+
+
+def _is_plain(options: Namespace) -> bool:
+    """Tell whether frames are plain objects, as those that are no meshes have to be."""
+    return options.output == "objects" and not (options.render or options.export)
 
 
 def refuse_still_cache(options: Namespace, blends: list[Blend]) -> None:
@@ -149,7 +104,7 @@ def refuse_still_cache(options: Namespace, blends: list[Blend]) -> None:
         )
 
 
-def between_of(options: Namespace, path: list[Blend]) -> Between:
+def between_of(options: Namespace, request: MorphRequest, path: list[Blend]) -> Between:
     """Return the frames between others that are asked for.
 
     Raises
@@ -157,7 +112,7 @@ def between_of(options: Namespace, path: list[Blend]) -> Between:
     InputError
         Other options that leave no path or no frames to start from.
     """
-    if options.weights is not None or options.layout != "path":
+    if request.layout != "PATH":
         raise InputError("--at is for a path; leave out --weights and --layout.")
     if options.frames_range is not None:
         raise InputError("--at makes blends and --frames-range only fills the cache; choose one of them.")

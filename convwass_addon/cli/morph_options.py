@@ -7,8 +7,12 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
+from ..applications.flat.flat_settings import FlatSettings
+from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import ON_DISK, PACKED
-from .argument_types import WORKERS, entropy_limit, frame_range, numbers
+from .argument_types import WORKERS, frame_range, numbers
+from .from_schema import add_setting_options
 from .morph_choices import suffixes
 
 MORPH_HELP = """Morph shapes of any topology into each other by optimal transport and save the result as a .blend.
@@ -32,6 +36,9 @@ examples:
 
 """
 
+WRITTEN = ("flat_output", "grays")
+"""The settings of a request that say what is written; the others say what is made."""
+
 
 def add_morph_options(parser: ArgumentParser) -> None:
     """Add all of them."""
@@ -47,28 +54,7 @@ def add_morph_options(parser: ArgumentParser) -> None:
 
 def _add_layout_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("what is made")
-    layouts = ("path", "grid", "triangle")
-    group.add_argument(
-        "--layout",
-        choices=layouts,
-        default="path",
-        help="path: an animation through the shapes in order (default); grid: a sheet between four shapes; triangle: a "
-        "sheet between three",
-    )
-    group.add_argument("--frames", type=int, default=24, help="path: frames from each shape to the next (%(default)s)")
-    group.add_argument("--steps", type=int, default=5, help="grid, triangle: blends along each side (%(default)s)")
-    group.add_argument(
-        "--align",
-        choices=("placed", "centered", "principal-axes"),
-        default="placed",
-        help="lay the shapes onto the first one: center on center, or also long side on long side (%(default)s)",
-    )
-    group.add_argument(
-        "--scale",
-        choices=("placed", "equal-volume"),
-        default="placed",
-        help="leave the sizes of the shapes, or give all the volume of the first one (%(default)s)",
-    )
+    add_setting_options(group, MorphRequest, without=WRITTEN)
     group.add_argument("--weights", type=numbers, help="one blend instead, such as 0.2,0.3,0.5: one number per shape")
     group.add_argument(
         "--at",
@@ -81,66 +67,7 @@ def _add_layout_options(parser: ArgumentParser) -> None:
 
 def _add_solver_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("how it is made")
-    group.add_argument(
-        "--resolution", type=int, help="cells along the longest side: of the volume (100), or of flat shapes (512)"
-    )
-    group.add_argument(
-        "--sharpness",
-        type=float,
-        help="0: the barycenter of the paper, smooth; 1: debiased, crisp, may tear (0.75, rising to 1 at the shapes)",
-    )
-    group.add_argument("--blur", type=float, help="blur in cells (1, or an eightieth of the resolution)")
-    group.add_argument(
-        "--entropy-limit",
-        type=entropy_limit,
-        metavar="max|NUMBER|off",
-        help="keep blends from spreading more than the shapes (max) or than a number of nats (off)",
-    )
-    group.add_argument(
-        "--level",
-        choices=("volume", "half-max"),
-        default="volume",
-        help="take the surface where it encloses the interpolated volume (default), or at half of the maximum",
-    )
-    group.add_argument(
-        "--thickness", type=float, default=0.0, help="thickness for shapes without volume, such as planes (none)"
-    )
-    group.add_argument(
-        "--locality",
-        type=float,
-        default=0.0,
-        help="0: all mass travels; up to 1: parts shrink here and grow there instead of going far (%(default)s)",
-    )
-    group.add_argument(
-        "--no-thin-parts",
-        action="store_true",
-        help="take one level for thick and thin parts; thin ones get thinner or vanish",
-    )
-    group.add_argument(
-        "--no-mend", action="store_true", help="leave crumbs, gaps and handles that the shapes do not have as they come"
-    )
-    group.add_argument(
-        "--no-carry",
-        action="store_true",
-        help="leave out the colors of the shapes, their vertex groups and the velocity, which blends carry along",
-    )
-    group.add_argument(
-        "--parts",
-        choices=("none", "vertex-groups", "materials"),
-        default="none",
-        help="parts of the same name on all shapes travel together: head to head (%(default)s)",
-    )
-    group.add_argument(
-        "--words",
-        choices=("mass", "letters"),
-        default="mass",
-        help="flat shapes: all of a shape travels together, or letter by letter in reading order (%(default)s)",
-    )
-    group.add_argument(
-        "--tolerance",
-        type=float,
-        help="marginal error at which a blend is done (automatic: 0.01, down to 0.002 with a sharpness of 1)",
-    )
+    add_setting_options(group, MorphSettings, FlatSettings)
 
 
 def _add_computing_options(parser: ArgumentParser) -> None:
@@ -174,21 +101,7 @@ def _add_output_options(parser: ArgumentParser) -> None:
         help="what shows the morph in the .blend: an object per frame, one player object, a pad to drag on (a sheet), "
         "or files beside it that are read as VDB volumes, Alembic or USD (%(default)s)",
     )
-    group.add_argument(
-        "--flat-output",
-        choices=("curve", "mesh", "drawing", "picture"),
-        default="curve",
-        help="flat shapes: an object per frame is a curve with bevel and extrusion, or a mesh; or all frames are the "
-        "drawings of one Grease Pencil object, or a sequence of PNG files beside the .blend and a plane that shows it; "
-        "anything else than objects, --render and --export take meshes (%(default)s)",
-    )
-    group.add_argument(
-        "--grays",
-        choices=("images", "threshold", "density"),
-        default="images",
-        help="pictures: pixels get the grays of the images, or are full or empty, or stay as blurred as they come "
-        "(%(default)s)",
-    )
+    add_setting_options(group, MorphRequest, only=WRITTEN)
     group.add_argument(
         "--render",
         action="store_true",

@@ -25,7 +25,6 @@ from .morph_baking import baked, prepared_job, rendered, report, run_job
 from .morph_choices import (
     Computing,
     between_of,
-    blends_of,
     computing_of,
     export_format,
     flat_settings_of,
@@ -44,25 +43,26 @@ def run_morph(options: Namespace) -> Answer:
         Shapes or options that cannot work.
     """
     settings = settings_of(options)
-    blends = blends_of(options, len(options.shapes))
-    between = None
-    if options.at is not None:
-        between = between_of(options, blends)
-        blends = [place.blend for place in places_at(between.path, between.numbers)]
-    # Everything that can be refused is refused before the work begins.
-    refuse_still_cache(options, blends)
     target = path_with_suffix(options.out, ".blend")
     if options.frames_range is None:
         target = checked_target(target)
+    request = request_of(options, target)
+    blends = request.blends(len(options.shapes))
+    between = None
+    if options.at is not None:
+        between = between_of(options, request, blends)
+        blends = [place.blend for place in places_at(between.path, between.numbers)]
+    # Everything that can be refused is refused before the work begins.
+    refuse_still_cache(options, blends)
     exported = export_format(options.export) if options.export else None
     computing = computing_of(options, blends, between)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = []
     for text in options.shapes:
         inputs += imported_shape(text)
-    if asks_for_flat(inputs, bpy.context.evaluated_depsgraph_get(), options.thickness):
+    if asks_for_flat(inputs, bpy.context.evaluated_depsgraph_get(), settings.thickness):
         settings = flat_settings_of(options)
-    stored = request_of(options, target).as_dict()
+    stored = request.as_dict()
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
     collection, records = baked(inputs, blends, settings, stored, computing)

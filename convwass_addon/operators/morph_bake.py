@@ -23,7 +23,6 @@ from ..bridge.flat.flat_job import FlatJob
 from ..bridge.flat.picture_job import PictureJob
 from ..bridge.morphs.disk_output import packed_bytes
 from ..bridge.morphs.job import MorphJob
-from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
@@ -97,8 +96,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
         weights = chosen.weights if self.layout == "BLEND" else None
-        request = MorphRequest(**self.stored_options(), weights=weights)
-        blends = self.blends(len(chosen.objects), weights)
+        request = self.request(weights)
+        blends = request.blends(len(chosen.objects))
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
         are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")

@@ -6,18 +6,18 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import EnumProperty
 
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
 from ..bridge.morphs.cache_output import as_cache, require_animation
 from ..bridge.morphs.disk_output import DiskOutput, filled_folder
+from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
 from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
-from ..properties.morphs import CACHE_FORMATS, folder_property
+from ..properties.from_schema import property_of
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse_if_known
 
@@ -25,7 +25,7 @@ from .reporting import refuse_if_known
 class _OutputMorph(OnActiveMorph):
     bl_options = {"REGISTER", "UNDO"}
 
-    folder: folder_property()
+    folder: property_of(MorphRequest, "folder")
 
     def execute(self, context):
         morph = active_morph(context)
@@ -67,11 +67,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
     bl_idname = "convwass.make_cache"
     bl_label = "Make Cache"
 
-    kind: EnumProperty(
-        name="Format",
-        description="Which file is written",
-        items=CACHE_FORMATS,
-    )
+    kind: property_of(MorphRequest, "cache_format")
 
     def _written(self, context, morph):
         require_no_drawings(morph)

@@ -8,7 +8,9 @@ import bpy
 from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_kinds import is_shape, looks_flat
+from ..bridge.morphs.morph_request import MorphRequest
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
 from ..operators.morph_inputs import (
     CONVWASS_OT_add_morph_inputs,
@@ -21,6 +23,7 @@ from ..operators.morph_manage import CONVWASS_OT_select_morph_inputs, active_mor
 from ..properties.morph_inputs import CONVWASS_PG_morph
 from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
+from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 # Selected shapes that are named; of more only the number is told.
@@ -175,9 +178,8 @@ class CONVWASS_PT_morph_placement(_Subpanel, bpy.types.Panel):
     bl_idname = "CONVWASS_PT_morph_placement"
 
     def draw_settings(self, layout, settings):
-        layout.prop(settings, "alignment")
-        layout.prop(settings, "scaling")
-        layout.prop(settings, "parts")
+        draw_settings(layout, settings, MorphRequest, "matching")
+        draw_settings(layout, settings, MorphSettings, "matching")
 
 
 class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
@@ -216,7 +218,7 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
             layout.prop(settings, "cache_format")
         column = layout.column()
         column.prop(settings, "hide_inputs")
-        column.prop(settings, "carry")
+        draw_settings(column, settings, MorphSettings, "output")
 
 
 class CONVWASS_PT_solver_presets(PresetPanel, bpy.types.Panel):
@@ -238,22 +240,7 @@ class CONVWASS_PT_morph_solver(_Subpanel, bpy.types.Panel):
         CONVWASS_PT_solver_presets.draw_panel_header(self.layout)
 
     def draw_settings(self, layout, settings):
-        for switch, value in (("use_custom_sharpness", "sharpness"), ("use_custom_blur", "blur")):
-            row = layout.row(align=True, heading=settings.bl_rna.properties[value].name)
-            row.prop(settings, switch, text="")
-            field = row.row(align=True)
-            field.active = getattr(settings, switch)
-            field.prop(settings, value, text="")
-        layout.prop(settings, "locality")
-        layout.prop(settings, "entropy_limit")
-        if settings.entropy_limit == "NUMBER":
-            layout.prop(settings, "entropy_bound")
-        layout.prop(settings, "level")
-        column = layout.column()
-        column.active = settings.level == "volume"
-        column.prop(settings, "thin_parts")
-        column.prop(settings, "mend")
-        layout.prop(settings, "thickness")
+        draw_settings(layout, settings, MorphSettings, "solver")
 
 
 classes = (

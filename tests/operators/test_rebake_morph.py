@@ -172,20 +172,27 @@ def test_without_a_morph_it_says_so(empty_scene):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("resolution", "a"), ("blur", None), ("layout", "SPIRAL"), ("frames", [1, 2]), ("mend", 10**30)],
+    [("resolution", "a"), ("blur", "much"), ("layout", "SPIRAL"), ("frames", [1, 2]), ("mend", 10**30)],
 )
 def test_damaged_settings_are_refused_in_words(morph, name, value):
-    """Each is of a kind that JSON has, so that only whoever takes it finds out; None stands for one that is missing."""
+    """Each is of a kind that JSON has, so that only whoever takes it finds out."""
     data = json.loads(morph["convwass_morph"])
     data["settings"][name] = value
-    if value is None:
-        del data["settings"][name]
     morph["convwass_morph"] = json.dumps(data)
     known = len(bpy.data.objects)
     for operator in (bpy.ops.convwass.rebake_morph, bpy.ops.convwass.select_morph_inputs):
         with pytest.raises(RuntimeError, match=r"Error: The settings stored on .* are damaged"):
             operator()
     assert len(bpy.data.objects) == known
+
+
+def test_settings_that_an_earlier_version_did_not_have_get_their_defaults(morph):
+    data = json.loads(morph["convwass_morph"])
+    assert data["settings"].pop("mend") is True
+    morph["convwass_morph"] = json.dumps(data)
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    (again,) = (collection for collection in bpy.data.collections if "convwass_morph" in collection)
+    assert json.loads(again["convwass_morph"])["settings"]["mend"] is True
 
 
 def test_damaged_weights_are_refused_in_words(empty_scene):

@@ -47,11 +47,23 @@ def test_standard_is_what_a_new_scene_has():
 
 @pytest.mark.parametrize("name", ["Draft", "Standard", "Fine"])
 def test_the_shipped_ones_set_everything(name):
-    for prop in PRESET_PROPERTIES:
-        assert f"settings.{prop} = " in (SHIPPED / f"{name}.py").read_text(encoding="utf-8")
-    settings().resolution, settings().use_custom_blur, settings().locality = 17, True, 0.5
     apply_preset(name)
-    assert (settings().use_custom_blur, settings().locality) == (False, 0.0)
+    expected = values()
+    for prop in settings().bl_rna.properties:
+        if prop.identifier in PRESET_PROPERTIES:
+            setattr(settings(), prop.identifier, another_value(prop))
+    assert not any(value == expected[prop] for prop, value in values().items())
+    apply_preset(name)
+    assert values() == expected
+
+
+def another_value(prop):
+    """A value that no preset sets."""
+    if prop.type == "BOOLEAN":
+        return not prop.default
+    if prop.type == "ENUM":
+        return next(item.identifier for item in prop.enum_items if item.identifier != prop.default)
+    return prop.hard_max if prop.hard_max < 1e9 else 7.0
 
 
 def test_presets_leave_what_belongs_to_the_shapes():
@@ -80,7 +92,7 @@ def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobod
     bpy.ops.mesh.primitive_cube_add()
     assert is_untouched(settings())
     bpy.ops.convwass.add_morph_inputs()
-    assert settings().resolution == 128
+    assert settings().resolution == 160
     bpy.ops.convwass.clear_morph_inputs()
     settings().resolution = 33
     bpy.ops.convwass.add_morph_inputs()

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
-from ...errors import InputError
+from ...schema import Choice, setting
 from ..morphs.morph_settings import MorphSettings
 
 # Automatic blur: most pairs of shapes can be reached with it, and all frames of a morph then have the same.
@@ -20,41 +19,52 @@ class FlatSettings(MorphSettings):
 
     The level "volume" encloses the area interpolated between the shapes (their roots are, as lengths go evenly), or
     what the blend evenly fills where that is more. `thickness`, `parts` and `thin_parts` mean nothing here.
-
-    Attributes
-    ----------
-    resolution : int
-        Cells along the longest side of the grid.
-    blur : float or None
-        Standard deviation of the kernel in cells; None is a hundredth of the resolution, one cell at least.
-    words : "mass" or "letters"
-        Whether a shape travels as one mass, or letter by letter in reading order.
-    output : "outlines" or "densities"
-        What frames have: outlines that enclose the interpolated area, or densities, for grey images.
-    fit_error : float
-        How far a fitted outline may be from the one that was read, in cells; see :func:`.fitted_outline`.
     """
 
-    resolution: int = 512
-    words: Literal["mass", "letters"] = "mass"
-    output: Literal["outlines", "densities"] = "outlines"
-    fit_error: float = 0.15
-
-    def __post_init__(self) -> None:
-        """Refuse settings that make no sense.
-
-        Raises
-        ------
-        InputError
-            With the name of the setting and what it must be.
-        """
-        super().__post_init__()
-        if self.words not in ("mass", "letters"):
-            raise InputError("Words must be 'mass' or 'letters'.")
-        if self.output not in ("outlines", "densities"):
-            raise InputError("The output must be 'outlines' or 'densities'.")
-        if not 0 < self.fit_error <= 10:
-            raise InputError("The fit error must lie between 0 and 10 cells.")
+    resolution: int = setting(
+        512,
+        "Resolution",
+        "Cells along the longest side of flat shapes; twice as many take about four times as long and keep strokes "
+        "that are half as wide",
+        least=8,
+        most=1024,
+        soft_least=256,
+        unit="cells",
+        prop="flat_resolution",
+        preset=False,
+    )
+    words: str = setting(
+        "mass",
+        "Words",
+        "How texts and other shapes of several parts travel, where all shapes are flat",
+        choices=(
+            Choice("mass", "As One Mass", "All that a shape fills travels together"),
+            Choice("letters", "Letter by Letter", "Letters travel to letters in reading order"),
+        ),
+        preset=False,
+    )
+    output: str = setting(
+        "outlines",
+        "Output",
+        "What frames have",
+        choices=(
+            Choice("outlines", "Outlines", "Outlines that enclose the interpolated area"),
+            Choice("densities", "Densities", "Densities, for gray images"),
+        ),
+        prop=None,
+        option=None,
+    )
+    fit_error: float = setting(
+        0.15,
+        "Fit Error",
+        "How far a fitted outline may be from the one that was read, in cells",
+        least=0.001,
+        most=10.0,
+        unit="cells",
+        prop=None,
+        option=None,
+        note="See :func:`.fitted_outline`",
+    )
 
     @property
     def sigma(self) -> float:

@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import InputError
+from ...schema import Choice, Companion, Settings, setting
 
 # Automatic sharpness: whole in the middle, exact towards the ends (where the weight of one shape exceeds the second).
 _SHARPNESS = 0.75
@@ -25,53 +25,159 @@ _LEAST_REACH = 1.0
 
 
 @dataclass(frozen=True)
-class MorphSettings:
-    """How a morph is made.
+class MorphSettings(Settings):
+    """How a morph is made."""
 
-    Attributes
-    ----------
-    resolution : int
-        Cells along the longest side of the grid.
-    blur : float or None
-        Standard deviation of the kernel in cells; None is one cell, or an eightieth of the resolution if that is more.
-    sharpness : float or None
-        0 is the paper's barycenter, 1 the debiased one; None is 0.75, rising to 1 towards the ends.
-    entropy_limit : None, "max" or float
-        Bound for the entropy of every blend in nats; "max" is the largest entropy of the inputs.
-    level : "volume" or "half-max"
-        Surface at the level that encloses the interpolated volume, or at half of the largest density.
-    thickness : float
-        Thickness in scene units given to shapes that enclose no volume; 0 refuses them.
-    parts : "none", "vertex-groups" or "materials"
-        What tells the parts of a shape: those of the same name on all shapes travel together.
-    locality : float
-        0: all mass travels; towards 1 it goes less and less far, and parts rather shrink here and grow there.
-    thin_parts : bool
-        Whether thin parts keep their volume where one level for all would take it from them.
-    mend : bool
-        Whether crumbs are dropped, narrow gaps bridged and false handles removed, as far as the shapes have none.
-    tolerance : float or None
-        Marginal error, and error of the debiasing density, at which a blend is done; None is 1 %, falling to 0.2 %
-        where a sharpness near 1 is asked for, whose last details come slowly.
-    max_iterations : int
-        Most iterations per level of the solver.
-    carry : bool
-        Whether frames know where their matter comes from, so that colors and velocities can be carried along.
-    """
-
-    resolution: int = 100
-    blur: float | None = None
-    sharpness: float | None = None
-    entropy_limit: Literal["max"] | float | None = None
-    level: Literal["volume", "half-max"] = "volume"
-    thickness: float = 0.0
-    parts: Literal["none", "vertex-groups", "materials"] = "none"
-    locality: float = 0.0
-    thin_parts: bool = True
-    mend: bool = True
-    tolerance: float | None = None
-    max_iterations: int = 200
-    carry: bool = True
+    resolution: int = setting(
+        100,
+        "Resolution",
+        "Cells along the longest side of the volume; twice as many take about ten times as long and keep parts that "
+        "are half as thin",
+        least=8,
+        most=1024,
+        soft_most=160,
+        unit="cells",
+    )
+    sharpness: float | None = setting(
+        None,
+        "Sharpness",
+        "0 is smooth and may melt details, 1 is crisp and may tear",
+        least=0.0,
+        most=1.0,
+        subtype="FACTOR",
+        switch=Companion(
+            "use_custom_sharpness",
+            "Set Sharpness",
+            "Set one sharpness for all frames instead of 0.75, rising to 1 close to the original shapes",
+            start=_SHARPNESS,
+        ),
+        automatic=f"{_SHARPNESS:g}, rising to 1 close to the original shapes",
+        note="0 is the paper's barycenter, 1 the debiased one",
+        panel="solver",
+    )
+    blur: float | None = setting(
+        None,
+        "Blur",
+        "Standard deviation of the transport's blur in cells; more is smoother and loses thin parts",
+        least=0.5,
+        most=20.0,
+        soft_most=5.0,
+        unit="cells",
+        switch=Companion(
+            "use_custom_blur",
+            "Set Blur",
+            "Set the blur by hand instead of one cell (or an eightieth of the resolution)",
+            start=1.5,
+        ),
+        automatic="one cell, or an eightieth of the resolution (a hundredth for flat shapes) if that is more",
+        panel="solver",
+    )
+    locality: float = setting(
+        0.0,
+        "Locality",
+        "At 0 all mass travels; towards 1 it goes less and less far, and parts shrink in one place and grow in another",
+        least=0.0,
+        most=1.0,
+        subtype="FACTOR",
+        panel="solver",
+    )
+    entropy_limit: str | float | None = setting(
+        None,
+        "Entropy Limit",
+        "Keep blends from spreading out more than this",
+        choices=(
+            Choice(None, "Off", "No limit"),
+            Choice("max", "As the Inputs", "No blend spreads out more than the input that spreads out most"),
+            Choice(float, "Custom", "Set the bound in nats"),
+        ),
+        number=Companion(
+            "entropy_bound",
+            "Entropy Bound",
+            "Largest entropy of a blend, in nats; 0 fills the whole volume",
+            start=-2.0,
+        ),
+        panel="solver",
+    )
+    level: str = setting(
+        "volume",
+        "Surface",
+        "Where the surface is taken",
+        choices=(
+            Choice(
+                "volume", "True Volume", "At the density that encloses the interpolated volume", identifier="volume"
+            ),
+            Choice(
+                "half-max",
+                "Half Maximum",
+                "At half of the largest density; thin parts are lost and the volume breathes",
+                identifier="half-max",
+            ),
+        ),
+        panel="solver",
+    )
+    thin_parts: bool = setting(
+        True,
+        "Keep Thin Parts",
+        "Thin parts keep their volume where one density for all would make them thinner or lose them",
+        applies_when=("level", "volume"),
+        panel="solver",
+    )
+    mend: bool = setting(
+        True,
+        "Mend",
+        "Drop crumbs, bridge narrow gaps and close false holes, as far as the shapes themselves have none",
+        applies_when=("level", "volume"),
+        panel="solver",
+    )
+    thickness: float = setting(
+        0.0,
+        "Thickness",
+        "Thickness given to shapes that enclose no volume, such as planes; 0 refuses them",
+        least=0.0,
+        soft_most=1.0,
+        subtype="DISTANCE",
+        note="In units of the scene",
+        panel="solver",
+        preset=False,
+    )
+    parts: str = setting(
+        "none",
+        "Parts",
+        "Which parts of the shapes travel together: those of the same name on all shapes",
+        choices=(
+            Choice("none", "None", "The shapes travel as wholes", identifier="none"),
+            Choice(
+                "vertex-groups",
+                "Vertex Groups",
+                "Every face belongs to the vertex group with the most weight on it",
+                identifier="vertex-groups",
+            ),
+            Choice("materials", "Materials", "Every face belongs to its material", identifier="materials"),
+        ),
+        panel="matching",
+        preset=False,
+    )
+    tolerance: float | None = setting(
+        None,
+        "Tolerance",
+        "Marginal error at which a blend is done, which is that of the debiasing density too",
+        least=0.0,
+        most=1.0,
+        open_ends=True,
+        automatic=f"{_TOLERANCE:g}, falling to {_CRISP_TOLERANCE:g} where a sharpness of more than {_SLOW_FROM:g} is "
+        "set",
+        prop=None,
+    )
+    max_iterations: int = setting(
+        200, "Iterations", "Most iterations on each level of the solver", least=1, prop=None, option=None
+    )
+    carry: bool = setting(
+        True,
+        "Carry Looks",
+        "Let blends carry the colors, materials and vertex groups of the shapes, and the velocity for motion blur",
+        panel="output",
+        preset=False,
+    )
 
     def __post_init__(self) -> None:
         """Refuse settings that make no sense.
@@ -81,30 +187,9 @@ class MorphSettings:
         InputError
             With the name of the setting and what it must be.
         """
-        _require(8 <= self.resolution <= 1024, InputError("Resolution must lie between 8 and 1024 cells."))
-        _require(self.blur is None or 0.5 <= self.blur <= 20, InputError("Blur must lie between 0.5 and 20 cells."))
-        _require(self.sharpness is None or 0 <= self.sharpness <= 1, InputError("Sharpness must lie between 0 and 1."))
-        limit = self.entropy_limit
-        is_number = isinstance(limit, (int, float)) and bool(np.isfinite(limit))
-        _require(
-            limit is None or limit == "max" or is_number,
-            InputError("The entropy limit must be 'max', a number, or off."),
-        )
-        _require(self.level in ("volume", "half-max"), InputError("The level must be 'volume' or 'half-max'."))
-        _require(0 <= self.thickness < np.inf, InputError("Thickness must be zero or positive."))
-        _require(
-            self.parts in ("none", "vertex-groups", "materials"),
-            InputError("Parts must be 'none', 'vertex-groups' or 'materials'."),
-        )
-        _require(0 <= self.locality <= 1, InputError("Locality must lie between 0 and 1."))
-        _require(
-            self.locality == 0 or limit is None,
-            InputError("An entropy limit needs all mass to travel; set the locality to 0."),
-        )
-        _require(
-            self.tolerance is None or 0 < self.tolerance < 1, InputError("The tolerance must lie between 0 and 1.")
-        )
-        _require(self.max_iterations >= 1, InputError("There must be at least one iteration."))
+        super().__post_init__()
+        if self.locality > 0 and self.entropy_limit is not None:
+            raise InputError("An entropy limit needs all mass to travel; set the locality to 0.")
 
     @property
     def sigma(self) -> float:
@@ -132,12 +217,3 @@ class MorphSettings:
             return self.tolerance
         crisp = 0.0 if self.sharpness is None else max(self.sharpness - _SLOW_FROM, 0.0) / (1.0 - _SLOW_FROM)
         return _TOLERANCE * (_CRISP_TOLERANCE / _TOLERANCE) ** crisp
-
-    def as_dict(self) -> dict[str, object]:
-        """Return the settings ready for JSON."""
-        return asdict(self)
-
-
-def _require(holds: bool, error: InputError) -> None:
-    if not holds:
-        raise error

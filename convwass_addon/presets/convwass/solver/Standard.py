@@ -7,14 +7,4 @@ import bpy
 
 settings = bpy.context.scene.convwass_morph
 
-settings.resolution = 64
-settings.use_custom_blur = False
-settings.blur = 1.5
-settings.use_custom_sharpness = False
-settings.sharpness = 0.75
-settings.locality = 0.0
-settings.entropy_limit = "OFF"
-settings.entropy_bound = -2.0
-settings.level = "volume"
-settings.thin_parts = True
-settings.mend = True
+settings.begin_preset()

@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Properties of Blender that are made from the settings of the applications, and their values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Mapping
+from math import degrees, radians
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from ..schema import Companion, Setting, Settings, setting_of, settings_of
+
+_PATHS = ("DIR_PATH", "FILE_PATH")
+
+
+def with_properties(
+    kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
+) -> Callable[[type], type]:
+    """Return a decorator that annotates a class with the properties of settings, as Blender wants them.
+
+    Parameters
+    ----------
+    kind : type
+        Whose settings; those that have no property are left out.
+    only, without : container of str
+        Names of fields; see :func:`.schema.settings_of`.
+    """
+    made = {}
+    for one in settings_of(kind, only, without):
+        made |= _properties(one)
+
+    def annotated(cls: type) -> type:
+        cls.__annotations__ = made | vars(cls).get("__annotations__", {})
+        return cls
+
+    return annotated
+
+
+def property_of(kind: type[Settings], name: str) -> object:
+    """Return the property of one setting, for a class that has no other of these settings or another name for it."""
+    (made,) = _properties(setting_of(kind, name)).values()
+    return made
+
+
+def values_of(
+    owner: object, kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
+) -> dict[str, object]:
+    """Return the values of settings that the properties of an owner hold, by the names of fields.
+
+    Parameters
+    ----------
+    owner : bpy.types.PropertyGroup or bpy.types.Operator
+        Of a class that is decorated by :func:`with_properties`.
+    kind, only, without
+        As there.
+    """
+    return {one.name: _value(owner, one) for one in settings_of(kind, only, without) if one.prop is not None}
+
+
+def arguments_of(
+    values: Mapping[str, object], kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
+) -> dict[str, object]:
+    """Return the values of properties, by their names, that hold given values of settings; the inverse of `values_of`.
+
+    Settings without a value are left out. ValueError where a value is none of the choices.
+    """
+    found = {}
+    for one in settings_of(kind, only, without):
+        if one.prop is not None and one.name in values:
+            found |= _arguments(one, values[one.name])
+    return found
+
+
+def _properties(one: Setting) -> dict[str, object]:
+    if one.prop is None:
+        return {}
+    if one.switch is not None:
+        switch = BoolProperty(name=one.switch.label, description=one.switch.description)
+        return {one.switch.name: switch, one.prop: _number(one, one.switch.start)}
+    if one.number is not None:
+        return {one.prop: _enum(one), one.number.name: _bound(one.number)}
+    if one.choices:
+        return {one.prop: _enum(one)}
+    return {one.prop: _plain(one)}
+
+
+def _plain(one: Setting) -> object:
+    texts = {"name": one.label, "description": one.description}
+    if one.kind is bool:
+        return BoolProperty(**texts, default=one.default)
+    if one.kind is str:
+        options = {"PATH_SUPPORTS_BLEND_RELATIVE"} if one.subtype in _PATHS else set()
+        return StringProperty(**texts, default=one.default, subtype=one.subtype, options={"ANIMATABLE"} | options)
+    return _number(one, 0.0 if one.default is None else one.default)
+
+
+def _enum(one: Setting) -> object:
+    items = [(choice.identifier, choice.label, choice.description) for choice in one.choices]
+    default = one.choice(one.default).identifier
+    return EnumProperty(name=one.label, description=one.description, items=items, default=default)
+
+
+def _bound(companion: Companion) -> object:
+    return FloatProperty(name=companion.label, description=companion.description, default=companion.start)
+
+
+def _number(one: Setting, default: float) -> object:
+    hard = (one.soft_least, one.soft_most) if one.open_ends else (one.least, one.most)
+    limits = {"min": hard[0], "max": hard[1], "soft_min": one.soft_least, "soft_max": one.soft_most}
+    if one.zero_is_automatic:
+        limits["min"] = 0.0
+    convert = radians if one.subtype == "ANGLE" else lambda number: number
+    given = {name: convert(edge) for name, edge in limits.items() if edge is not None}
+    given |= {name: getattr(one, name) for name in ("precision", "step") if getattr(one, name) is not None}
+    make = IntProperty if one.kind is int else FloatProperty
+    return make(name=one.label, description=one.description, default=convert(default), subtype=one.subtype, **given)
+
+
+def _value(owner: object, one: Setting) -> object:
+    given = getattr(owner, one.prop)
+    if one.switch is not None:
+        return given if getattr(owner, one.switch.name) else None
+    if one.choices:
+        (choice,) = (choice for choice in one.choices if choice.identifier == given)
+        return getattr(owner, one.number.name) if choice.value is float else choice.value
+    if one.zero_is_automatic and given == 0.0:
+        return None
+    return degrees(given) if one.subtype == "ANGLE" else given
+
+
+def _arguments(one: Setting, value: object) -> dict[str, object]:
+    if one.switch is not None:
+        return {one.switch.name: value is not None} | ({} if value is None else {one.prop: value})
+    if one.choices:
+        choice = one.choice(value)
+        return {one.prop: choice.identifier} | ({one.number.name: value} if choice.value is float else {})
+    if one.zero_is_automatic and value is None:
+        return {one.prop: 0.0}
+    return {one.prop: radians(value) if one.subtype == "ANGLE" else value}

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings that are declared once are seen in every layer."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from dataclasses import dataclass, fields
+
+import bpy
+import pytest
+
+from convwass_addon.cli.from_schema import add_setting_options, given_settings
+from convwass_addon.errors import InputError
+from convwass_addon.panels.from_schema import draw_settings
+from convwass_addon.properties.from_schema import arguments_of, values_of, with_properties
+from convwass_addon.schema import Choice, Companion, Settings, setting, settings_of
+from tools.docstrings import described
+
+from .panels.fake_layout import FakeLayout
+
+
+@dataclass(frozen=True)
+class BrushSettings(Settings):
+    """How a brush paints."""
+
+    softness: float = setting(0.5, "Softness", "How soft the edge is", least=0.0, most=1.0, panel="brush")
+
+
+@dataclass(frozen=True)
+class RichSettings(Settings):
+    """One setting of every kind.
+
+    Attributes
+    ----------
+    inputs : tuple of str
+        Not a setting.
+    """
+
+    inputs: tuple[str, ...] = ()
+    count: int = setting(3, "Count", "How many", least=1, most=9, unit="strokes")
+    mend: bool = setting(True, "Mend", "Close gaps")
+    trail: bool = setting(False, "Trail", "Leave a trail")
+    kind: str = setting(
+        "near-by",
+        "Kind",
+        "Which one",
+        choices=(Choice("near-by", "Near", "The nearest"), Choice("far", "Far", "Others")),
+    )
+    pieces: str = setting(
+        "keep",
+        "Pieces",
+        "What to do",
+        choices=(Choice("keep", "Keep", "Leave them", identifier="keep"), Choice("match", "Match", "Make them alike")),
+        option="--match-pieces",
+        flag="match",
+    )
+    blur: float | None = setting(
+        None,
+        "Blur",
+        "How blurred",
+        least=0.5,
+        most=20.0,
+        switch=Companion("use_custom_blur", "Set Blur", "Set it by hand", start=1.5),
+        automatic="what suits",
+    )
+    limit: str | float | None = setting(
+        None,
+        "Limit",
+        "What bounds it",
+        choices=(Choice(None, "Off", "Nothing"), Choice("max", "Max", "The largest"), Choice(float, "Own", "A number")),
+        number=Companion("bound", "Bound", "In nats", start=-2.0),
+    )
+    width: float | None = setting(
+        None, "Width", "How wide; 0 for automatic", least=0.0, zero_is_automatic=True, automatic="what suits"
+    )
+    angle: float = setting(90.0, "Angle", "How far around", least=0.0, most=180.0, subtype="ANGLE")
+    tolerance: float = setting(
+        0.01, "Tolerance", "When it is done", least=0.0, most=1.0, open_ends=True, soft_least=1e-6, soft_most=0.5
+    )
+    hidden: int = setting(1, "Hidden", "For scripts only", least=0, prop=None, option=None)
+
+
+@pytest.fixture
+def group():
+    """Register a property group of settings on scenes, and return the scene's."""
+    made = []
+
+    def registered(kind):
+        own = with_properties(kind)(type("Mixin", (), {"__doc__": "Settings."}))
+        cls = type("CONVWASS_PG_test", (own, bpy.types.PropertyGroup), {})
+        bpy.utils.register_class(cls)
+        bpy.types.Scene.convwass_test = bpy.props.PointerProperty(type=cls)
+        made.append(cls)
+        return bpy.context.scene.convwass_test
+
+    yield registered
+    for cls in made:
+        del bpy.types.Scene.convwass_test
+        bpy.utils.unregister_class(cls)
+
+
+def parsed(kind, *words):
+    parser = ArgumentParser()
+    add_setting_options(parser, kind)
+    return given_settings(parser.parse_args(words), kind)
+
+
+def help_of(kind):
+    parser = ArgumentParser()
+    add_setting_options(parser, kind)
+    return " ".join(parser.format_help().split())
+
+
+def test_a_setting_of_one_line_is_in_every_layer(group):
+    own = group(BrushSettings)
+    prop = own.bl_rna.properties["softness"]
+    assert (prop.name, prop.description) == ("Softness", "How soft the edge is")
+    assert (prop.default, prop.hard_min, prop.hard_max) == (0.5, 0.0, 1.0)
+    layout = FakeLayout()
+    draw_settings(layout, own, BrushSettings, "brush")
+    assert ("prop", "softness") in layout.drawn
+    own.softness = 0.25
+    assert BrushSettings(**values_of(own, BrushSettings)) == BrushSettings(0.25)
+
+    assert parsed(BrushSettings, "--softness", "0.75") == {"softness": 0.75}
+    assert "--softness X how soft the edge is (0.5)" in help_of(BrushSettings)
+
+    assert BrushSettings(0.75).as_dict() == {"softness": 0.75}
+    assert arguments_of({"softness": 0.75}, BrushSettings) == {"softness": 0.75}
+
+    assert "- `softness` (float, 0 to 1): How soft the edge is." in described("BrushSettings", BrushSettings)
+    with pytest.raises(InputError, match="Softness must lie between 0 and 1, not 2"):
+        BrushSettings(softness=2.0)
+
+
+def nearly(asked):
+    """The values of settings in the single precision of Blender."""
+    return {
+        name: pytest.approx(value, rel=1e-6) if isinstance(value, float) else value
+        for name, value in asked.as_dict().items()
+    }
+
+
+def test_properties_hold_what_the_settings_say(group):
+    own = group(RichSettings)
+    assert RichSettings(**values_of(own, RichSettings)).as_dict() == nearly(RichSettings())
+    asked = RichSettings(
+        (), 7, False, True, "far", "match", blur=2.5, limit=-1.5, width=0.25, angle=45.0, tolerance=0.125
+    )
+    for name, value in arguments_of(asked.as_dict(), RichSettings).items():
+        setattr(own, name, value)
+    assert RichSettings(**values_of(own, RichSettings)).as_dict() == nearly(asked)
+    assert (own.kind, own.pieces, own.limit, own.bound, own.use_custom_blur) == ("FAR", "MATCH", "NUMBER", -1.5, True)
+    assert not hasattr(own, "hidden")
+    properties = own.bl_rna.properties
+    assert properties["tolerance"].hard_min == pytest.approx(1e-6)
+    assert properties["angle"].hard_max == pytest.approx(3.14159265)
+    assert own.bl_rna.properties["blur"].default == 1.5
+
+
+def test_what_is_stored_without_a_setting_leaves_the_property(group):
+    own = group(RichSettings)
+    own.count = 5
+    for name, value in arguments_of({"mend": False, "limit": "max", "unheard": 1}, RichSettings).items():
+        setattr(own, name, value)
+    assert (own.count, own.mend, own.limit) == (5, False, "MAX")
+    assert arguments_of({"kind": "FAR"}, RichSettings) == {"kind": "FAR"}
+    with pytest.raises(ValueError, match="kind is 'else'"):
+        arguments_of({"kind": "else"}, RichSettings)
+
+
+@pytest.mark.parametrize(
+    ("words", "given"),
+    [
+        ([], {}),
+        (["--count", "4"], {"count": 4}),
+        (["--no-mend"], {"mend": False}),
+        (["--mend", "--trail"], {"mend": True, "trail": True}),
+        (["--kind", "near-by"], {"kind": "near-by"}),
+        (["--match-pieces"], {"pieces": "match"}),
+        (["--blur", "3"], {"blur": 3.0}),
+        (["--limit", "off"], {"limit": None}),
+        (["--limit", "max"], {"limit": "max"}),
+        (["--limit", "-2.5"], {"limit": -2.5}),
+    ],
+)
+def test_options_give_what_they_say_and_nothing_else(words, given):
+    assert parsed(RichSettings, *words) == given
+
+
+@pytest.mark.parametrize("words", [["--kind", "else"], ["--limit", "NUMBER"], ["--count", "1.5"], ["--hidden", "1"]])
+def test_options_that_make_no_sense_are_refused(words, capsys):
+    with pytest.raises(SystemExit):
+        parsed(RichSettings, *words)
+    assert "error:" in capsys.readouterr().err
+
+
+def test_help_says_what_holds_without_an_option():
+    text = help_of(RichSettings)
+    assert "--mend, --no-mend close gaps (on)" in text
+    assert "--blur X how blurred (what suits)" in text
+    assert "--kind {near-by,far} which one; near-by: the nearest; far: others (near-by)" in text
+    assert "--limit off|max|NUMBER what bounds it; off: nothing; max: the largest; NUMBER: a number (off)" in text
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"count": 0}, "Count must lie between 1 and 9, not 0."),
+        ({"count": 2.5}, "Count must be a whole number, not 2.5."),
+        ({"count": "2"}, "Count must be a number, not '2'."),
+        ({"mend": "yes"}, "Mend must be on or off, not 'yes'."),
+        ({"kind": "else"}, 'Kind must be one of "near-by", "far", not \'else\'.'),
+        ({"kind": 1.0}, 'Kind must be one of "near-by", "far", not 1.0.'),
+        ({"blur": float("nan")}, "Blur must be a number, not nan."),
+        ({"limit": float("inf")}, 'Limit must be one of None, "max", a number, not inf.'),
+        ({"angle": None}, "Angle must be a number, not None."),
+        ({"tolerance": 0.0}, "Tolerance must be more than 0 and less than 1, not 0."),
+        ({"hidden": -1}, "Hidden must be 0 or more, not -1."),
+    ],
+)
+def test_values_out_of_range_are_refused_with_the_label(wrong, message):
+    with pytest.raises(InputError) as caught:
+        RichSettings(**wrong)
+    assert str(caught.value) == message
+
+
+def test_the_docstring_lists_what_the_class_declares():
+    @dataclass(frozen=True)
+    class Finer(RichSettings):
+        """As the others, with more strokes."""
+
+        count: int = setting(5, "Count", "How many", least=1, most=90)
+
+    assert (
+        "inputs : tuple of str\n    Not a setting.\ncount : int, 1 to 9 strokes\n    How many." in RichSettings.__doc__
+    )
+    assert "blur : float or None, 0.5 to 20\n    How blurred. None is what suits." in RichSettings.__doc__
+    assert 'kind : "near-by" or "far"\n    Which one. "near-by": The nearest. "far": Others.' in RichSettings.__doc__
+    assert Finer.__doc__.endswith("Attributes\n----------\ncount : int, 1 to 90\n    How many.\n")
+    assert [one.name for one in settings_of(Finer)] == [one.name for one in fields(Finer) if one.name != "inputs"]
