@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
+from .coinciding_solids import CoincidingSolids
 from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
@@ -131,7 +132,7 @@ def _sketched_frame(problem: MorphProblem, blend: Blend, parts: Sequence[PartSke
     return MorphFrame(blend, mesh, {"weights": blend.weights, "volume": mesh.volume})
 
 
-def surfaced_frame(problem: MorphProblem, solved: SolvedBlend) -> MorphFrame:
+def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: CoincidingSolids | None = None) -> MorphFrame:
     """Read the surface of a blend from the barycenters of its parts.
 
     Parameters
@@ -140,11 +141,13 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend) -> MorphFrame:
         The shapes and the settings.
     solved : SolvedBlend
         The blend.
+    solids : CoincidingSolids, optional
+        As for :func:`.reading.read_surface`.
     """
     blend, sigma = solved.blend, max(solved.sigmas)
     merged = solved.merged()
     shapes = [problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
-    reading = read_surface(merged.density, merged.volume, sigma, shapes, problem.settings)
+    reading = read_surface(merged.density, merged.volume, sigma, shapes, problem.settings, solids)
     mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,

@@ -10,17 +10,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.closest_points import ClosestPoints
+from ...geometry.facing_points import FacingPointFinder
+from ...geometry.normals import vertex_normals
 from ...progress import Control
 from ..motions.motion import Motion, MovedShape
-from .blending import solve_blends
+from .blend_solver import BlendSolver
+from .blending import solve_blends, surfaced_frame
+from .coinciding_solids import CoincidingSolids
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
+from .reading import read_coinciding
 from .transport_problem import TransportProblem
 from .volumes import Lattice
 
+# Below this share of the surface where moved shapes differ, transport has nothing to do.
+_LEAST_REST = 1e-3
 # Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.
 _SAMPLED_BLENDS = 33
 # Room in cells for what lies between two of them.
@@ -87,16 +95,60 @@ class MovingProblem:
         control.check()
         active = np.flatnonzero(blend.weights)
         shapes = [moved[i] for i in active]
-        problem = self._problem_of(blend, shapes, active, control)
         alone = Blend(tuple(blend.weights[i] for i in active))
-        (solved,) = solve_blends(problem, [alone], control.check)
-        record = {**solved.record, "weights": blend.weights, "motion": self.motion.record()}
-        if solved.origins is None:
+        problem = self._problem_of(blend, shapes, active, control)
+        solids = CoincidingSolids.of([problem.transport.occupancy(i) for i in range(len(active))], alone.weights)
+        if solids.disagreement <= _LEAST_REST:
+            solved, places = self._coinciding(problem, alone, shapes, solids, control)
+        else:
+            solved, places = self._transported(problem, alone, shapes, solids, control)
+        record = {**solved.record, "weights": blend.weights, "rest": solids.disagreement, "motion": self.motion.kind}
+        if not self.still.settings.carry:
             return MorphFrame(blend, solved.mesh, record)
-        places = [shape.finder.find_about(own) for shape, own in zip(shapes, solved.origins, strict=True)]
         origins = moved_origins(places, shapes, active, solved.mesh.vertices, len(blend.weights))
         tangents = moved_tangents(places, self.motion, blend.weights, solved.mesh.vertices)
         return MorphFrame(blend, solved.mesh, record, origins=origins, tangents=tangents)
+
+    def _transported(
+        self,
+        problem: MorphProblem,
+        blend: Blend,
+        shapes: Sequence[MovedShape],
+        solids: CoincidingSolids,
+        control: Control,
+    ) -> tuple[MorphFrame, list[ClosestPoints]]:
+        """Solve the barycenter of what still differs; return a frame and where its vertices are on the shapes."""
+        solver = BlendSolver(problem.transport, control.check)
+        solved = surfaced_frame(problem, solver.solve(blend, problem.transport.blend_volumes(blend)), solids)
+        if solved.origins is None:
+            return solved, []
+        return solved, [shape.finder.find_about(own) for shape, own in zip(shapes, solved.origins, strict=True)]
+
+    def _coinciding(
+        self,
+        problem: MorphProblem,
+        blend: Blend,
+        shapes: Sequence[MovedShape],
+        solids: CoincidingSolids,
+        control: Control,
+    ) -> tuple[MorphFrame, list[ClosestPoints]]:
+        """Return the same for shapes that coincide: nothing is left to transport."""
+        volume = float(problem.transport.blend_volumes(blend).sum())
+        reading = read_coinciding(solids, volume, problem.connectivity, problem.settings)
+        mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
+        record = {
+            "cells": problem.lattice.shape,
+            "level": reading.surface.level,
+            "volume": mesh.volume,
+            "volume_wanted": volume * problem.lattice.spacing**3,
+            "converged": True,
+            **reading.record,
+        }
+        if not problem.settings.carry:
+            return MorphFrame(blend, mesh, record), []
+        normals = vertex_normals(mesh.vertices, mesh.faces)
+        places = [FacingPointFinder(shape.mesh).find(mesh.vertices, normals, control.check) for shape in shapes]
+        return MorphFrame(blend, mesh, record), places
 
     def _problem_of(
         self, blend: Blend, shapes: Sequence[MovedShape], active: NDArray[np.int64], control: Control

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from ...geometry.connectivity import Connectivity
 from ...geometry.isosurface import LevelSurface, bounding_box, surface_at_level, surface_enclosing
 from ...geometry.mending import mended_surface
 from ...geometry.thin_parts import locally_normalized, lost_parts
+from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings
 
 # Cells over which a density is averaged before its surface is read: less than the grid can show of a shape, and enough
@@ -57,7 +58,12 @@ def connectivity_of(occupancy: NDArray[np.floating], settings: MorphSettings) ->
 
 
 def read_surface(
-    density: NDArray[np.float64], volume: float, sigma: float, shapes: Sequence[Connectivity], settings: MorphSettings
+    density: NDArray[np.float64],
+    volume: float,
+    sigma: float,
+    shapes: Sequence[Connectivity],
+    settings: MorphSettings,
+    solids: CoincidingSolids | None = None,
 ) -> Reading:
     """Read the surface of a blend.
 
@@ -73,23 +79,40 @@ def read_surface(
         Of the shapes that are blended: a blend has no more pieces, handles and bubbles than the one that has most.
     settings : MorphSettings
         Which level, and whether to keep thin parts and to mend.
+    solids : CoincidingSolids, optional
+        The shapes, where they have been moved onto each other: where they coincide, their mean is taken instead.
     """
     if settings.level == "half-max":
         surface = surface_at_level(density, float(density.max()) / 2)
         lost = lost_parts(density, density > surface.level, _REACH * sigma)
         return Reading(surface, {"found": asdict(Connectivity.of(surface)), "lost": lost.record()})
     prepared = _Prepared.of(density, volume, settings)
-    if settings.mend:
-        most = shapes[0]
-        for other in shapes[1:]:
-            most = most.or_more(other)
-        mending = mended_surface(prepared.density, volume, most)
-        surface, record = mending.surface, mending.record()
-    else:
+    if solids is not None:
+        prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
+    reading = _mended(prepared, volume, shapes, settings)
+    shown = prepared.density > reading.surface.level
+    lost = lost_parts(density[prepared.box], shown, _REACH * sigma).moved(prepared.low)
+    return Reading(prepared.placed(reading.surface), {**reading.record, "lost": lost.record()})
+
+
+def read_coinciding(
+    solids: CoincidingSolids, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings
+) -> Reading:
+    """Read the surface of the mean of solids that coincide everywhere; for the parameters see :func:`read_surface`."""
+    whole = tuple(slice(0, n) for n in solids.density.shape)
+    return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings)
+
+
+def _mended(prepared: _Prepared, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings) -> Reading:
+    """Return the surface in the box of a density, mended as far as the settings ask for it."""
+    if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
-        record = {"found": asdict(Connectivity.of(surface))}
-    lost = lost_parts(density[prepared.box], prepared.density > surface.level, _REACH * sigma).moved(prepared.low)
-    return Reading(prepared.placed(surface), {**record, "lost": lost.record()})
+        return Reading(surface, {"found": asdict(Connectivity.of(surface))})
+    most = shapes[0]
+    for other in shapes[1:]:
+        most = most.or_more(other)
+    mending = mended_surface(prepared.density, volume, most)
+    return Reading(mending.surface, mending.record())
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,9 @@ class Motion(Protocol):
     A motion can be sent to another process, and gives the same shapes there.
     """
 
+    kind: str
+    """What it is called in settings and records."""
+
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
 
