@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 from . import (
+    coherence,
     correspondences,
     flat,
     midpoints,
@@ -31,6 +32,7 @@ _ALL = (
     "morph",
     "flat",
     "quality",
+    "coherence",
     "rivals",
     "table1",
     "surface",
@@ -47,11 +49,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
     names = parser.add_subparsers(
         title="benchmarks",
-        metavar="morph | flat | quality | rivals | table1 | surface | skeleton | softmap | recolor | sphere | peers",
+        metavar=" | ".join(_ALL),
     )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
+    _add_coherence(names.add_parser("coherence", help=coherence.__doc__))
     _add_rivals(names.add_parser("rivals", help=side_by_side.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
     _add_surface(names.add_parser("surface", help=surface.__doc__))
@@ -92,6 +95,29 @@ def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=64, help="cells along the longest side (%(default)s)")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
     parser.set_defaults(run=lambda options: quality.main(options.cells, options.meshes))
+
+
+def _add_coherence(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--pairs", type=_names, help="names of pairs, separated by commas; by default all of one half")
+    parser.add_argument("--motions", type=_names, help="motions, separated by commas; by default all that there are")
+    parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
+    parser.add_argument("--resolution", type=int, default=100, help="cells along the longest side (%(default)s)")
+    parser.add_argument("--held-back", action="store_true", help="the pairs that no parameter was chosen by")
+    parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, bob and blub")
+    parser.add_argument("--json", action="store_true", help="a line of JSON per pair and motion instead of tables")
+    parser.add_argument("--sheets", type=Path, help="a folder to write pictures of every pair to")
+    parser.set_defaults(
+        run=lambda options: coherence.main(
+            options.pairs,
+            options.motions,
+            options.resolution,
+            options.frames,
+            held_back=options.held_back,
+            meshes=options.meshes,
+            as_json=options.json,
+            sheets=options.sheets,
+        )
+    )
 
 
 def _add_rivals(parser: argparse.ArgumentParser) -> None:
@@ -143,6 +169,10 @@ def _add_peers(parser: argparse.ArgumentParser) -> None:
 
 def _numbers(text: str) -> list[int]:
     return [int(part) for part in text.split(",")]
+
+
+def _names(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",")]
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from convwass_addon.applications.morphs import blending, reading
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
-from convwass_addon.applications.morphs.morph_problem import MorphProblem
+from convwass_addon.applications.morphs.morph_problem import MorphFrame, MorphProblem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import SplitShapes
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
@@ -111,8 +111,13 @@ def own_surface(filled: NDArray[np.floating]) -> TriangleMesh:
 
 def baked(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[TriangleMesh]:
     """Bake a path from the first shape to the second; return the frames between them, in cells."""
-    names = [f"shape {index}" for index in range(len(shapes))]
     spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
-    steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
-    meshes = [step.frame.mesh for step in steps if step.frame is not None and step.frame.mesh is not None]
+    meshes = [frame.mesh for frame in baked_frames(shapes, frames, settings) if frame.mesh is not None]
     return [TriangleMesh(mesh.vertices / spacing, mesh.faces) for mesh in meshes]
+
+
+def baked_frames(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[MorphFrame]:
+    """Bake a path from the first shape to the second; return all frames, in the space of the shapes."""
+    names = [f"shape {index}" for index in range(len(shapes))]
+    steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
+    return [step.frame for step in steps if step.frame is not None]

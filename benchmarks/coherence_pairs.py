@@ -7,7 +7,7 @@ Pairs in `TUNED` may be looked at while parameters are chosen; those in `HELD_BA
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -255,6 +255,27 @@ def further_pairs(folder: Path, *, tuned: bool) -> tuple[CoherencePair, ...]:
             paths = [matches[0].absolute() for matches in files]
             found.append(CoherencePair(f"{first} to {second}", OTHER_BUILD, _files(paths)))
     return tuple(found)
+
+
+def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair]:
+    """Return pairs of either half by their names.
+
+    Raises
+    ------
+    ValueError
+        There is no pair of that name; the message lists those that are there.
+    """
+    known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False))}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"no pair {unknown[0]}; there are: {', '.join(known)}")
+    return [known[name] for name in names]
+
+
+def half(folder: Path | None, *, tuned: bool) -> tuple[CoherencePair, ...]:
+    """Return one half of the pairs, with those of a folder of other meshes."""
+    pairs = TUNED if tuned else HELD_BACK
+    return pairs if folder is None else (*pairs, *further_pairs(folder, tuned=tuned))
 
 
 def _files(paths: list[Path]) -> Callable[[], Ends]:

@@ -128,6 +128,7 @@ def test_no_name_means_every_benchmark(monkeypatch):
         "morph",
         "flat",
         "quality",
+        "coherence",
         "side_by_side",
         "table1",
         "surface",
@@ -139,12 +140,13 @@ def test_no_name_means_every_benchmark(monkeypatch):
     )
     for name in modules:
         module = getattr(command_line, name)
-        monkeypatch.setattr(module, "main", lambda *options, name=name: started.append((name, *options)))
+        monkeypatch.setattr(module, "main", lambda *options, name=name, **more: started.append((name, *options)))
     assert command_line.main([]) == 0
     assert started == [
         ("morph", [64, 100], 24),
         ("flat", [256, 512], 24, 256, 300.0, None),
         ("quality", 64, None),
+        ("coherence", None, None, 100, 24),
         ("side_by_side", 100),
         ("table1", list(table1.SIZES), 5, 60.0),
         ("surface", list(surface.SIZES), 24),

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether morphs hold together: limbs that swing, shapes that stay whole, with every motion beside plain transport."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .coherence_cases import TRANSPORT, motions
+from .coherence_pairs import ONE_BUILD, OTHER_BUILD, CoherencePair, half, pairs_named
+from .coherence_sheets import write_sheets
+from .processes import PROJECT, measured
+
+FRAMES_FOLDER = PROJECT / "out" / "coherence"
+"""Where frames are kept between the benchmark and the picture sheets."""
+
+_HEADING = """
+{frames} frames from one shape to the other, {cells} cells, default settings but for the motion. {half}
+
+pieces     most connected components of a frame before mending; torn is the share of frames that have more than either
+           shape
+area       least and largest area of a frame over that of the shapes, interpolated
+reach      least radius that holds 95 % of a frame's volume over that of the shapes, interpolated
+volume     largest error of a frame's volume
+jump       largest distance between consecutive frames over the mean of the steps' largest distances
+left       largest W2 that is left to transport over that of the shapes
+length     largest error of the length of the limb that swings
+tip        largest distance of its tip from where it should be, over the diagonal
+CPU, wall  seconds from the meshes of the shapes to those of all frames
+"""
+_COLUMNS = (
+    f"{'':18} {'motion':10} {'pieces':>6} {'torn':>5} {'area':>11} {'reach':>5} {'volume':>7} {'jump':>5} {'left':>5} "
+    f"{'length':>6} {'tip':>6} {'CPU':>7} {'wall':>6}"
+)
+
+
+def main(
+    chosen: Sequence[str] | None,
+    ways: Sequence[str] | None,
+    cells: int,
+    frames: int,
+    *,
+    held_back: bool = False,
+    meshes: Path | None = None,
+    as_json: bool = False,
+    sheets: Path | None = None,
+) -> None:
+    """Bake the pairs with every motion and print the tables.
+
+    Parameters
+    ----------
+    chosen : sequence of str or None
+        Names of pairs; all of one half by default.
+    ways : sequence of str or None
+        Motions, all that the settings offer by default.
+    cells, frames : int
+        Along the longest side, and of the morph.
+    held_back : bool
+        Take the half of the pairs that is not looked at while parameters are chosen.
+    meshes : Path or None
+        A folder with further meshes.
+    as_json : bool
+        Print one line of JSON per pair and motion instead.
+    sheets : Path or None
+        A folder to write a picture per pair to, a row of frames for every motion.
+    """
+    pairs = list(half(meshes, tuned=not held_back)) if chosen is None else _named(chosen, meshes)
+    ways = _offered(ways)
+    if not as_json:
+        print(_HEADING.format(frames=frames, cells=cells, half="Pairs held back." if held_back else ""))
+        print(_COLUMNS)
+    found: dict[tuple[str, str], dict[str, object]] = {}
+    for pair in pairs:
+        for way in ways:
+            figures = measured(
+                "benchmarks.coherence_cases",
+                "passage",
+                pair=pair.name,
+                motion=way,
+                cells=cells,
+                frames=frames,
+                meshes=None if meshes is None else str(meshes.absolute()),
+                keep=str(kept_frames(pair.name, way)),
+            )
+            found[pair.name, way] = figures
+            shown = {"pair": pair.name, "build": pair.build, "motion": way, "cells": cells, **figures}
+            print(json.dumps(shown) if as_json else line(pair.name, way, figures), flush=True)
+    if not as_json:
+        _print_summary(pairs, ways, found)
+    if sheets is not None:
+        write_sheets({pair.name: {way: kept_frames(pair.name, way) for way in ways} for pair in pairs}, sheets)
+
+
+def kept_frames(pair: str, way: str) -> Path:
+    """Return where the frames of a pair and a motion are kept."""
+    return FRAMES_FOLDER / f"{pair.replace(' ', '_')}-{way}.npz"
+
+
+def _named(names: Sequence[str], meshes: Path | None) -> list[CoherencePair]:
+    try:
+        return pairs_named(names, meshes)
+    except ValueError as error:
+        sys.exit(f"benchmark coherence: {error}")
+
+
+def _offered(ways: Sequence[str] | None) -> list[str]:
+    """Return the motions to try, plain transport first; leaves out those that the settings do not offer."""
+    offered = sorted(motions(), key=lambda way: way != TRANSPORT)
+    if ways is None:
+        return offered
+    for way in ways:
+        if way not in offered:
+            print(f"There is no motion {way}; there are: {', '.join(offered)}.", file=sys.stderr)
+    return [way for way in ways if way in offered]
+
+
+def line(pair: str, way: str, found: dict[str, object]) -> str:
+    """Return a row of the table."""
+    if "error" in found:
+        return f"{pair:18} {way:10} {found['error']}"
+    low, high = found["area"]
+    left = "" if found["residual"] is None else f"{found['residual']:.2f}"
+    length, tip = ("", "") if found["limb"] is None else (_percent(found["limb"][key]) for key in ("length", "tip"))
+    return (
+        f"{pair:18} {way:10} {found['pieces']:6} {found['torn']:5.2f} {low:5.2f} {high:5.2f} {found['reach']:5.2f} "
+        f"{100 * found['volume']:5.2f} % {found['largest']:5.2f} {left:>5} {length:>6} {tip:>6} {found['cpu']:7.1f} "
+        f"{found['wall']:6.1f}"
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %"
+
+
+_GOALS = (
+    ("share of frames that are torn, worst pair", ONE_BUILD, "0", lambda f: f["torn"], "{:.2f}"),
+    ("error of the limb's length", ONE_BUILD, "3 %", lambda f: f["limb"] and 100 * f["limb"]["length"], "{:.1f} %"),
+    ("distance of the limb's tip", ONE_BUILD, "2 %", lambda f: f["limb"] and 100 * f["limb"]["tip"], "{:.1f} %"),
+    ("W2 left over that of the shapes", ONE_BUILD, "0.1", lambda f: f["residual"], "{:.2f}"),
+    ("W2 left over that of the shapes", OTHER_BUILD, "0.3", lambda f: f["residual"], "{:.2f}"),
+    ("largest area", OTHER_BUILD, "1.05", lambda f: f["area"][1], "{:.2f}"),
+    ("least area", OTHER_BUILD, "0.93", lambda f: -f["area"][0], "{:.2f}"),
+    ("share of frames that are torn, worst pair", OTHER_BUILD, "0.1", lambda f: f["torn"], "{:.2f}"),
+    ("least reach", OTHER_BUILD, "0.85", lambda f: -f["reach"], "{:.2f}"),
+    ("error of the volume", None, "0.2 %", lambda f: 100 * f["volume"], "{:.2f} %"),
+    ("largest jump over the mean one", None, "1.5", lambda f: f["largest"], "{:.2f}"),
+    ("seconds, wall", None, "12 guided, 20 warp", lambda f: f["wall"], "{:.1f}"),
+)
+# What it is, of which pairs, what is to be reached, the figure (larger is worse), how it is written.
+
+
+def _print_summary(
+    pairs: Sequence[CoherencePair], ways: Sequence[str], found: dict[tuple[str, str], dict[str, object]]
+) -> None:
+    """Print the worst figure of all pairs beside what is to be reached."""
+    print(f"\n{'worst of all pairs':44} {'pairs':12} {'to reach':>18} " + " ".join(f"{way:>10}" for way in ways))
+    for title, build, goal, figure, written in _GOALS:
+        names = [pair.name for pair in pairs if build in (None, pair.build)]
+        cells = []
+        for way in ways:
+            values = [figure(found[name, way]) for name in names if "error" not in found[name, way]]
+            known = [value for value in values if value is not None]
+            cells.append(written.format(abs(max(known))) if known else "")
+        if any(cells):
+            print(f"{title:44} {build or 'all':12} {goal:>18} " + " ".join(f"{cell:>10}" for cell in cells))

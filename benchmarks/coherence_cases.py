@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One pair of the coherence benchmark per process: ``python -m benchmarks.coherence_cases CASE OPTIONS``."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.volumes import Lattice
+from convwass_addon.errors import ConvwassError
+from convwass_addon.geometry.mesh import TriangleMesh
+
+from .blends import baked_frames
+from .clock import Clock
+from .coherence_measures import (
+    Along,
+    Evenness,
+    changes_of_topology,
+    crossing_share,
+    limb_errors,
+    steps_between,
+    worst_angle,
+)
+from .coherence_pairs import Ends, pairs_named
+from .rival_measures import Hold
+
+TRANSPORT = "transport"
+"""The motion that a morph has without any other."""
+
+# Crossings are looked for in every so many frames.
+_CROSSINGS_EVERY = 4
+
+
+def motions() -> tuple[str, ...]:
+    """Return the motions that the settings of a morph offer."""
+    hints = get_type_hints(MorphSettings)
+    return get_args(hints["motion"]) if "motion" in hints else (TRANSPORT,)
+
+
+def settings_for(motion: str, cells: int) -> MorphSettings:
+    """Return the default settings with a motion and a resolution."""
+    chosen = {"motion": motion} if "motion" in get_type_hints(MorphSettings) else {}
+    return MorphSettings(resolution=cells, **chosen)
+
+
+@dataclass(frozen=True)
+class Bake:
+    """A morph with its two shapes as the first and the last frame.
+
+    Attributes
+    ----------
+    meshes : list of TriangleMesh
+        In the space of the shapes.
+    times : (n,) float64
+        From 0 to 1.
+    records : list of dict
+        What the solver says about every frame between the shapes.
+    spacing : float
+        Size of a cell.
+    seconds : dict
+        CPU and wall seconds.
+    """
+
+    meshes: list[TriangleMesh]
+    times: NDArray[np.float64]
+    records: list[dict[str, object]]
+    spacing: float
+    seconds: dict[str, float]
+
+    @classmethod
+    def of(cls, ends: Ends, settings: MorphSettings, frames: int) -> Bake:
+        """Bake `frames` frames from one shape to the other, by way of the application."""
+        shapes = [ends.first, ends.second]
+        clock = Clock()
+        found = [frame for frame in baked_frames(shapes, frames, settings) if frame.mesh is not None]
+        seconds = clock.read()
+        times = np.array([0.0, *(frame.blend.weights[1] for frame in found), 1.0])
+        meshes = [ends.first, *(frame.mesh for frame in found), ends.second]
+        spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
+        return cls(meshes, times, [frame.record for frame in found], spacing, seconds)
+
+
+def passage(
+    pair: str, motion: str, cells: int, frames: int, meshes: str | None = None, keep: str | None = None
+) -> dict[str, object]:
+    """Bake one pair with one motion and measure the frames.
+
+    Parameters
+    ----------
+    pair, motion : str
+        Names.
+    cells, frames : int
+        Along the longest side, and of the morph.
+    meshes : str, optional
+        A folder with further meshes.
+    keep : str, optional
+        A file to write the frames to, without ending.
+    """
+    (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
+    ends = chosen.ends()
+    try:
+        bake = Bake.of(ends, settings_for(motion, cells), frames)
+    except ConvwassError as error:
+        return {"error": str(error)}
+    if keep is not None:
+        _write(Path(keep), bake)
+    return {**held(bake, ends), **clean(bake), "records": [_brief(record) for record in bake.records]}
+
+
+def held(bake: Bake, ends: Ends) -> dict[str, object]:
+    """Measure whether frames hold together."""
+    along = Along.of(bake.meshes, bake.times)
+    holds = [Hold.of(mesh) for mesh in (ends.first, ends.second)]
+    allowed = max(len(hold.shares) for hold in holds)
+    pieces = [record["found"]["pieces"] for record in bake.records]
+    limb = None if ends.limb is None else asdict(limb_errors(bake.meshes, bake.times, ends.limb))
+    return {
+        "pieces": max(pieces),
+        "torn": float(np.mean([count > allowed for count in pieces])),
+        "area": [float(along.area.min()), float(along.area.max())],
+        "reach": float(along.reach.min()),
+        "volume": float(np.abs(along.volume - 1.0).max()),
+        "limb": limb,
+        "residual": residual(bake.records),
+        **bake.seconds,
+    }
+
+
+def clean(bake: Bake) -> dict[str, object]:
+    """Measure whether frames run evenly and what their meshes are like."""
+    between = bake.meshes[1:-1]
+    first, last = (Along.of(bake.meshes, bake.times).area[i] for i in (0, -1))
+    return {
+        **asdict(Evenness.of(steps_between(bake.meshes, bake.spacing))),
+        "changes": changes_of_topology(bake.meshes),
+        "lost_area": float(1.0 - min(first, last)),
+        "angle": min(worst_angle(mesh) for mesh in between),
+        "crossing": max(crossing_share(mesh) for mesh in between[::_CROSSINGS_EVERY]),
+        "triangles": int(np.mean([len(mesh.faces) for mesh in between])),
+    }
+
+
+def residual(records: Sequence[dict[str, object]]) -> float | None:
+    """Return the largest W2 that is left to transport over that of the shapes; None where no record says so."""
+    shares = [record["motion"]["residual"] for record in records if "residual" in (record.get("motion") or {})]
+    return max(shares, default=None)
+
+
+def read_frames(path: Path) -> list[TriangleMesh]:
+    """Read frames that a case has kept."""
+    with np.load(path) as stored:
+        count = len(stored.files) // 2
+        return [TriangleMesh(stored[f"vertices{i}"], stored[f"faces{i}"]) for i in range(count)]
+
+
+def _write(path: Path, bake: Bake) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    arrays = {f"{kind}{i}": getattr(mesh, kind) for i, mesh in enumerate(bake.meshes) for kind in ("vertices", "faces")}
+    np.savez_compressed(path, **arrays)
+
+
+def _brief(record: dict[str, object]) -> dict[str, object]:
+    return {key: record[key] for key in ("weights", "found", "mended", "motion") if key in record}
+
+
+CASES = {"passage": passage}
+
+if __name__ == "__main__":
+    case, options = sys.argv[1:]
+    print(json.dumps(CASES[case](**json.loads(options)), default=str), flush=True)
+    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    os._exit(0)

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of the coherence benchmark: a sheet per pair, seven frames in a row for every motion.
+
+They are rendered by the product's own contact sheet: ``python -m benchmarks.coherence_sheets sheet OPTIONS``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
+from convwass_addon.geometry.mesh import TriangleMesh
+
+from .coherence_cases import read_frames
+from .processes import measured
+
+COLUMNS = 7
+WIDTH = 2100
+"""Of a sheet in pixels."""
+
+# Between rows, over the height of the tallest frame.
+_ROW_STEP = 1.2
+_CLAY = (0.56, 0.30, 0.19, 1.0)
+
+
+def write_sheets(pairs: dict[str, dict[str, Path]], folder: Path) -> None:
+    """Write a picture per pair, from the files with the frames of every motion.
+
+    Parameters
+    ----------
+    pairs : dict
+        By the name of the pair and of the motion, a file that a case has kept; those that are missing are left out.
+    folder : Path
+        Where to write; made if it is not there.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, files in pairs.items():
+        rows = [str(path) for path in files.values() if path.exists()]
+        target = folder / f"{name.replace(' ', '_')}.png"
+        if rows:
+            measured("benchmarks.coherence_sheets", "sheet", rows=rows, target=str(target.absolute()))
+            print(f"{target}: {', '.join(way for way, path in files.items() if path.exists())}", flush=True)
+
+
+def sheet(rows: list[str], target: str) -> dict[str, object]:
+    """Render a row of frames for every file."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    collection = bpy.data.collections.new("sheet")
+    bpy.context.scene.collection.children.link(collection)
+    meshes = [_evenly(read_frames(Path(row))) for row in rows]
+    extents = np.max([np.ptp(mesh.bounds, axis=0) for row in meshes for mesh in row], axis=0)
+    across, down = float(extents[:2].max()), _ROW_STEP * float(extents[2])
+    clay = _clay()
+    for number, row in enumerate(meshes):
+        for column, mesh in enumerate(row):
+            obj = _object(mesh, clay, (column * across, 0.0, -number * down))
+            obj[WEIGHTS_KEY] = [1.0 - column / (len(row) - 1), column / (len(row) - 1)]
+            obj[INDEX_KEY] = number * len(row) + column
+            collection.objects.link(obj)
+    render_contact_sheet(collection, target, width=WIDTH)
+    return {}
+
+
+def _evenly(meshes: Sequence[TriangleMesh]) -> list[TriangleMesh]:
+    return [meshes[i] for i in np.round(np.linspace(0, len(meshes) - 1, COLUMNS)).astype(int)]
+
+
+def _clay() -> bpy.types.Material:
+    material = bpy.data.materials.new("clay")
+    material.use_nodes = True
+    shader = material.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = _CLAY
+    shader.inputs["Roughness"].default_value = 0.6
+    return material
+
+
+def _object(mesh: TriangleMesh, clay: bpy.types.Material, place: tuple[float, float, float]) -> bpy.types.Object:
+    data = bpy.data.meshes.new("frame")
+    data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
+    data.shade_smooth()
+    data.materials.append(clay)
+    obj = bpy.data.objects.new("frame", data)
+    obj.location = place
+    return obj
+
+
+CASES = {"sheet": sheet}
+
+if __name__ == "__main__":
+    case, options = sys.argv[1:]
+    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
+    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    os._exit(0)
