@@ -8,13 +8,17 @@ import json
 import random
 import zlib
 from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from convwass_addon.bridge.soft_maps.soft_map_bytes import _MAGIC, StoredSoftMap, packed, unpacked
+from convwass_addon.array_files import ArrayReader, array_bytes
+from convwass_addon.bridge.soft_maps import soft_map_bytes
+from convwass_addon.bridge.soft_maps.soft_map_bytes import MappedSide, MeshMark, StoredSoftMap, packed, unpacked
 from convwass_addon.bridge.soft_maps.soft_map_store import (
     MAPS_KEY,
     MapState,
@@ -28,6 +32,7 @@ from convwass_addon.bridge.soft_maps.soft_map_store import (
 )
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.errors import InputError
+from tests.shapes import box
 from tests.surface_maps import closest_map
 
 
@@ -170,28 +175,18 @@ def test_something_else_under_the_key_is_no_map(pair, value):
     assert has_soft_map(source, target)
 
 
-def header_and_body(data):
-    start = len(_MAGIC) + 4
-    length = int.from_bytes(data[len(_MAGIC) : start], "little")
-    return json.loads(data[start : start + length]), data[start + length :]
-
-
 def with_header(data, change):
-    header, body = header_and_body(data)
-    change(header)
-    text = json.dumps(header).encode()
-    return _MAGIC + len(text).to_bytes(4, "little") + text + body
+    """The same map with another header, sealed anew."""
+    reader = ArrayReader(BytesIO(data), 1 << 30)
+    planes = {name: reader.take(name, ("|u1",), (2, 3)) for name in soft_map_bytes._KINDS}
+    change(reader.header)
+    return array_bytes(planes, reader.header, 6)
 
 
 @pytest.mark.parametrize(
     "change",
     [
-        lambda header: header.update(schema=2),
-        lambda header: header.pop("shapes"),
-        lambda header: header["shapes"].pop(),
-        lambda header: header["shapes"][0].__setitem__(0, 10**12),
-        lambda header: header["shapes"][0].__setitem__(0, -1),
-        lambda header: header["shapes"][0].__setitem__(0, header["shapes"][0][0] - 1),
+        lambda header: header.update(schema=3),
         lambda header: header.update(sides=[]),
         lambda header: header["sides"][0].update(vertices="many"),
         lambda header: header["sides"][0].update(more=1),
@@ -222,12 +217,49 @@ def test_other_bytes_are_refused(pair, data):
         stored_soft_map(source, target)
 
 
-def test_a_bomb_is_not_unpacked(pair):
+FIRST_SCHEMA = Path(__file__).with_name("soft_map_schema_1.bin").read_bytes()
+"""What the first version made of a map between two boxes."""
+
+
+def test_maps_of_the_version_before_are_read():
+    source, target = box((1.0, 1.1, 0.9)), box()
+    sides = [
+        MappedSide(MeshMark(8, 6, f"topology {name}", f"shape {name}"), mesh.faces)
+        for name, mesh in (("a", source), ("b", target))
+    ]
+    assert_same(StoredSoftMap(closest_map(source, target), *sides), unpacked(FIRST_SCHEMA))
+
+
+def first_schema_parts():
+    start = len(b"CWMAP\x00") + 4
+    length = int.from_bytes(FIRST_SCHEMA[start - 4 : start], "little")
+    return json.loads(FIRST_SCHEMA[start : start + length]), FIRST_SCHEMA[start + length :]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda header: header.update(schema=2),
+        lambda header: header.pop("shapes"),
+        lambda header: header["shapes"].pop(),
+        lambda header: header["shapes"][0].__setitem__(0, 10**12),
+        lambda header: header["shapes"][0].__setitem__(0, -1),
+        lambda header: header["shapes"][0].__setitem__(0, header["shapes"][0][0] - 1),
+        lambda header: header.clear(),
+    ],
+)
+def test_damaged_maps_of_the_version_before_are_refused(change):
+    header, body = first_schema_parts()
+    change(header)
+    text = json.dumps(header).encode()
+    with pytest.raises((ValueError, KeyError)):
+        unpacked(b"CWMAP\x00" + len(text).to_bytes(4, "little") + text + body)
+
+
+def test_a_bomb_is_not_unpacked():
     """Compressed zeros beyond what the header announces."""
-    data = packed(stored_between(*pair))
-    _, body = header_and_body(data)
-    whole = zlib.decompress(body)
-    bomb = data[: len(data) - len(body)] + zlib.compress(whole + bytes(10**7))
+    _, body = first_schema_parts()
+    bomb = FIRST_SCHEMA[: -len(body)] + zlib.compress(zlib.decompress(body) + bytes(10**7))
     with pytest.raises(ValueError, match="bytes where"):
         unpacked(bomb)
 

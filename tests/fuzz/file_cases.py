@@ -4,24 +4,25 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import random
 import struct
 import tracemalloc
+import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from convwass_addon.applications.morphs.frame_file import MAGIC, DamagedFrameError, StoredFrame, read_frame, write_frame
+from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.morphs.potentials import PartPotentials
 from convwass_addon.applications.palettes.lookup_table import LookupTable, read_cube, write_cube
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.table_files import read_table, write_table
+from convwass_addon.array_files import array_bytes
 from convwass_addon.errors import InputError
 from tests.shapes import box
 
@@ -110,29 +111,22 @@ def spoiled(content: bytes, seed: int) -> bytes:
     return bytes(data)
 
 
-def lying_frame(content: bytes, seed: int) -> bytes:
-    """Return a frame whose hash is right and whose header is not."""
+def lying_file(content: bytes, seed: int, notices: Sequence[object] = ()) -> bytes:
+    """Return a file of arrays whose hash is right and whose header is not; some notices may be put into it."""
     chance = random.Random(seed)
-    start = len(MAGIC) + 32
-    (length,) = struct.unpack("<Q", content[start : start + 8])
-    header, arrays = json.loads(content[start + 8 : start + 8 + length]), content[start + 8 + length :]
-    holder, key = chance.choice(_places(header))
-    holder[key] = chance.choice(_HUGE)
-    text = json.dumps(header).encode()
-    body = struct.pack("<Q", len(text)) + text + arrays
-    return MAGIC + hashlib.sha256(body).digest() + body
-
-
-def lying_map(content: bytes, seed: int) -> bytes:
-    """Return the bytes of a soft map whose header says something else, or whose notices want something else."""
-    chance = random.Random(seed)
-    length = int.from_bytes(content[6:10], "little")
-    header = json.loads(content[10 : 10 + length])
-    header["notices"] = [chance.choice((["{a}", {"a": 1}], ["{a.real}", {"a": 1}], ["{a:99999999}", {"a": 1}], 3))]
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    header = json.loads(members.pop("header.json"))
+    if notices:
+        header["notices"] = [chance.choice(notices)]
     holder, key = chance.choice(_places(header))
     holder[key] = chance.choice((*_HUGE, "{a.__class__}", ["{0}", {}], ["{a[0]}", {"a": "x"}]))
-    text = json.dumps(header).encode()
-    return content[:6] + len(text).to_bytes(4, "little") + text + content[10 + length :]
+    arrays = {name.removesuffix(".npy"): np.load(io.BytesIO(array)) for name, array in members.items()}
+    return array_bytes(arrays, header)
+
+
+NOTICES = (["{a}", {"a": 1}], ["{a.real}", {"a": 1}], ["{a:99999999}", {"a": 1}], 3)
+"""Notices of a soft map, most of which want something else than a value."""
 
 
 def pickled_table() -> bytes:

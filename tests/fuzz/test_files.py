@@ -29,11 +29,11 @@ from convwass_addon.errors import InputError
 from convwass_addon.sentence import Sentence
 from tests.bridge.test_soft_map_store import ball, stored_between
 from tests.fuzz.file_cases import (
+    NOTICES,
     READERS,
     bomb,
     good_content,
-    lying_frame,
-    lying_map,
+    lying_file,
     outcome,
     pickled_table,
     spoiled,
@@ -115,7 +115,7 @@ def test_numbers_in_pictures_that_do_not_survive_a_cast_are_refused():
 
 def test_frames_that_lie_are_refused(tmp_path):
     good = good_content("frame", tmp_path)
-    found = [outcome("frame", lying_frame(good, seed), tmp_path) for seed in range(SEEDS)]
+    found = [outcome("frame", lying_file(good, seed), tmp_path) for seed in range(SEEDS)]
     assert found.count("refused") > SEEDS // 2
 
 
@@ -123,7 +123,7 @@ def test_maps_that_lie_are_refused(empty_scene):
     good = packed(stored_between(ball("Source"), ball("Target", segments=12)))
     refused = 0
     for seed in range(SEEDS):
-        for content in (lying_map(good, seed), spoiled(good, seed)):
+        for content in (lying_file(good, seed, NOTICES), spoiled(good, seed)):
             try:
                 unpacked(content)
             except (ValueError, TypeError, KeyError, RecursionError):

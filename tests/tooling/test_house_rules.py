@@ -43,8 +43,10 @@ MAY_IMPORT = {
     "drafts": {"disk_room", "errors", "sentence"},
     "transport": {"errors", "progress", "sentence", "geometry"},
     "geometry": {"errors", "progress", "sentence"},
-    "applications": {"drafts", "errors", "progress", "schema", "sentence", "transport", "geometry"},
+    "array_files": set(),
+    "applications": {"array_files", "drafts", "errors", "progress", "schema", "sentence", "transport", "geometry"},
     "bridge": {
+        "array_files",
         "disk_room",
         "drafts",
         "errors",
@@ -101,6 +103,7 @@ MAY_IMPORT = {
 """Which rooms of the package each room may import from, besides itself."""
 
 WITHOUT_BLENDER = (
+    "array_files",
     "disk_room",
     "drafts",
     "errors",

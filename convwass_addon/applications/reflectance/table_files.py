@@ -4,14 +4,12 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
-from tokenize import TokenError
 
 import numpy as np
-from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from ...array_files import ArrayReader, DamagedArraysError, array_bytes
 from ...drafts import written_whole
 from ...errors import InputError
 from .lobe_table import LobeTable
@@ -22,6 +20,8 @@ MOST_DIRECTIONS, MOST_ROWS = 8100, 256
 
 _FEWEST_ROWS = 4
 _MOST_BYTES = 4 << 30
+# That of NumPy's own compressed files.
+_LEVEL = 6
 # Lobes are stored in single precision, in which a mass of 1 is this near to it.
 _MASS_TOLERANCE = 1e-3
 
@@ -37,8 +37,9 @@ def write_table(path: Path, table: LobeTable) -> None:
         It cannot be written.
     """
     arrays = {"theta_in": table.theta_in, "phi_in": table.phi_in, "albedo": table.albedo}
-    with written_whole(path) as draft, draft.open("wb") as file:
-        np.savez_compressed(file, lobes=table.lobes.astype(np.float32), **arrays)
+    content = array_bytes(arrays | {"lobes": table.lobes.astype(np.float32)}, level=_LEVEL)
+    with written_whole(path) as draft:
+        draft.write_bytes(content)
 
 
 def read_table(path: Path) -> LobeTable:
@@ -50,48 +51,16 @@ def read_table(path: Path) -> LobeTable:
         The file cannot be read, or is no such table.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
-            arrays = {name: _array(archive, name, path) for name in _NAMES}
+        with path.open("rb") as file:
+            # Other programs may have made it.
+            reader = ArrayReader(file, _MOST_BYTES, is_sealed=False)
+            arrays = [reader.take(name, ("<f4", "<f8"), (1, 2, 3)).astype(np.float64) for name in _NAMES]
     except OSError as problem:
         reason = problem.strerror or str(problem)
         raise InputError("{name} cannot be read: {problem}", name=path.name, problem=reason) from problem
-    except (
-        *(zipfile.BadZipFile, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError),
-        # NumPy reads its headers as Python.
-        *(SyntaxError, TokenError),
-    ) as problem:
+    except DamagedArraysError as problem:
         raise InputError("{name} is no table of lobes.", name=path.name) from problem
-    except Exception as problem:
-        # zlib and lzma have errors of their own.
-        if type(problem).__module__ not in ("zlib", "_lzma", "lzma"):
-            raise
-        raise InputError("{name} is no table of lobes.", name=path.name) from problem
-    return checked_table(*(arrays[name] for name in _NAMES), path.name)
-
-
-def _array(archive: zipfile.ZipFile, name: str, path: Path) -> NDArray[np.float64]:
-    """Read one member, whose header must promise neither objects nor more than is there."""
-    entry = archive.getinfo(f"{name}.npy")
-    if entry.file_size > _MOST_BYTES:
-        raise InputError("{name} is larger than any table of lobes.", name=path.name)
-    # Other ways of packing let a few bytes stand for any number of them.
-    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise ValueError("unknown compression")
-    with archive.open(entry) as file:
-        version = npy.read_magic(file)
-        # Later versions are for longer headers than such tables have.
-        if version != (1, 0):
-            raise ValueError("unknown version")
-        shape, in_columns, dtype = npy.read_array_header_1_0(file)
-        if dtype not in (np.dtype("<f4"), np.dtype("<f8")) or in_columns or not 1 <= len(shape) <= 3:
-            raise ValueError("unexpected array")
-        count = int(np.prod([int(size) for size in shape], dtype=object))
-        if not 0 < count * dtype.itemsize <= entry.file_size:
-            raise ValueError("sizes do not fit")
-        content = file.read(count * dtype.itemsize)
-        if len(content) != count * dtype.itemsize:
-            raise ValueError("sizes do not fit")
-    return np.frombuffer(content, dtype).reshape(shape).astype(np.float64)
+    return checked_table(*arrays, path.name)
 
 
 def checked_table(

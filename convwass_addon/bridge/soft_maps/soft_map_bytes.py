@@ -1,26 +1,31 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between two surfaces as bytes: a header in JSON, and arrays that are packed so that they compress well."""
+"""Maps between two surfaces as bytes of :mod:`.array_files`, in arrays that compress well.
+
+An array is stored as its bytes, (bytes of a value, columns, rows): all first bytes, then all second ones, and so on,
+column by column, since they are alike.
+"""
 
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import BytesIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.soft_maps.surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
+from ...array_files import ArrayReader, array_bytes
 from ...sentence import Sentence
+from .first_schema import first_schema, is_first_schema
 
-SCHEMA = 1
+SCHEMA = 2
 
-# The null byte ends what user interfaces show of it.
-_MAGIC = b"CWMAP\x00"
-_LENGTH_BYTES = 4
-_MOST_HEADER, _MOST_ARRAYS = 1 << 22, 1 << 31
+_MOST_BYTES = 1 << 31
+# That of zlib's own choice.
+_LEVEL = 6
 # Shares are stored as whole numbers up to this.
 _ONE = 65535
 # Bits of a float that are kept: more than four digits.
@@ -100,36 +105,34 @@ def packed(stored: StoredSoftMap) -> bytes:
     found = stored.found
     header = {
         "schema": SCHEMA,
-        "shapes": [list(array.shape) for array in arrays.values()],
         "sides": [vars(side.mark) for side in (stored.source, stored.target)],
         "record": dict(found.record),
         "notices": [_plain(notice) for notice in found.notices],
     }
-    text = json.dumps(header, default=_number).encode()
-    body = b"".join(_shuffled(_stored_form(arrays[name], kind)) for name, kind in _KINDS.items())
-    return _MAGIC + len(text).to_bytes(_LENGTH_BYTES, "little") + text + zlib.compress(body, 6)
+    planes = {name: _planes(_stored_form(arrays[name], kind)) for name, kind in _KINDS.items()}
+    return array_bytes(planes, json.loads(json.dumps(header, default=_number)), _LEVEL)
 
 
 def unpacked(data: bytes) -> StoredSoftMap:
-    """Return the map that `packed` made bytes of.
+    """Return the map that `packed` made bytes of, here or in the version before.
 
     Raises
     ------
     ValueError, TypeError, KeyError, RecursionError
         Something else made them, or they are damaged; the message says what is wrong.
     """
-    if not (isinstance(data, bytes) and data.startswith(_MAGIC)):
-        raise ValueError("it does not begin as a soft map does")
-    start = len(_MAGIC) + _LENGTH_BYTES
-    length = int.from_bytes(data[len(_MAGIC) : start], "little")
-    if length > _MOST_HEADER:
-        raise ValueError(f"a header of {length} bytes")
-    header = json.loads(data[start : start + length])
-    if not isinstance(header, dict):
-        raise TypeError("the header is not a table")
-    if header["schema"] != SCHEMA:
-        raise ValueError(f"schema {header['schema']!r}, while this version reads {SCHEMA}")
-    arrays = _read_arrays(data[start + length :], header["shapes"])
+    if not isinstance(data, bytes):
+        raise TypeError("it is not made of bytes")
+    if is_first_schema(data):
+        header, planes = first_schema(data, _KINDS)
+    else:
+        reader = ArrayReader(BytesIO(data), _MOST_BYTES)
+        header = reader.header
+        if header["schema"] != SCHEMA:
+            raise ValueError(f"schema {header['schema']!r}, while this version reads {SCHEMA}")
+        planes = {name: reader.take(name, ("|u1",), (2, 3)) for name in _KINDS}
+        reader.end()
+    arrays = {name: _usual_form(_of_planes(planes[name], kind), kind) for name, kind in _KINDS.items()}
     _check_sizes(arrays)
     _check_values(arrays)
     return _map_of(header, arrays)
@@ -218,50 +221,18 @@ def _usual_form(array: NDArray, kind: np.dtype) -> NDArray:
     return array if kind == _FLOATS else np.cumsum(array, axis=0, dtype=kind)
 
 
-def _shuffled(array: NDArray) -> bytes:
-    """Return all first bytes, then all second ones and so on, column by column: they are alike."""
-    columns = np.ascontiguousarray(array.reshape(len(array), -1).T)
-    return columns.view(np.uint8).reshape(-1, array.dtype.itemsize).T.tobytes()
+def _planes(array: NDArray) -> NDArray[np.uint8]:
+    """Return the bytes of an array, (rows,) or (rows, columns), as they are stored."""
+    columns = np.ascontiguousarray(array.T)
+    return np.moveaxis(columns.view(np.uint8).reshape(*columns.shape, array.dtype.itemsize), -1, 0)
 
 
-def _unshuffled(data: bytes, shape: tuple[int, ...], kind: np.dtype) -> NDArray:
-    count = int(np.prod(shape))
-    own = np.frombuffer(data, np.uint8).reshape(kind.itemsize, count).T
-    values = np.ascontiguousarray(own).view(kind).ravel()
-    return np.ascontiguousarray(values.reshape(*shape[1:], shape[0]).T)
-
-
-def _read_arrays(data: bytes, shapes: object) -> dict[str, NDArray]:
-    """Return the arrays, no larger than the header says."""
-    if not (isinstance(shapes, list) and len(shapes) == len(_KINDS) and all(map(_is_shape, shapes))):
+def _of_planes(planes: NDArray[np.uint8], kind: np.dtype) -> NDArray:
+    """Undo `_planes`."""
+    if len(planes) != kind.itemsize or planes.shape[1:-1] not in ((), (3,)):
         raise ValueError("the shapes of its arrays are not what they should be")
-    sizes = [
-        int(np.prod(shape, dtype=object)) * kind.itemsize for shape, kind in zip(shapes, _KINDS.values(), strict=True)
-    ]
-    total = sum(sizes)
-    if total > _MOST_ARRAYS:
-        raise ValueError(f"arrays of {total} bytes")
-    try:
-        reader = zlib.decompressobj()
-        body = reader.decompress(data, total + 1)
-    except zlib.error as error:
-        raise ValueError(str(error)) from error
-    if len(body) != total or not reader.eof:
-        raise ValueError(f"{len(body)} bytes where {total} belong")
-    arrays, start = {}, 0
-    for (name, kind), shape, size in zip(_KINDS.items(), shapes, sizes, strict=True):
-        arrays[name] = _usual_form(_unshuffled(body[start : start + size], tuple(shape), kind), kind)
-        start += size
-    return arrays
-
-
-def _is_shape(shape: object) -> bool:
-    return (
-        isinstance(shape, list)
-        and len(shape) in (1, 2)
-        and all(isinstance(side, int) and not isinstance(side, bool) and side >= 0 for side in shape)
-        and (len(shape) == 1 or shape[1] == 3)
-    )
+    values = np.ascontiguousarray(np.moveaxis(planes, 0, -1)).view(kind)[..., 0]
+    return np.ascontiguousarray(values.T)
 
 
 def _check_sizes(arrays: dict[str, NDArray]) -> None:
