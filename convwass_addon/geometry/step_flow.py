@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smooth invertible maps of space, composed of small steps on a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..progress import Control
+from .grid_sampling import sampled
+
+# Neighboring cells differ by no more than this in a step, in cells. The derivative of the interpolated step then stays
+# below it times the square root of three, so a step is invertible and the fixed-point iteration converges.
+_LARGEST_SLOPE = 0.5
+# The fixed-point iteration ends at this change, in cells: for points, and for whole grids, whose inverse is resampled.
+_CLOSE, _CLOSE_ON_GRIDS = 1e-6, 1e-3
+_MOST_ROUNDS = 120
+
+
+class StepFlow:
+    """A map of space, id + v_k after ... after id + v_1, and its inverse.
+
+    The steps v are kept, and points are carried through one after the other, so nothing is resampled and the inverse
+    is that of the interpolated map itself.
+
+    Parameters
+    ----------
+    shape : (int, int, int)
+        Cells of the grid along each axis.
+
+    Attributes
+    ----------
+    steps : list of (nx, ny, nz, 3) float64
+        Displacements at the centers of the cells, in cells.
+    """
+
+    def __init__(self, shape: Sequence[int]) -> None:
+        self.shape = tuple(shape)
+        self.steps: list[NDArray[np.float64]] = []
+        # Displacement of the inverse at the cells' centers: resampled with each step, to pull whole grids back.
+        self._back = np.zeros((*self.shape, 3))
+
+    def add(self, step: NDArray[np.float64]) -> None:
+        """Append a step, (nx, ny, nz, 3) in cells, scaled down where it would not be invertible."""
+        step = np.ascontiguousarray(step * min(1.0, _LARGEST_SLOPE / max(_slope(step), _LARGEST_SLOPE)))
+        self.steps.append(step)
+        centers = _centers(self.shape)
+        before = _undone(step, centers, _CLOSE_ON_GRIDS)
+        self._back = (before - centers + sampled(self._back, before)).reshape(self._back.shape)
+
+    def moved(self, points: NDArray[np.float64], control: Control | None = None) -> NDArray[np.float64]:
+        """Return where points, (n, 3) in cells, are taken to."""
+        for step in self.steps:
+            if control is not None:
+                control.check()
+            points = points + sampled(step, points)
+        return points
+
+    def moved_back(self, points: NDArray[np.float64], control: Control | None = None) -> NDArray[np.float64]:
+        """Return which points are taken to these, (n, 3) in cells: the exact inverse of :meth:`moved`."""
+        for step in reversed(self.steps):
+            if control is not None:
+                control.check()
+            points = _undone(step, points, _CLOSE)
+        return points
+
+    def carried(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return a field, (nx, ny, nz), as it is after its cells have been moved: values at the inverse's places."""
+        places = _centers(self.shape) + self._back.reshape(-1, 3)
+        return sampled(values[..., None], places).reshape(self.shape)
+
+
+def _slope(step: NDArray[np.float64]) -> float:
+    """Largest difference between neighboring cells."""
+    return max(float(np.square(np.diff(step, axis=axis)).sum(axis=-1).max()) ** 0.5 for axis in range(3))
+
+
+def _centers(shape: tuple[int, ...]) -> NDArray[np.float64]:
+    return np.stack([index.ravel() for index in np.indices(shape)], axis=1) + 0.5
+
+
+def _undone(step: NDArray[np.float64], points: NDArray[np.float64], close: float) -> NDArray[np.float64]:
+    """Solve x + v(x) = y for every point y by the fixed-point iteration x <- y - v(x)."""
+    found = points - sampled(step, points)
+    live = np.arange(len(points))
+    for _ in range(_MOST_ROUNDS):
+        better = points[live] - sampled(step, found[live])
+        change = np.abs(better - found[live]).max(axis=1)
+        found[live] = better
+        live = live[change > close]
+        if not len(live):
+            break
+    return found
