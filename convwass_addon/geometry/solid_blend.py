@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A solid between several deformations of itself: its parts turn on the way, instead of shrinking to the middle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.spatial.transform import Rotation
+
+from .factorization import Factorization, factorize
+from .rotations import nearest_rotations
+
+_CORNERS = np.array(list(product((0, 1), repeat=3)))
+_EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if int(np.abs(_CORNERS[a] - _CORNERS[b]).sum()) == 1)
+# Holds every connected part of the solid; so small against the stiffness of a cell that only its middle is held.
+_HOLD = 1e-7
+
+
+class SolidNodes:
+    """The corners of those cells of a grid that hold a solid, as points that a deformation moves.
+
+    Parameters
+    ----------
+    mass : (nx, ny, nz) float64
+        What each cell counts; cells above zero belong to the solid.
+
+    Attributes
+    ----------
+    positions : (n, 3) float64
+        Of the nodes, in cells.
+    corners : (c, 8) int64
+        Nodes at the corners of every cell.
+    mass : (c,) float64
+        Of every cell.
+    """
+
+    def __init__(self, mass: NDArray[np.float64]) -> None:
+        cells = np.argwhere(mass > 0)
+        self.mass = mass[mass > 0]
+        self._shape = tuple(size + 1 for size in mass.shape)
+        flat = np.ravel_multi_index(np.moveaxis(cells[:, None] + _CORNERS, -1, 0), self._shape)
+        nodes, corners = np.unique(flat, return_inverse=True)
+        self.corners = corners.reshape(-1, 8)
+        self.positions = np.stack(np.unravel_index(nodes, self._shape), axis=1).astype(np.float64)
+        self._number = np.full(int(np.prod(self._shape)), -1, np.int64)
+        self._number[nodes] = np.arange(len(nodes))
+
+    def interpolation(self, points: NDArray[np.float64]) -> csr_array:
+        """Return the matrix, (p, n), that takes values at the nodes to points, (p, 3), in cells of the solid."""
+        low = np.clip(np.floor(points).astype(np.int64), 0, np.array(self._shape) - 2)
+        share = points - low
+        columns = self._number[np.ravel_multi_index(np.moveaxis(low[:, None] + _CORNERS, -1, 0), self._shape)]
+        weights = np.where(_CORNERS, share[:, None], 1.0 - share[:, None]).prod(axis=2)
+        rows = np.repeat(np.arange(len(points)), 8)
+        return csr_array((weights.ravel(), (rows, columns.ravel())), shape=(len(points), len(self.positions)))
+
+
+class SolidBlend:
+    """Deformations of a solid, and all that lies between them.
+
+    The gradient of every cell is split into a rotation and a stretch, F_j = R_j S_j. Between deformations j of weights
+    w_j it is exp(sum_j w_j log R_j) (sum_j w_j S_j), where the undeformed solid counts with the rest of the weight; the
+    nodes that have these gradients best are found by a Poisson equation (D. Xu, H. Zhang, Q. Wang and H. Bao, "Poisson
+    shape interpolation", SPM 2005, on cells of a grid). Their middle moves straight. At a weight of one the deformation
+    comes back as it is.
+
+    Parameters
+    ----------
+    nodes : SolidNodes
+        The solid.
+    deformed : sequence of (n, 3) float64
+        Where each deformation takes the nodes, in cells.
+    """
+
+    def __init__(self, nodes: SolidNodes, deformed: Sequence[NDArray[np.float64]]) -> None:
+        self.nodes = nodes
+        self._deformed = list(deformed)
+        self.gradients = [gradients(nodes, images) for images in deformed]
+        turns = [nearest_rotations(np.moveaxis(each, 0, 2)).rotations for each in self.gradients]
+        self._turns = [Rotation.from_matrix(np.moveaxis(turn, 2, 0)).as_rotvec() for turn in turns]
+        self._pulls = _pulls(nodes, nodes.positions)
+        self._unturned = [
+            np.einsum("jic,ckj->cki", turn, _pulls(nodes, images))
+            for turn, images in zip(turns, self._deformed, strict=True)
+        ]
+        cells = np.arange(8 * len(nodes.corners))
+        self._sums = csr_array((np.ones(len(cells)), (nodes.corners.ravel(), cells)))
+        self._held = _HOLD * np.bincount(nodes.corners.ravel(), np.repeat(nodes.mass, 8))
+        self._factor: Factorization | None = None
+
+    def at(self, weights: Sequence[float]) -> NDArray[np.float64]:
+        """Return the nodes, (n, 3) in cells, for a weight of each deformation; together they are one at most."""
+        own = 1.0 - sum(weights)
+        turn = np.zeros((len(self.nodes.corners), 3))
+        pulls, middle = own * self._pulls, own * self.nodes.positions
+        for weight, turns, unturned, images in zip(weights, self._turns, self._unturned, self._deformed, strict=True):
+            turn += weight * turns
+            pulls += weight * unturned
+            middle += weight * images
+        pulls = np.einsum("cij,ckj->cki", Rotation.from_rotvec(turn).as_matrix(), pulls)
+        right = self._sums @ pulls.reshape(-1, 3) + self._held[:, None] * middle
+        if self._factor is None:
+            self._factor = factorize(self._system())
+        return self._factor.solve(np.ascontiguousarray(right.T)).T
+
+    def _system(self) -> csr_array:
+        """Laplacian of the edges of all cells, and what holds the middle."""
+        count = len(self.nodes.positions)
+        low, high = (np.concatenate([self.nodes.corners[:, edge[end]] for edge in _EDGES]) for end in (0, 1))
+        mass = np.tile(self.nodes.mass, len(_EDGES))
+        links = coo_array(
+            (np.tile(mass, 2), (np.concatenate([low, high]), np.concatenate([high, low]))), shape=(count, count)
+        ).tocsc()
+        return (diags_array(np.asarray(links.sum(axis=0)).ravel() + self._held) - links).tocsc()
+
+    def __getstate__(self) -> dict[str, object]:
+        # The factors are a library's own, and quickly made again.
+        return {**self.__dict__, "_factor": None}
+
+
+def gradients(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean gradient over every cell, (c, 3, 3), of a deformation of the nodes."""
+    return np.einsum("cki,kj->cij", images[nodes.corners], _CORNERS - 0.5) / 2.0
+
+
+def _pulls(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum at the corners of every cell, (c, 8, 3), the deformed edges that end there, times the cell's mass."""
+    at = images[nodes.corners]
+    pulls = np.zeros_like(at)
+    for low, high in _EDGES:
+        edge = at[:, high] - at[:, low]
+        pulls[:, high] += edge
+        pulls[:, low] -= edge
+    return pulls * nodes.mass[:, None, None]
