@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where two distributions would meet half way: displacements by unbalanced plans, debiased."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..progress import Control
+from .barycenter import Barycenter, barycenter
+from .checks import check_pair
+from .domain import Domain
+from .maps import transport_map
+from .sinkhorn import self_balance
+
+# The step that a registration takes is computed anew in every round: rough plans will do.
+_TOLERANCE, _MOST_ITERATIONS = 1e-2, 100
+_SELF_TOLERANCE, _MOST_SELF_ITERATIONS = 3e-3, 100
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Displacements of two distributions to the place where they meet.
+
+    Attributes
+    ----------
+    displacements : (2, *shape, d) float64
+        Of the elements of the domain, for each of the two, in the units of its positions.
+    solved : Barycenter
+        Half way between them; to start a neighboring meeting from.
+    """
+
+    displacements: NDArray[np.float64]
+    solved: Barycenter
+
+
+def meeting(
+    mu0: NDArray[np.float64],
+    mu1: NDArray[np.float64],
+    domain: Domain,
+    reach: float,
+    control: Control,
+    initial: Barycenter | None = None,
+) -> Meeting:
+    """Find how two distributions move to their unbalanced barycenter half way.
+
+    The map of an entropic plan averages over what every element is matched with, so it also contracts. The map of each
+    distribution's plan to itself contracts in the same way; the displacements are the differences of the two, and zero
+    between equal distributions (A. Feydy, "Geometric data analysis, beyond convolutions", 2020, section 3.2.3).
+
+    Parameters
+    ----------
+    mu0, mu1 : (*shape,) float64
+        Densities, not negative; each is normalized to mass 1.
+    domain : Domain
+        Owns the area weights and the heat kernel.
+    reach : float
+        How far mass goes, in units of the domain, before it rather vanishes in one place and grows in another.
+    control : Control
+        Stops the work.
+    initial : Barycenter, optional
+        `solved` of similar distributions on a domain of the same shape, to start from.
+    """
+    pair = check_pair(mu0, mu1, domain)
+
+    def monitor(*_: object) -> None:
+        control.check()
+
+    half_way = barycenter(
+        pair,
+        (0.5, 0.5),
+        domain,
+        sharpness=1.0,
+        reach=reach,
+        initial=initial,
+        tolerance=_TOLERANCE,
+        max_iterations=_MOST_ITERATIONS,
+        monitor=monitor,
+    )
+    own = self_balance(pair, domain, tolerance=_SELF_TOLERANCE, max_iterations=_MOST_SELF_ITERATIONS, monitor=monitor)
+    there = [transport_map(log_v, domain) for log_v in half_way.log_v]
+    here = [transport_map(log_v, domain) for log_v in own.log_v]
+    return Meeting(np.stack(there) - np.stack(here), half_way)
