@@ -1,0 +1,206 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motion by warps: solids of any build are drawn towards each other by smooth elastic steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from ...geometry.occupancy import occupancy
+from ...geometry.orientation import orient_outward
+from ...geometry.short_edges import with_short_edges
+from ...geometry.thicken import shell_occupancy
+from ...progress import Control, Progress, Work, within
+from ...sentence import Sentence
+from ..morphs.volumes import Lattice
+from .motion import MovedShape
+from .warp_registration import registered
+from .warp_signals import WarpSignals, inverse_error, length_between, strain, volume_change
+from .warped_shape import Course, WarpedShape
+
+# Blur, in cells, that the margin of the warp's grid is made for.
+_SIGMA = 1.5
+# Longest edge of a mesh that is moved, in cells.
+_LONGEST_EDGE = 0.7
+# Solids of fewer cells are taken for sheets, of this thickness in cells.
+_LEAST_CELLS, _SHEET = 20.0, 2.0
+# Coherence at which the motion is done fully, and how far it then leads through the meeting place.
+_FULL, _DETOUR = 0.5, 0.5
+# Share of the work that the registration is.
+_REGISTERED = 0.9
+
+
+@dataclass(frozen=True)
+class WarpEffort:
+    """How finely a warp is computed.
+
+    Attributes
+    ----------
+    cells : int
+        Cells of its grid along the longest side.
+    rounds : int
+        Steps that it is composed of.
+    """
+
+    cells: int = 48
+    rounds: int = 16
+
+
+@dataclass(frozen=True)
+class WarpMotion:
+    """A warp between shapes; see :class:`.motion.Motion`.
+
+    For weights w, shape i moves towards the others by a blend of their courses: between its rest and where each course
+    ends its parts turn (:class:`...geometry.solid_blend.SolidBlend`), and a detour leads towards the places where
+    shapes meet, by (w_i + w_j) sin^2(pi w_j / (w_i + w_j)) times its share for each other shape j. For two shapes that
+    is sin^2(pi t).
+
+    Attributes
+    ----------
+    rests : tuple of TriangleMesh
+        The inputs with their long edges split.
+    shapes : tuple of WarpedShape
+        In cells.
+    lattice : Lattice
+        Where the cells are.
+    coherence : float
+        From 0, where shapes are only moved to one place, to 1, where they move most like one body.
+    signals : dict
+        How well each pair fits, by the numbers of its two shapes.
+    """
+
+    rests: tuple[TriangleMesh, ...]
+    shapes: tuple[WarpedShape, ...]
+    lattice: Lattice
+    coherence: float
+    signals: dict[tuple[int, int], WarpSignals]
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
+
+        Raises
+        ------
+        ValueError
+            Two shapes have weight that no warp was made between.
+        """
+        active = [i for i, weight in enumerate(weights) if weight > 0]
+        missing = [pair for pair in combinations(active, 2) if pair not in self.signals]
+        if missing:
+            raise ValueError(f"no warp was made between the shapes {missing[0][0]} and {missing[0][1]}")
+        return [self._moved(i, weights) if weights[i] > 0 else None for i in range(len(self.rests))]
+
+    def record(self) -> dict[str, object]:
+        """Say how well every pair fits, ready for JSON."""
+        pairs = [{"pair": list(pair), **signals.record()} for pair, signals in self.signals.items()]
+        return {"motion": "warp", "coherence": self.coherence, "cells": list(self.lattice.shape), "pairs": pairs}
+
+    def _moved(self, index: int, weights: Sequence[float]) -> MovedShape:
+        rest = self.rests[index]
+        if weights[index] == 1.0:
+            return MovedShape(rest, rest.vertices)
+        middle = np.asarray(weights, np.float64) @ self.lattice.centers
+        vertices = self.cells(index, weights) * self.lattice.spacing + self.lattice.origin + middle
+        return MovedShape(rest, vertices)
+
+    def cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
+        """Return the vertices of a shape in the blend with these weights, (n, 3) in cells."""
+        pace = min(self.coherence / _FULL, 1.0)
+        detour = _DETOUR + (1.0 - _DETOUR) * max(self.coherence - _FULL, 0.0) / (1.0 - _FULL)
+        return self.shapes[index].at(weights, index, pace, detour)
+
+
+def warp_motion(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    coherence: float,
+    control: Control,
+    effort: WarpEffort = WarpEffort(),
+) -> Work[WarpMotion]:
+    """Make the warps between pairs of shapes.
+
+    Parameters
+    ----------
+    shapes : sequence of TriangleMesh
+        Where they stand in the scene; open, crumbly and flat meshes too.
+    names : sequence of str
+        What messages call them.
+    pairs : sequence of (int, int)
+        Which of the shapes are blended with each other.
+    coherence : float
+        0 to 1; see :class:`WarpMotion`.
+    control : Control
+        Stops the work.
+    effort : WarpEffort
+        How finely; the default is what was measured to be worth it.
+
+    Raises
+    ------
+    InputError
+        A shape without faces, or a coherence beyond its limits.
+    """
+    if not 0.0 <= coherence <= 1.0:
+        raise InputError("Coherence must lie between 0 and 1, got {coherence}.", coherence=coherence)
+    for shape, name in zip(shapes, names, strict=True):
+        if not len(shape.faces):
+            raise InputError("'{name}' has no faces, so there is nothing to move. Use a mesh with faces.", name=name)
+    outward = [orient_outward(shape) for shape in shapes]
+    lattice = Lattice.around(outward, effort.cells, _SIGMA)
+    solids = [_filled(lattice.to_cells(shape, index), lattice) for index, shape in enumerate(outward)]
+    rests = [with_short_edges(shape, _LONGEST_EDGE * lattice.spacing) for shape in outward]
+    warped = [
+        WarpedShape((rest.vertices - center - lattice.origin) / lattice.spacing, solid)
+        for rest, center, solid in zip(rests, lattice.centers, solids, strict=True)
+    ]
+    wanted = sorted({(min(pair), max(pair)) for pair in pairs})
+    courses: list[dict[int, Course]] = [{} for _ in shapes]
+    errors = {}
+    for number, (i, j) in enumerate(wanted):
+        begin, end = number / len(wanted), (number + _REGISTERED) / len(wanted)
+        flows = yield from within(registered(solids[i], solids[j], effort.rounds, control), begin, end)
+        yield Progress(end, Sentence("Following the shapes"))
+        courses[i][j] = warped[i].course(flows.first, flows.second, control)
+        courses[j][i] = warped[j].course(flows.second, flows.first, control)
+        errors[i, j] = inverse_error(warped[i].points, courses[i][j], flows, control)
+    for shape, own in zip(warped, courses, strict=True):
+        shape.take(own)
+    motion = WarpMotion(tuple(rests), tuple(warped), lattice, coherence, dict.fromkeys(wanted))
+    for pair in wanted:
+        motion.signals[pair] = _signals(motion, pair, solids, errors[pair], control)
+    return motion
+
+
+def _signals(
+    motion: WarpMotion,
+    pair: tuple[int, int],
+    solids: Sequence[NDArray[np.float64]],
+    error: float,
+    control: Control,
+) -> WarpSignals:
+    """Measure a pair of a motion that is otherwise finished."""
+    i, j = pair
+    weights = [0.5 * (index in pair) for index in range(len(solids))]
+    half_way = [_filled(motion.cells(index, weights)[motion.rests[index].faces], motion.lattice) for index in pair]
+    gradients = [motion.shapes[i].gradients(j), motion.shapes[j].gradients(i)]
+    return WarpSignals(
+        length_before=length_between(solids[i], solids[j], control),
+        length_left=length_between(*half_way, control),
+        volume_change=volume_change(gradients),
+        strain=strain(gradients),
+        inverse_error=error,
+    )
+
+
+def _filled(corners: NDArray[np.float64], lattice: Lattice) -> NDArray[np.float64]:
+    """Return the filled shares of the cells; surfaces that enclose nothing are given a thickness."""
+    filled = occupancy(corners, lattice.shape)
+    if filled.sum() < _LEAST_CELLS:
+        filled = np.maximum(filled, shell_occupancy(corners, lattice.shape, _SHEET))
+    return filled.astype(np.float64)

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two solids drawn towards each other by small elastic steps, until they meet in the middle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.divergence import divergence_free
+from ...geometry.elastic_steps import elastic_step
+from ...geometry.field_extension import extended
+from ...geometry.solid_cells import SolidCells
+from ...geometry.step_flow import StepFlow
+from ...progress import Control, Progress, Work
+from ...sentence import Sentence
+from ...transport import Grid
+from ...transport.meeting import meeting
+
+# What goes down geometrically from the first round to the last, in cells: the blur of the plans, how far mass goes
+# before it fades, and the size of the parts that move together.
+_SIGMAS, _REACHES, _WIDTHS = (2.0, 1.0), (12.0, 6.0), (7.0, 1.5)
+# Springs per width: measured, stiffer ones keep limbs, softer ones fit.
+_STIFFNESS = 0.7
+# Cells of which less is filled do not belong to a solid.
+_LEAST_FILLED = 0.1
+
+
+@dataclass(frozen=True)
+class MeetingFlows:
+    """Maps that take two solids to where they meet.
+
+    Attributes
+    ----------
+    first, second : StepFlow
+        Of each solid, in cells.
+    """
+
+    first: StepFlow
+    second: StepFlow
+
+
+def registered(
+    first: NDArray[np.float64], second: NDArray[np.float64], rounds: int, control: Control
+) -> Work[MeetingFlows]:
+    """Draw two solids towards each other.
+
+    In every round both, as they have been moved so far, get displacements from one unbalanced plan; each is made an
+    elastic step of the solid's cells without divergence, and carried on outside. Blur, reach and stiffness go down.
+
+    Parameters
+    ----------
+    first, second : (nx, ny, nz)
+        Filled shares of the cells of one grid.
+    rounds : int
+        How many, two or more.
+    control : Control
+        Stops the work.
+    """
+    rests = [np.asarray(solid, np.float64) for solid in (first, second)]
+    flows = [StepFlow(rests[0].shape) for _ in rests]
+    solved = None
+    for turn in range(rounds):
+        yield Progress(turn / rounds, Sentence("Drawing the shapes together"))
+        sigma, reach, width = (_annealed(ends, turn / (rounds - 1)) for ends in (_SIGMAS, _REACHES, _WIDTHS))
+        masses = [np.clip(flow.carried(rest), 0.0, 1.0) for flow, rest in zip(flows, rests, strict=True)]
+        met = meeting(*masses, Grid(rests[0].shape, sigma), reach, control, solved)
+        solved = met.solved
+        for flow, mass, aims in zip(flows, masses, met.displacements, strict=True):
+            flow.add(_step(mass, aims, _STIFFNESS * width, control))
+    return MeetingFlows(*flows)
+
+
+def _annealed(ends: tuple[float, float], share: float) -> float:
+    return ends[0] * (ends[1] / ends[0]) ** share
+
+
+def _step(mass: NDArray[np.float64], aims: NDArray[np.float64], width: float, control: Control) -> NDArray[np.float64]:
+    """Make displacements of all cells, (nx, ny, nz, 3), an elastic step of the solid."""
+    solid = SolidCells.of(mass, _LEAST_FILLED)
+    elastic = elastic_step(solid, solid.gathered(aims), solid.filled, width, control)
+    kept = divergence_free(solid, elastic, control)
+    return extended(solid.scattered(kept), np.where(solid.inside, mass, 0.0))
