@@ -94,7 +94,13 @@ def _add_flat(parser: argparse.ArgumentParser) -> None:
 def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=64, help="cells along the longest side (%(default)s)")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
-    parser.set_defaults(run=lambda options: quality.main(options.cells, options.meshes))
+    parser.add_argument("--clean-only", action="store_true", help="only whether the frames of twelve pairs are clean")
+    parser.add_argument("--held-back", action="store_true", help="take the pairs that no parameter was chosen by")
+    parser.set_defaults(
+        run=lambda options: quality.main(
+            options.cells, options.meshes, clean_only=options.clean_only, held_back=options.held_back
+        )
+    )
 
 
 def _add_coherence(parser: argparse.ArgumentParser) -> None:

@@ -7,6 +7,8 @@ from __future__ import annotations
 from pathlib import Path
 from statistics import mean
 
+from .clean_frames import print_clean_frames
+from .coherence_pairs import half
 from .processes import PROJECT, measured
 
 _CASES = "benchmarks.quality_cases"
@@ -61,7 +63,7 @@ bend      largest second difference of the curve, and the frame where it is
 """
 
 
-def main(cells: int, meshes: Path | None) -> None:
+def main(cells: int, meshes: Path | None, *, clean_only: bool = False, held_back: bool = False) -> None:
     """Run all cases and print the tables.
 
     Parameters
@@ -70,7 +72,15 @@ def main(cells: int, meshes: Path | None) -> None:
         Along the longest side.
     meshes : Path or None
         A folder with further meshes; their pairs are added where both files are there.
+    clean_only : bool
+        Print only whether frames are clean.
+    held_back : bool
+        See whether frames are clean on the pairs that are not looked at while parameters are chosen.
     """
+    folder = None if meshes is None else str(meshes.absolute())
+    print_clean_frames(half(meshes, tuned=not held_back), cells, frames=24, meshes=folder)
+    if clean_only:
+        return
     pairs = [*((str(SHAPES / f"{a}.ply"), str(SHAPES / f"{b}.ply")) for a, b in PAIRS), *_further_pairs(meshes)]
     _print_ellipsoids(cells)
     _print_handles(pairs, cells, frames=24)

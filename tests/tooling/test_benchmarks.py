@@ -160,11 +160,11 @@ def test_no_name_means_every_benchmark(monkeypatch):
 
 def test_options_reach_the_benchmarks(monkeypatch, tmp_path):
     started = []
-    monkeypatch.setattr(command_line.quality, "main", lambda *options: started.append(options))
+    monkeypatch.setattr(command_line.quality, "main", lambda *options, **more: started.append((*options, more)))
     monkeypatch.setattr(command_line.peers, "main", lambda *options: started.append(options))
-    command_line.main(["quality", "--cells", "48", "--meshes", str(tmp_path)])
+    command_line.main(["quality", "--cells", "48", "--meshes", str(tmp_path), "--clean-only"])
     command_line.main(["peers", "--resolutions", "32,48", "--side", "64", "--sizes", "500", "--limit", "10"])
-    assert started == [(48, tmp_path), ([32, 48], 64, [500], 10.0)]
+    assert started == [(48, tmp_path, {"clean_only": True, "held_back": False}), ([32, 48], 64, [500], 10.0)]
 
 
 def test_pieces_bubbles_and_handles_are_counted():

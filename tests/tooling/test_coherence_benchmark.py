@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from benchmarks import __main__ as command_line, coherence, coherence_cases, coherence_sheets
+from benchmarks import __main__ as command_line, clean_frames, coherence, coherence_cases, coherence_sheets
 from benchmarks.coherence_cases import Bake, held, motions, passage, read_frames, residual, settings_for
 from benchmarks.coherence_pairs import Ends, pairs_named
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -137,3 +137,21 @@ def test_a_sheet_is_rendered(monkeypatch, tmp_path):
 
 def test_settings_are_those_of_the_product():
     assert settings_for("transport", 100) == MorphSettings(resolution=100)
+
+
+def test_clean_frames_are_told_with_the_worst_of_all(monkeypatch, capsys):
+    figures = {
+        "jumps": 2, "largest": 3.0, "changes": 1, "at_ends": 1.5, "lost_area": 0.06, "detail": 0.4, "angle": 12.0,
+        "crossing": 0.0, "triangles": 9000, "cpu": 1.0, "wall": 2.0,
+    }  # fmt: skip
+    answers = iter([figures, {"error": "no surface"}, {**figures, "jumps": 0, "angle": 25.0}])
+    monkeypatch.setattr(clean_frames, "measured", lambda *case, **options: next(answers))
+    clean_frames.print_clean_frames(pairs_named(["man walks", "man to ogre", "A to B"], None), 32, 8, None)
+    printed = capsys.readouterr().out
+    assert "no surface" in printed
+    lines = {line.split("  ")[0]: line.split()[-1] for line in printed.splitlines()[-8:]}
+    assert (lines["jumps"], lines["angle"], lines["all jumps"]) == ("2", "12.0", "2")
+
+
+def test_the_default_motion_is_that_of_the_settings():
+    assert clean_frames.default_motion() in motions()
