@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.applications.soft_maps.surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
+from convwass_addon.applications.soft_maps.surface_maps import CoarseRows, PointMap, SurfaceMap, VertexInterpolation
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.sentence import Sentence
 
@@ -48,11 +48,11 @@ def single_rows(source, target):
         np.arange(count + 1),
         np.array(nearest, np.int32),
         values.astype(np.float32),
-        own_blend(count),
-        own_blend(len(target.vertices)),
+        own_interpolation(count),
+        own_interpolation(len(target.vertices)),
     )
 
 
-def own_blend(count):
+def own_interpolation(count):
     columns = np.stack([np.arange(count)] * 3, axis=1).astype(np.int32)
-    return Blend(columns, np.tile(np.array([1.0, 0.0, 0.0], np.float32), (count, 1)))
+    return VertexInterpolation(columns, np.tile(np.array([1.0, 0.0, 0.0], np.float32), (count, 1)))

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closest points of a surface that face the way they should: not on the far side of an ear or a wing."""
+"""Closest points of a surface that face the way they should: not on the far side of an ear or a wing.
+
+`FacingPointFinder` takes the closest point of all where that faces the right way. `OrientedSamples` weighs distance
+against direction everywhere and measures one triangle per point only, for iterations that ask again and again.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
-from .normals import triangle_normals
+from .normals import triangle_normals, vertex_normals
 
 # Points whose triangle faces away by more than this cosine are looked up again.
 _AWAY = 0.2
@@ -88,3 +92,33 @@ class FacingPointFinder:
         best = np.arange(len(again)) * candidates.shape[1] + costs.argmin(axis=1)
         found.triangles[again], found.shares[again] = flat[best], own.shares[best]
         found.distances[again] = own.distances[best]
+
+
+class OrientedSamples:
+    """Finds points of one surface that are nearly the closest in position and direction together.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        At least one triangle, finite coordinates.
+    turn : float
+        The distance that a normal turned by a right angle counts like, times the root of two.
+    """
+
+    # The center of a triangle and the middles of the ways from there to its corners.
+    _SHARES = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0
+
+    def __init__(self, mesh: TriangleMesh, turn: float) -> None:
+        self._corners, self._turn = mesh.corners, turn
+        normals = vertex_normals(mesh.vertices, mesh.faces)
+        smooth = np.einsum("sc,mcd->msd", self._SHARES, normals[mesh.faces]) + triangle_normals(mesh.corners)[:, None]
+        smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), np.finfo(float).tiny)
+        samples = np.einsum("sc,mcd->msd", self._SHARES, mesh.corners)
+        self._tree = cKDTree(np.concatenate([samples, turn * smooth], axis=2).reshape(-1, 6))
+
+    def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> ClosestPoints:
+        """Find one for each of `points`, (n, 3), with unit normals, (n, 3): the closest in the triangle found."""
+        nearest = self._tree.query(np.concatenate([points, self._turn * normals], axis=1))[1]
+        triangles = nearest // len(self._SHARES)
+        found = closest_in_triangles(self._corners[triangles], points)
+        return ClosestPoints(triangles, found.shares, found.distances)

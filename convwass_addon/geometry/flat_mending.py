@@ -16,7 +16,7 @@ from scipy.ndimage import binary_dilation, label, minimum
 from .bumps import Bump
 from .contours import LevelOutline, outline_enclosing
 from .gaps import densest_gaps
-from .handles import RAISED
+from .handle_removal import RAISED
 
 # Regions of a smaller share of the area are crumbs; those of less than the other are strays where no narrow gap leads
 # to them, and are dropped as well.

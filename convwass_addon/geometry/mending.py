@@ -18,7 +18,7 @@ from scipy.ndimage import binary_dilation
 from .bumps import Bump
 from .connectivity import Connectivity
 from .gaps import densest_gaps
-from .handles import RAISED, remove_handles
+from .handle_removal import RAISED, remove_handles
 from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
 

@@ -4,9 +4,17 @@
 
 from __future__ import annotations
 
+import ctypes
+import re
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import blas
+from scipy.linalg import blas, cython_blas
+
+# The signature of BLAS's dgemm and sgemm as SciPy declares them for others to call, with its own name for the numbers.
+_SIGNATURE = rb"void \(char \*, char \*, int \*, int \*, int \*, N, N, int \*, N, int \*, N, N, int \*\)"
+_NUMBER = rb"__pyx_t_\w+_[ds] \*"
 
 
 def product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -26,3 +34,110 @@ def product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np
     """
     # The transposed product of transposed arrays, for which nothing in C order is copied.
     return blas.dgemm(1.0, np.ascontiguousarray(right).T, np.ascontiguousarray(left).T).T
+
+
+def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    """Contract the last axis of an array with a matrix and put it first, so that the next axis comes last.
+
+    BLAS writes the turned order at no cost, and other threads work meanwhile.
+
+    Parameters
+    ----------
+    source : (lines * size,) float64
+        Contiguous: lines of `size` values.
+    target : (new size * lines,) float64
+        Contiguous; overwritten: for each of the new values those of all lines.
+    kernel : (size, new size) float64
+        In Fortran order.
+    """
+    size, new_size = kernel.shape
+    lines = source.size // size
+    if _dgemm is None:
+        _by_wrapper(source, target, kernel)
+    else:
+        # target^T = source^T kernel, all in BLAS's order of columns.
+        _dgemm(
+            b"T",
+            b"N",
+            *(ctypes.byref(ctypes.c_int(number)) for number in (lines, new_size, size)),
+            ctypes.byref(ctypes.c_double(1.0)),
+            source.ctypes.data,
+            ctypes.byref(ctypes.c_int(size)),
+            kernel.ctypes.data,
+            ctypes.byref(ctypes.c_int(size)),
+            ctypes.byref(ctypes.c_double(0.0)),
+            target.ctypes.data,
+            ctypes.byref(ctypes.c_int(lines)),
+        )
+
+
+def _by_wrapper(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    """Do the same by SciPy's wrapper for Python, which holds the interpreter's lock meanwhile."""
+    size, new_size = kernel.shape
+    lines = source.reshape(-1, size)
+    blas.dgemm(1.0, lines.T, kernel, trans_a=1, c=target.reshape(new_size, -1).T, overwrite_c=1)
+
+
+def multiply(rows: NDArray[np.float32], matrix: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+    """Write `rows @ matrix` to `out` in single precision, while other threads work.
+
+    Parameters
+    ----------
+    rows : (k, n) float32
+        C-contiguous.
+    matrix : (n, m) float32
+        C-contiguous.
+    out : (k, m) float32
+        C-contiguous; overwritten.
+
+    Raises
+    ------
+    ValueError
+        Arrays of another kind, order or size: C would read past their ends, or a transposed matrix.
+    """
+    count, size = rows.shape
+    new_size = matrix.shape[1]
+    if matrix.shape != (size, new_size) or out.shape != (count, new_size):
+        raise ValueError(f"{rows.shape} times {matrix.shape} does not give {out.shape}")
+    if any(array.dtype != np.float32 or not array.flags.c_contiguous for array in (rows, matrix, out)):
+        raise ValueError("rows, matrix and out must be float32 in C order")
+    if _sgemm is None:
+        blas.sgemm(1.0, matrix.T, rows.T, c=out.T, overwrite_c=1)
+        return
+    # out^T = matrix^T rows^T, all in BLAS's order of columns.
+    _sgemm(
+        b"N",
+        b"N",
+        *(ctypes.byref(ctypes.c_int(number)) for number in (new_size, count, size)),
+        ctypes.byref(ctypes.c_float(1.0)),
+        matrix.ctypes.data,
+        ctypes.byref(ctypes.c_int(new_size)),
+        rows.ctypes.data,
+        ctypes.byref(ctypes.c_int(size)),
+        ctypes.byref(ctypes.c_float(0.0)),
+        out.ctypes.data,
+        ctypes.byref(ctypes.c_int(new_size)),
+    )
+
+
+def _address_of(routine: str) -> Callable[..., None] | None:
+    """Return dgemm or sgemm as a function of C; None where SciPy declares another signature than is known here.
+
+    Calls through ctypes release the interpreter's lock, without which threads would wait for each other's products.
+    """
+    capsule = getattr(cython_blas, "__pyx_capi__", {}).get(routine)
+    if capsule is None:
+        return None
+    name_of = ctypes.pythonapi.PyCapsule_GetName
+    name_of.restype, name_of.argtypes = ctypes.c_char_p, [ctypes.py_object]
+    name = name_of(capsule)
+    if re.fullmatch(_SIGNATURE, re.sub(_NUMBER, b"N", name)) is None:
+        return None
+    pointer_of = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer_of.restype, pointer_of.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    kinds = [ctypes.c_char_p] * 2 + [ctypes.c_void_p] * 11
+    return ctypes.CFUNCTYPE(None, *kinds)(pointer_of(capsule, name))
+
+
+_dgemm = _address_of("dgemm")
+_sgemm = _address_of("sgemm")

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from .closest_points import ClosestPoints, closest_in_triangles
+from .closest_points import ClosestPoints
 from .elastic_surface import ElasticSurface
+from .facing_points import OrientedSamples
 from .normals import triangle_normals, vertex_normals
 from .unit_shape import UnitShape
 
@@ -103,7 +104,9 @@ class Registration:
         self._confidence = np.ones(len(start)) if confidence is None else confidence.astype(np.float64)
         self._pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
         self._shape = ElasticSurface(source)
-        self._finder = FacingPoints(target)
+        self._samples = OrientedSamples(target.mesh, _TURN)
+        self._facing = triangle_normals(target.mesh.corners)
+        self._target_normals = vertex_normals(target.vertices, target.mesh.faces)
 
     def advance(self, stage: Stage) -> None:
         """Go a part of the way."""
@@ -127,11 +130,12 @@ class Registration:
     def _closest(self, closeness: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return weights, (n,), and weighted positions, (n, 3), of the closest points here and there."""
         normals = vertex_normals(self.points, self._source.mesh.faces)
-        found = self._finder.find(self.points, normals)
-        weights = closeness * self._source.areas * np.maximum(found.agreement, 0.0)
-        pulls = weights[:, None] * found.positions
+        found = self._samples.find(self.points, normals)
+        agreement = np.einsum("nd,nd->n", self._facing[found.triangles], normals)
+        weights = closeness * self._source.areas * np.maximum(agreement, 0.0)
+        pulls = weights[:, None] * found.interpolated(self._target.mesh.corners)
         nearest = self._nearest(normals)
-        agreement = np.einsum("nd,nd->n", normals[nearest], self._finder.normals)
+        agreement = np.einsum("nd,nd->n", normals[nearest], self._target_normals)
         back = closeness * self._target.areas * np.maximum(agreement, 0.0)
         weights += np.bincount(nearest, back, len(weights))
         for axis, column in enumerate(self._target.vertices.T):
@@ -141,76 +145,19 @@ class Registration:
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the source's vertex nearest to each of the target's."""
         tree = cKDTree(np.concatenate([self.points, _TURN * normals], axis=1))
-        return tree.query(self._finder.vertices_and_normals)[1]
+        return tree.query(np.concatenate([self._target.vertices, _TURN * self._target_normals], axis=1))[1]
 
     def images(self) -> ClosestPoints:
         """Return the points of the target where the source's vertices have come to lie."""
-        normals = vertex_normals(self.points, self._source.mesh.faces)
-        found = self._finder.find(self.points, normals)
-        return ClosestPoints(found.triangles, found.shares, found.distances)
+        return self._samples.find(self.points, vertex_normals(self.points, self._source.mesh.faces))
 
     def energy(self) -> float:
         """Return what is left to be desired: strain, distances to the closest points both ways, and pairs missed."""
         normals = vertex_normals(self.points, self._source.mesh.faces)
-        found = self._finder.find(self.points, normals)
+        found = self._samples.find(self.points, normals)
         nearest = self._nearest(normals)
         there = np.square(self.points[nearest] - self._target.vertices).sum(axis=1)
         here, partners = self._pairs.T
         missed = np.square(self.points[here] - self._target.vertices[partners]).sum()
         apart = self._source.areas @ np.square(found.distances) + self._target.areas @ there
         return self._shape.strain(self.points, _JUDGED_WIDTH) + _JUDGED_CLOSENESS * apart + _PAIR_WEIGHT * missed
-
-
-@dataclass(frozen=True)
-class FacingPoint:
-    """Points of a surface.
-
-    Attributes
-    ----------
-    triangles : (n,) int64
-    shares : (n, 3) float64
-        Barycentric coordinates.
-    distances : (n,) float64
-        From the points that were asked for.
-    positions : (n, 3) float64
-    agreement : (n,) float64
-        Cosine between the normals there and those that were asked for.
-    """
-
-    triangles: NDArray[np.int64]
-    shares: NDArray[np.float64]
-    distances: NDArray[np.float64]
-    positions: NDArray[np.float64]
-    agreement: NDArray[np.float64]
-
-
-class FacingPoints:
-    """Finds points of a surface that are close and face the same way, fast rather than to the last digit.
-
-    Parameters
-    ----------
-    shape : UnitShape
-        Of unit area.
-    """
-
-    def __init__(self, shape: UnitShape) -> None:
-        self._corners = shape.mesh.corners
-        self._normals = triangle_normals(self._corners)
-        self.normals = vertex_normals(shape.vertices, shape.mesh.faces)
-        # The center of a triangle and the middles of the ways from there to its corners.
-        shares = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0
-        smooth = np.einsum("sc,mcd->msd", shares, self.normals[shape.mesh.faces]) + self._normals[:, None]
-        smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), np.finfo(float).tiny)
-        samples = np.einsum("sc,mcd->msd", shares, self._corners)
-        self._tree = cKDTree(np.concatenate([samples, _TURN * smooth], axis=2).reshape(-1, 6))
-        self._samples = len(shares)
-        self.vertices_and_normals = np.concatenate([shape.vertices, _TURN * self.normals], axis=1)
-
-    def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> FacingPoint:
-        """Find one for each of `points`, (n, 3), with unit normals."""
-        nearest = self._tree.query(np.concatenate([points, _TURN * normals], axis=1))[1]
-        triangles = nearest // self._samples
-        found = closest_in_triangles(self._corners[triangles], points)
-        positions = np.einsum("nc,ncd->nd", found.shares, self._corners[triangles])
-        agreement = np.einsum("nd,nd->n", self._normals[triangles], normals)
-        return FacingPoint(triangles, found.shares, found.distances, positions, agreement)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .products import product
 from .spectrum import Spectrum
@@ -53,38 +53,6 @@ def wave_kernel_signature(spectrum: Spectrum, energies: int = 100) -> NDArray[np
         exponents = -np.square(grid[:, None] - logs) / (2.0 * width**2)
         bands = np.exp(exponents - exponents.max(axis=1, keepdims=True))
     return product(squares, (bands / bands.sum(axis=1, keepdims=True)).T)
-
-
-def heat_kernel_signature(spectrum: Spectrum, times: int | ArrayLike = 100) -> NDArray[np.float64]:
-    """Return how much of the heat put on a vertex is still there at several times, (n, times).
-
-    Column t is sum_k exp(-lambda_k t) f_k^2, of unit area; the total over the surface is the heat trace. J. Sun,
-    M. Ovsjanikov and L. Guibas, "A Concise and Provably Informative Multi-Scale Signature Based on Heat Diffusion",
-    Computer Graphics Forum 28(5), 2009.
-
-    Parameters
-    ----------
-    spectrum : Spectrum
-        Of the surface.
-    times : int or (t,) floats
-        Times on the surface of unit area; or how many of them, in even logarithmic steps from 4 ln 10 / lambda_last to
-        4 ln 10 / lambda_first.
-
-    Raises
-    ------
-    ValueError
-        Times that are not positive, or no eigenvalue that is not zero to take them from.
-    """
-    if np.ndim(times) == 0:
-        values, _ = _vibrations(spectrum)
-        if not len(values):
-            raise ValueError("at least one eigenvalue that is not zero is needed")
-        moments = np.geomspace(4.0 * np.log(10.0) / values[-1], 4.0 * np.log(10.0) / values[0], int(times))
-    else:
-        moments = np.asarray(times, dtype=np.float64)
-        if not (moments > 0).all():
-            raise ValueError("times must be positive")
-    return product(np.square(spectrum.functions), np.exp(-spectrum.eigenvalues[:, None] * moments))
 
 
 def _vibrations(spectrum: Spectrum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .matrix_product import multiply
+from ..geometry.products import multiply
 from .surface import Surface
 
 # Entries of the kernel below this share of the largest are nothing: they would only end in the subnormal numbers of

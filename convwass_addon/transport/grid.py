@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
+from ..geometry.products import contract
 from .gaussian import GaussianKernel
 from .log_lines import log_blur
 from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
-from .matrix_product import contract
 from .region import Region, ThroughWholeArrays
 
 # A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.

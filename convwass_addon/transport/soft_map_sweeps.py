@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.products import multiply
 from .graph import PropagationGraph
-from .matrix_product import multiply
 
 # Densities below this are nothing: a shorter tail would end in the subnormal numbers of float32, which are many times
 # slower. Scalings and messages between their bounds leave products with the smallest entries of a kernel above them.

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
-from .matrix_product import contract
 
 # Azimuths over which the blur along meridians is averaged.
 _AZIMUTHS = 512

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
-from .matrix_product import contract
 
 # Offsets in longitude that share a matrix product, whose result is then added once.
 _OFFSETS = 8

@@ -21,7 +21,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
-from convwass_addon.applications.morphs.potentials import PartPotentials
+from convwass_addon.applications.morphs.part_potentials import PartPotentials
 from convwass_addon.applications.morphs.runs import RUN_LENGTH, runs_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.array_files import array_bytes

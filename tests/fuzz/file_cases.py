@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
-from convwass_addon.applications.morphs.potentials import PartPotentials
+from convwass_addon.applications.morphs.part_potentials import PartPotentials
 from convwass_addon.applications.palettes.lookup_table import LookupTable, read_cube, write_cube
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx

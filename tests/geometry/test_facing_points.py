@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.geometry.facing_points import FacingPointFinder
+from convwass_addon.geometry.facing_points import FacingPointFinder, OrientedSamples
 from tests.applications.maps import subdivided
 from tests.shapes import box
 
@@ -32,3 +32,13 @@ def test_the_side_of_a_wing_that_faces_as_it_should_is_found():
 
 def test_without_a_word_on_where_it_faces_the_closest_is_found():
     np.testing.assert_allclose(heights(np.zeros(3))[:, 2], [0.01, -0.01, 0.01])
+
+
+def test_oriented_samples_lie_on_the_side_that_faces_the_same_way():
+    thin = box((1.0, 1.0, 0.01))
+    top = thin.vertices[:, 2].max()
+    above = np.tile([[0.1, 0.05, top + 0.01]], (2, 1))
+    found = OrientedSamples(thin, 0.2).find(above, np.array([[0.0, 0, 1], [0, 0, -1]]))
+    np.testing.assert_allclose(found.interpolated(thin.corners)[:, 2], [top, -top], atol=1e-9)
+    np.testing.assert_allclose(found.distances, [0.01, 0.01 + 2 * top], atol=1e-9)
+    np.testing.assert_allclose(found.shares.sum(axis=1), 1.0)

@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter
 
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.connectivity import Connectivity
-from convwass_addon.geometry.handles import remove_handles
+from convwass_addon.geometry.handle_removal import remove_handles
 from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
 from convwass_addon.geometry.level_topology import euler_number, hollows_below, pieces_above
 from convwass_addon.geometry.mending import mended_surface

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import vertex_normals
-from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, FacingPoints, Registration, Stage
+from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, Registration, Stage
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet
 from tests.shapes import ball, box
@@ -110,17 +110,6 @@ def test_flat_and_tiny_surfaces_give_numbers(shape):
     found = advanced(Registration(UnitShape.of(shape), target, np.array([[0, 0]]), UnitShape.of(shape).vertices))
     assert np.isfinite(found.points).all()
     assert np.isfinite(found.energy())
-
-
-def test_points_are_found_on_the_side_that_faces_the_same_way():
-    thin = UnitShape.of(box((1.0, 1.0, 0.01)))
-    finder = FacingPoints(thin)
-    top = thin.vertices[:, 2].max()
-    above = np.tile([[0.1, 0.05, top + 0.01]], (2, 1))
-    found = finder.find(above, np.array([[0.0, 0, 1], [0, 0, -1]]))
-    np.testing.assert_allclose(found.positions[:, 2], [top, -top], atol=1e-9)
-    np.testing.assert_allclose(found.agreement, 1.0, atol=1e-9)
-    np.testing.assert_allclose(found.shares.sum(axis=1), 1.0)
 
 
 def test_unit_shapes_have_unit_area_and_can_be_mirrored():

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.laplacian import laplacian
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.signatures import heat_kernel_signature, wave_kernel_signature
+from convwass_addon.geometry.signatures import wave_kernel_signature
 from convwass_addon.geometry.spectrum import Spectrum, spectrum
 from tests.grids import figure, sheet
 from tests.shapes import ball, torus
@@ -23,26 +23,6 @@ def test_the_wave_kernel_of_a_sphere_is_one():
     # Within a degree the squares of the harmonics have an even sum (the addition theorem), and weights sum to one.
     found = wave_kernel_signature(spectrum(laplacian(ball(points=2500)), _SHELLS))
     np.testing.assert_allclose(found, 1.0, atol=0.06)
-
-
-def test_the_heat_kernel_of_a_sphere_is_its_trace():
-    times = np.array([0.01, 0.03, 0.1])
-    degrees = np.arange(30)
-    exponents = -4.0 * np.pi * degrees * (degrees + 1) * times[:, None]
-    found = heat_kernel_signature(spectrum(laplacian(ball(points=2500)), 100), times)
-    expected = ((2 * degrees + 1) * np.exp(exponents)).sum(axis=1)
-    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=0.03)
-
-
-def test_the_heat_kernel_of_a_square_is_a_product_of_cosines():
-    mesh = sheet(41, 41)
-    time = 0.02
-    k = np.arange(1, 40)
-    theta = 1.0 + 2.0 * np.cos(np.pi * k * mesh.vertices[:, :2, None]) ** 2 @ np.exp(-(np.pi**2) * k**2 * time)
-    found = heat_kernel_signature(spectrum(laplacian(mesh), 60), [time])[:, 0]
-    np.testing.assert_allclose(found, theta.prod(axis=1), rtol=0.02)
-    # Corners hold four times what the middle does, as heat is thrown back twice.
-    assert found[0] / found[20 * 41 + 20] == pytest.approx(4.0, rel=0.05)
 
 
 def test_the_wave_kernel_of_single_levels_is_the_square_of_their_functions():
@@ -61,29 +41,19 @@ def test_the_mean_of_wave_kernels_is_one(shape):
     np.testing.assert_allclose(modes.areas @ found, 1.0, rtol=1e-9)
 
 
-def test_the_mean_of_heat_kernels_is_the_trace():
-    modes = spectrum(laplacian(torus(segments=(24, 16))), 40)
-    found = heat_kernel_signature(modes, 12)
-    last, first = modes.eigenvalues[-1], modes.eigenvalues[1]
-    times = 4 * np.log(10) * np.geomspace(1 / last, 1 / first, 12)
-    np.testing.assert_allclose(modes.areas @ found, np.exp(-np.outer(times, modes.eigenvalues)).sum(axis=1), rtol=1e-9)
-
-
-@pytest.mark.parametrize("signature", [wave_kernel_signature, heat_kernel_signature])
-def test_signatures_stay_with_moved_scaled_and_reordered_vertices(signature):
+def test_signatures_stay_with_moved_scaled_and_reordered_vertices():
     mesh, _ = figure()
     draw = np.random.default_rng(3)
     order = draw.permutation(len(mesh.vertices))
     moved = 7.0 * Rotation.random(rng=draw).apply(mesh.vertices)[order] + 2.0
     other = TriangleMesh(moved, np.argsort(order)[mesh.faces])
-    first, second = (signature(spectrum(laplacian(shape), 40), 20) for shape in (mesh, other))
+    first, second = (wave_kernel_signature(spectrum(laplacian(shape), 40), 20) for shape in (mesh, other))
     np.testing.assert_allclose(second, first[order], rtol=1e-5, atol=1e-7)
 
 
-@pytest.mark.parametrize("signature", [wave_kernel_signature, heat_kernel_signature])
-def test_left_and_right_of_a_symmetric_figure_look_the_same(signature):
+def test_left_and_right_of_a_symmetric_figure_look_the_same():
     mesh, mirror = figure()
-    found = signature(spectrum(laplacian(mesh), 40), 20)
+    found = wave_kernel_signature(spectrum(laplacian(mesh), 40), 20)
     np.testing.assert_allclose(found[mirror], found, rtol=1e-4, atol=1e-6)
     spread = found.std(axis=0) / found.mean(axis=0)
     assert spread.max() > 0.15, "it tells other points apart"
@@ -94,7 +64,6 @@ def test_loose_vertices_have_no_signature():
     loose = TriangleMesh(np.concatenate([mesh.vertices, [[5.0, 5, 5]]]), mesh.faces)
     modes = spectrum(laplacian(loose), 20)
     assert not wave_kernel_signature(modes)[-1].any()
-    assert not heat_kernel_signature(modes)[-1].any()
 
 
 def test_nonsense_is_refused():
@@ -103,7 +72,3 @@ def test_nonsense_is_refused():
         wave_kernel_signature(modes, 1)
     with pytest.raises(ValueError, match="not zero"):
         wave_kernel_signature(modes.first(2))
-    with pytest.raises(ValueError, match="positive"):
-        heat_kernel_signature(modes, [0.0, 1.0])
-    with pytest.raises(ValueError, match="not zero"):
-        heat_kernel_signature(modes.first(1))

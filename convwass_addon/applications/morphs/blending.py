@@ -18,7 +18,7 @@ from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
 from .origins import blend_origins, part_transports
-from .potentials import PartPotentials
+from .part_potentials import PartPotentials
 from .reading import own_surface, read_surface
 from .spare_threads import at_once
 from .thin_shapes import thin_parts, wall_share

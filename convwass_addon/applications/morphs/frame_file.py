@@ -23,7 +23,7 @@ from ...array_files import ArrayReader, array_bytes
 from ...drafts import draft_of
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from .potentials import PartPotentials
+from .part_potentials import PartPotentials
 
 # Far above any surface of the finest grid; what is larger is no frame, and is not even read.
 _MOST_BYTES = 2 << 30

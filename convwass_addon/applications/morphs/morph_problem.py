@@ -14,8 +14,8 @@ from ...geometry.connectivity import Connectivity
 from ...geometry.mesh import TriangleMesh
 from .layouts import Blend
 from .morph_settings import MorphSettings
+from .part_potentials import PartPotentials
 from .parts import SplitShapes
-from .potentials import PartPotentials
 from .reading import connectivity_of
 from .transport_problem import TransportProblem
 from .volumes import Lattice

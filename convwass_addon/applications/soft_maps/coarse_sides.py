@@ -17,7 +17,7 @@ from ...geometry.edges import distinct_corners
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals
 from .map_sides import MapSide
-from .surface_maps import Blend
+from .surface_maps import VertexInterpolation
 
 # A mesh with up to so many times the wanted vertices is taken as it is: a coarser one would be worse for little.
 _NEAR_ENOUGH = 1.3
@@ -37,7 +37,7 @@ class CoarseSide:
         The coarser mesh with the groups of the finer one. All its vertices are used.
     vertices : (c,) int64
         The vertices of the finer mesh that they are.
-    blend : Blend
+    interpolation : VertexInterpolation
         The finer mesh's vertices as means of them.
     masses : (c,) float64
         The share of the finer mesh's area that each stands for, of sum 1.
@@ -49,7 +49,7 @@ class CoarseSide:
 
     side: MapSide
     vertices: NDArray[np.int64]
-    blend: Blend
+    interpolation: VertexInterpolation
     masses: NDArray[np.float64]
     centers: NDArray[np.float64]
     normals: NDArray[np.float64]
@@ -84,7 +84,7 @@ def coarse_side(
     for wanted in (count, 2 * count, 4 * count):
         found = coarsened(mesh, areas, min(wanted, int(_LARGEST_SHARE * len(used))), kept, check)
         if found is not None and len(found.seeds) <= _MOST_VERTICES:
-            return _of(side, found.mesh, found.seeds, _blend(found.prolongation), areas)
+            return _of(side, found.mesh, found.seeds, _interpolation(found.prolongation), areas)
         if wanted > len(used):
             break
     if len(used) <= _MOST_VERTICES:
@@ -106,14 +106,22 @@ def _as_it_is(side: MapSide, used: NDArray[np.int64], areas: NDArray[np.float64]
     columns[:, 0] = place
     faces = side.mesh.faces[distinct_corners(side.mesh.faces)]
     mesh = TriangleMesh(side.mesh.vertices[used], place[faces].astype(np.int64))
-    return _of(side, mesh, used, Blend(columns, shares), areas)
+    return _of(side, mesh, used, VertexInterpolation(columns, shares), areas)
 
 
 def _of(
-    side: MapSide, mesh: TriangleMesh, vertices: NDArray[np.int64], blend: Blend, areas: NDArray[np.float64]
+    side: MapSide,
+    mesh: TriangleMesh,
+    vertices: NDArray[np.int64],
+    interpolation: VertexInterpolation,
+    areas: NDArray[np.float64],
 ) -> CoarseSide:
     entries = csr_array(
-        (blend.shares.ravel().astype(float), blend.columns.ravel(), np.arange(0, blend.shares.size + 1, 3)),
+        (
+            interpolation.shares.ravel().astype(float),
+            interpolation.columns.ravel(),
+            np.arange(0, interpolation.shares.size + 1, 3),
+        ),
         shape=(len(areas), len(vertices)),
     )
     gather = entries.T.tocsr()
@@ -126,10 +134,12 @@ def _of(
         name: np.where(masses > 0, gather @ (areas * weights) / safe[:, 0], weights[vertices])
         for name, weights in side.groups.items()
     }
-    return CoarseSide(MapSide(mesh, side.name, groups), vertices, blend, masses / masses.sum(), centers, normals)
+    return CoarseSide(
+        MapSide(mesh, side.name, groups), vertices, interpolation, masses / masses.sum(), centers, normals
+    )
 
 
-def _blend(prolongation: csr_array) -> Blend:
+def _interpolation(prolongation: csr_array) -> VertexInterpolation:
     """Write a matrix of up to three entries a row as two arrays."""
     counts = np.diff(prolongation.indptr)
     rows = np.repeat(np.arange(len(counts)), counts)
@@ -137,4 +147,4 @@ def _blend(prolongation: csr_array) -> Blend:
     columns, shares = np.zeros((len(counts), 3), np.int32), np.zeros((len(counts), 3), np.float32)
     columns[rows, places] = prolongation.indices
     shares[rows, places] = prolongation.data
-    return Blend(columns, shares)
+    return VertexInterpolation(columns, shares)

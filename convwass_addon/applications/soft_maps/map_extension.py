@@ -19,7 +19,7 @@ from .coarse_sides import CoarseSide
 from .map_pieces import PieceMatch, faces_of
 from .map_sides import MapSide
 from .settled_maps import settled
-from .surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
+from .surface_maps import CoarseRows, PointMap, SurfaceMap, VertexInterpolation
 
 # Densities below this share of a row's largest are left out of what is kept.
 _NEXT_TO_NOTHING = 1e-3
@@ -52,7 +52,9 @@ class Parts:
         self._rows: list[csr_array] = []
         sizes = [len(side.mesh.vertices) for side in (source, target)]
         self._points = [_no_points(size) for size in sizes]
-        self._blends = [Blend(np.zeros((size, 3), np.int32), np.zeros((size, 3), np.float32)) for size in sizes]
+        self._interpolations = [
+            VertexInterpolation(np.zeros((size, 3), np.int32), np.zeros((size, 3), np.float32)) for size in sizes
+        ]
         self._counts = [0, 0]
 
     @property
@@ -106,8 +108,8 @@ class Parts:
             )
             check()
             _place(self._points[way], found, vertices)
-            self._blends[way].columns[vertices] = own.blend.columns + self._counts[way]
-            self._blends[way].shares[vertices] = own.blend.shares
+            self._interpolations[way].columns[vertices] = own.interpolation.columns + self._counts[way]
+            self._interpolations[way].shares[vertices] = own.interpolation.shares
         self._judge(0, match.source, source, target)
         check()
         self._judge(1, match.target, target, source)
@@ -148,7 +150,10 @@ class Parts:
         forward, backward = self._points
         rows = _blocks(self._rows)
         coarse = CoarseRows(
-            rows.indptr.astype(np.int64), rows.indices.astype(np.int32), rows.data.astype(np.float32), *self._blends
+            rows.indptr.astype(np.int64),
+            rows.indices.astype(np.int32),
+            rows.data.astype(np.float32),
+            *self._interpolations,
         )
         for side, points in ((self.source, forward), (self.target, backward)):
             self.notices.extend(_doubts(side, points))
@@ -229,13 +234,13 @@ def _extended(
     part = replace(whole.mesh, faces=whole.mesh.faces[faces])
     check()
     finder = FacingPointFinder(part)
-    found = finder.find(own.blend.applied(images), own.blend.applied(normals), check)
+    found = finder.find(own.interpolation.applied(images), own.interpolation.applied(normals), check)
     return PointMap(
         faces[found.triangles].astype(np.int32),
         found.shares.astype(np.float32),
-        own.blend.applied(spread).astype(np.float32),
-        own.blend.applied(entropy).astype(np.float32),
-        np.zeros(len(own.blend.columns), np.float32),
+        own.interpolation.applied(spread).astype(np.float32),
+        own.interpolation.applied(entropy).astype(np.float32),
+        np.zeros(len(own.interpolation.columns), np.float32),
     )
 
 

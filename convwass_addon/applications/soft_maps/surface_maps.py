@@ -65,7 +65,7 @@ class PointMap:
 
 
 @dataclass(frozen=True)
-class Blend:
+class VertexInterpolation:
     """Every vertex of a mesh as a mean of up to three vertices of a coarser one.
 
     Attributes
@@ -96,17 +96,17 @@ class CoarseRows:
         Coarse target vertices.
     values : (e,) float32
         Densities there, so that a row taken to all target vertices has mass 1 with respect to their shares of the area.
-    source : Blend
+    source : VertexInterpolation
         Source vertices as means of coarse ones.
-    target : Blend
+    target : VertexInterpolation
         Target vertices as means of coarse ones.
     """
 
     starts: NDArray[np.int64]
     columns: NDArray[np.int32]
     values: NDArray[np.float32]
-    source: Blend
-    target: Blend
+    source: VertexInterpolation
+    target: VertexInterpolation
 
     def row(self, coarse_vertex: int, count: int) -> NDArray[np.float64]:
         """Return the row of a coarse source vertex, (count,)."""
@@ -160,7 +160,7 @@ def distribution_of(found: SurfaceMap, source_vertex: int) -> NDArray[np.float64
     rows = found.coarse
     count = int(rows.target.columns.max(initial=0)) + 1
     count = max(count, int(rows.columns.max(initial=0)) + 1)
-    blend = rows.source
-    parts = zip(blend.columns[source_vertex], blend.shares[source_vertex], strict=True)
+    coarse = rows.source
+    parts = zip(coarse.columns[source_vertex], coarse.shares[source_vertex], strict=True)
     row = sum((float(share) * rows.row(int(vertex), count) for vertex, share in parts if share > 0), np.zeros(count))
     return rows.target.applied(row)

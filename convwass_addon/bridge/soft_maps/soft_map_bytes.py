@@ -16,7 +16,7 @@ from io import BytesIO
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.soft_maps.surface_maps import Blend, CoarseRows, PointMap, SurfaceMap
+from ...applications.soft_maps.surface_maps import CoarseRows, PointMap, SurfaceMap, VertexInterpolation
 from ...array_files import ArrayReader, array_bytes
 from ...sentence import Sentence
 from .first_schema import first_schema, is_first_schema
@@ -33,13 +33,13 @@ _KEPT_BITS = np.uint32(0xFFFFF800)
 
 _WHOLE, _SHARES, _FLOATS = np.dtype("<i4"), np.dtype("<u2"), np.dtype("<f4")
 _POINT_MAP = {"faces": _WHOLE, "barycentric": _SHARES, "spread": _FLOATS, "entropy": _FLOATS, "confidence": _FLOATS}
-_BLEND = {"columns": _WHOLE, "shares": _SHARES}
+_INTERPOLATION = {"columns": _WHOLE, "shares": _SHARES}
 _KINDS = {
     **{f"{side}.{name}": kind for side in ("forward", "backward") for name, kind in _POINT_MAP.items()},
     "rows.starts": _WHOLE,
     "rows.columns": _WHOLE,
     "rows.values": _FLOATS,
-    **{f"{side}.{name}": kind for side in ("source", "target") for name, kind in _BLEND.items()},
+    **{f"{side}.{name}": kind for side in ("source", "target") for name, kind in _INTERPOLATION.items()},
     "source.triangles": _WHOLE,
     "target.triangles": _WHOLE,
 }
@@ -145,7 +145,9 @@ def _arrays_of(stored: StoredSoftMap) -> dict[str, NDArray]:
     }
     rows = found.coarse
     arrays |= {"rows.starts": rows.starts, "rows.columns": rows.columns, "rows.values": rows.values}
-    arrays |= {f"{side}.{name}": getattr(getattr(rows, side), name) for side in ("source", "target") for name in _BLEND}
+    arrays |= {
+        f"{side}.{name}": getattr(getattr(rows, side), name) for side in ("source", "target") for name in _INTERPOLATION
+    }
     arrays |= {"source.triangles": stored.source.triangles, "target.triangles": stored.target.triangles}
     return {name: np.asarray(arrays[name]) for name in _KINDS}
 
@@ -154,7 +156,7 @@ def _map_of(header: dict[str, object], arrays: dict[str, NDArray]) -> StoredSoft
     def of(kind: type, place: str, names: Mapping[str, np.dtype]) -> object:
         return kind(**{name: arrays[f"{place}.{name}"] for name in names})
 
-    source, target = (of(Blend, side, _BLEND) for side in ("source", "target"))
+    source, target = (of(VertexInterpolation, side, _INTERPOLATION) for side in ("source", "target"))
     rows = CoarseRows(
         arrays["rows.starts"].astype(np.int64), arrays["rows.columns"], arrays["rows.values"], source, target
     )

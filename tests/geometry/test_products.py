@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from convwass_addon.transport import matrix_product
+from convwass_addon.geometry import products
 
 
-@pytest.mark.parametrize("contract", [matrix_product.contract, matrix_product._by_wrapper])
+@pytest.mark.parametrize("contract", [products.contract, products._by_wrapper])
 @settings(max_examples=50, deadline=None)
 @given(lines=st.integers(1, 40), size=st.integers(1, 30), new_size=st.integers(1, 30), seed=st.integers(0, 99))
 def test_contracts_the_last_axis_and_puts_it_first(contract, lines, size, new_size, seed):
@@ -35,8 +35,8 @@ def test_multiplies_in_single_precision(is_known, count, size, new_size, seed):
     out = np.full((count + 1, new_size), np.nan, np.float32)
     with pytest.MonkeyPatch.context() as patch:
         if not is_known:
-            patch.setattr(matrix_product, "_sgemm", None)
-        matrix_product.multiply(rows, matrix, out[:-1])
+            patch.setattr(products, "_sgemm", None)
+        products.multiply(rows, matrix, out[:-1])
     np.testing.assert_allclose(out[:-1], rows @ matrix, atol=1e-5)
     assert np.isnan(out[-1]).all()
 
@@ -52,10 +52,10 @@ def test_what_c_would_misread_is_refused():
         (rows[:, :3], matrix, out),
     ]:
         with pytest.raises(ValueError, match=r"give|float32"):
-            matrix_product.multiply(*wrong)
+            products.multiply(*wrong)
 
 
 def test_the_functions_of_c_are_found():
     """With every SciPy of the project; without them threads wait for each other's products."""
-    assert matrix_product._dgemm is not None
-    assert matrix_product._sgemm is not None
+    assert products._dgemm is not None
+    assert products._sgemm is not None
