@@ -1,6 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The protocol of long work: a generator that yields its progress and returns its result, and a control to stop it."""
+"""The protocol of long work: a generator that yields its progress and returns its result, and a control to stop it.
+
+- Work that takes long and has something to tell is a generator of :class:`Progress` that returns its result. The caller
+  drives it with a loop, uses the payloads, and takes the result with ``yield from`` or :func:`drained`. A work that is
+  part of another one is reported :func:`within` it.
+- All long work takes a ``control: Control``, by default :data:`UNINTERRUPTED`, and calls ``control.check()`` in its
+  loops; it never has to ask whether there is one. Cancelling raises :class:`.errors.Cancelled` there.
+- What only the caller can provide, because only the main thread may read it from Blender, is asked for with a
+  :class:`Request` as payload.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +20,9 @@ from typing import Any, Generic, TypeVar
 
 from .errors import Cancelled
 from .sentence import Sentence
+
+# Seconds between two looks at the control while a request waits for its answer.
+_PATIENCE = 0.05
 
 Payload = TypeVar("Payload")
 Result = TypeVar("Result")
@@ -67,6 +79,52 @@ class Control:
             raise Cancelled("Cancelled.")
 
 
+class _Uninterrupted(Control):
+    """A control without a state, for work that nobody stops."""
+
+    def cancel(self) -> None:
+        raise RuntimeError("Work that was started without a control cannot be cancelled.")
+
+    def check(self) -> None:
+        pass
+
+    def __reduce__(self) -> str:
+        return "UNINTERRUPTED"
+
+
+UNINTERRUPTED: Control = _Uninterrupted()
+"""The control of work that runs to its end."""
+
+
+class Request(Generic[Payload]):
+    """Something that only the caller of the work can provide.
+
+    The work yields it as the payload of a :class:`Progress` and then takes its `value`; the caller answers it before it
+    asks for the next report, or, where the work is on another thread, that thread waits for the answer.
+    """
+
+    def __init__(self) -> None:
+        self._answered = threading.Event()
+        self._value: Payload | None = None
+
+    def answer(self, value: Payload) -> None:
+        """Provide it; called by whoever has received the request."""
+        self._value = value
+        self._answered.set()
+
+    def wait(self, control: Control) -> None:
+        """Wait until it is answered, or raise :class:`.errors.Cancelled`; for the thread that drives the work."""
+        while not self._answered.wait(_PATIENCE):
+            control.check()
+
+    @property
+    def value(self) -> Payload:
+        """The answer; taking it before there is one is an error of the caller."""
+        if not self._answered.is_set():
+            raise RuntimeError("The request has not been answered.")
+        return self._value
+
+
 def drained(work: Generator[Any, None, Result]) -> Result:
     """Do all of the work and return its result."""
     while True:
@@ -76,11 +134,15 @@ def drained(work: Generator[Any, None, Result]) -> Result:
             return end.value
 
 
-def within(work: Work[Result], begin: float, end: float) -> Work[Result]:
-    """Report work that is one part of other work: its fractions run from `begin` to `end`."""
+def within(work: Work[Result], begin: float, end: float, message: Sentence | None = None) -> Work[Result]:
+    """Report work that is one part of other work: its fractions run from `begin` to `end`.
+
+    Its own messages are replaced by `message` if that is given.
+    """
     while True:
         try:
             report = next(work)
         except StopIteration as done:
             return done.value
-        yield replace(report, fraction=begin + (end - begin) * report.fraction)
+        fraction = begin + (end - begin) * report.fraction
+        yield replace(report, fraction=fraction, message=message or report.message)

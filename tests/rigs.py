@@ -9,6 +9,7 @@ import numpy as np
 from mathutils import Vector
 
 from convwass_addon.applications.skeletons.skeleton_fit import FitStep, FittedSkeleton
+from convwass_addon.progress import UNINTERRUPTED
 from convwass_addon.sentence import Sentence
 
 
@@ -98,11 +99,10 @@ def select_joints(obj, *ends):
             setattr(bone, f"select_{side}", f"{bone.name}.{side}" in ends)
 
 
-def harmonic_steps(mesh, graph, settings, check=None):
+def harmonic_steps(mesh, graph, settings, control=UNINTERRUPTED):
     """Lay out free joints as the means of their neighbors, weighted by one over the lengths of bones."""
     yield FitStep(0.0, Sentence("Starting"))
-    if check is not None:
-        check()
+    control.check()
     yield FitStep(1.0, Sentence("Writing"), harmonic(graph))
 
 

@@ -16,6 +16,7 @@ from convwass_addon.applications.skeletons.inner_points import InnerPoint
 from convwass_addon.bridge.armatures.pins import pin_joints, pinned_ends, register_pins, unregister_pins
 from convwass_addon.bridge.armatures.rigs import rig_graph
 from convwass_addon.cli import armature_verb
+from convwass_addon.progress import UNINTERRUPTED
 from tests.rigs import chain, harmonic_steps, lines, tube, world_ends
 
 pytestmark = [
@@ -30,9 +31,9 @@ def asked(monkeypatch):
     """What the fit is asked for; it lays joints out between the pins."""
     calls = []
 
-    def steps(mesh, graph, settings, check=None):
+    def steps(mesh, graph, settings, control=UNINTERRUPTED):
         calls.append((mesh, graph, settings))
-        yield from harmonic_steps(mesh, graph, settings, check)
+        yield from harmonic_steps(mesh, graph, settings, control)
 
     monkeypatch.setattr(armature_verb, "fit_steps", steps)
     return calls

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Generic, TypeVar
 
-from ..errors import Cancelled
+from ..progress import Control
 
 Step = TypeVar("Step")
 
@@ -22,12 +22,11 @@ class BackgroundJob(Generic[Step]):
     Parameters
     ----------
     steps : callable
-        ``steps(check)`` returns the generator; it calls ``check()`` often, which raises
-        :class:`.errors.Cancelled` once the job is cancelled.
+        ``steps(control)`` returns the generator, which checks the control often.
     """
 
-    def __init__(self, steps: Callable[[Callable[[], None]], Iterator[Step]]) -> None:
-        self._cancelled = threading.Event()
+    def __init__(self, steps: Callable[[Control], Iterator[Step]]) -> None:
+        self._control = Control()
         self._done = threading.Event()
         self._queue: queue.SimpleQueue[Step] = queue.SimpleQueue()
         self._error: BaseException | None = None
@@ -51,7 +50,7 @@ class BackgroundJob(Generic[Step]):
     @property
     def cancelled(self) -> bool:
         """Whether it has been asked to end."""
-        return self._cancelled.is_set()
+        return self._control.cancelled
 
     @property
     def error(self) -> BaseException | None:
@@ -60,19 +59,15 @@ class BackgroundJob(Generic[Step]):
 
     def cancel(self, patience: float | None = None) -> bool:
         """Ask the job to end at its next check, and wait for it, for so many seconds at most; tell if it has ended."""
-        self._cancelled.set()
+        self._control.cancel()
         self._thread.join(patience)
         return not self._thread.is_alive()
 
-    def _check(self) -> None:
-        if self._cancelled.is_set():
-            raise Cancelled("Cancelled.")
-
     def _run(self) -> None:
         try:
-            for step in self._steps(self._check):
+            for step in self._steps(self._control):
                 self._queue.put(step)
-                self._check()
+                self._control.check()
         except BaseException as error:  # handed to whoever polls
             self._error = error
         finally:

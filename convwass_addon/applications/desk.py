@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Callable
 from typing import Generic, TypeVar
+
+from ..progress import UNINTERRUPTED, Control
 
 Item = TypeVar("Item")
 
@@ -24,10 +25,10 @@ class Desk(Generic[Item]):
         """Give what the last step has asked for."""
         self._items.put(item)
 
-    def take(self, check: Callable[[], None] | None = None) -> Item:
+    def take(self, control: Control = UNINTERRUPTED) -> Item:
         """Return it; where nobody else could hand it over by now, it must be there."""
-        while check is not None:
-            check()
+        while control is not UNINTERRUPTED:
+            control.check()
             try:
                 return self._items.get(timeout=_PATIENCE)
             except queue.Empty:

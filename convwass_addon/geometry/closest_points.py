@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
+
+from ..progress import UNINTERRUPTED, Control
 
 # Samples that a surface gets at least, so that large triangles have some all over, and per triangle.
 _SAMPLES, _SAMPLES_PER_TRIANGLE = 20_000, 1
@@ -72,26 +74,26 @@ class ClosestPointFinder:
         samples, self._owners, self._radius = _samples(self._corners)
         self._tree = cKDTree(samples, leafsize=32)
 
-    def find(self, points: ArrayLike, check: Callable[[], None] = lambda: None) -> ClosestPoints:
+    def find(self, points: ArrayLike, control: Control = UNINTERRUPTED) -> ClosestPoints:
         """Find the point of the surface that is closest to each of `points`, (n, 3) finite numbers.
 
-        `check` is called now and then; what it raises ends the search.
+        Cancelling `control` ends the search.
         """
         wanted, found = _begun(points)
         for some in _chunks(len(wanted)):
-            check()
+            control.check()
             reached = self._look_about(wanted[some], some.start, found)
             self._look_further(wanted[some], some.start, found, reached)
         return found
 
-    def find_about(self, points: ArrayLike, check: Callable[[], None] = lambda: None) -> ClosestPoints:
+    def find_about(self, points: ArrayLike, control: Control = UNINTERRUPTED) -> ClosestPoints:
         """Find the closest points of the triangles whose samples are nearest, (n, 3): a fifth of the work.
 
         They are farther away than the closest of all by r at the most, and hardly ever farther at all.
         """
         wanted, found = _begun(points)
         for some in _chunks(len(wanted)):
-            check()
+            control.check()
             self._look_about(wanted[some], some.start, found)
         return found
 

@@ -11,7 +11,7 @@ Where that fails, as on thin legs, clusters are made smaller.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from ..progress import UNINTERRUPTED, Control
 from .closest_points import closest_in_triangles
 from .edges import distinct_corners, vertex_components
 from .mesh import TriangleMesh
@@ -73,7 +74,7 @@ def coarsened(
     areas: NDArray[np.float64],
     count: int,
     kept: NDArray[np.int64] | None = None,
-    check: Callable[[], None] = lambda: None,
+    control: Control = UNINTERRUPTED,
 ) -> Coarsening | None:
     """Return a mesh of about `count` vertices that follows the surface of `mesh`; None where there is none.
 
@@ -88,41 +89,41 @@ def coarsened(
         topology, and thin parts need small triangles.
     kept : (k,) int64, optional
         Vertices that are to be among the coarser mesh's; those that no triangle uses are not.
-    check : callable
-        Called between rounds; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Returns
     -------
     Coarsening or None
         None where even the coarser mesh would have more than half of the vertices, or would fall apart.
     """
-    fine = _Fine.of(mesh, areas, check)
+    fine = _Fine.of(mesh, areas, control)
     if fine is None:
         return None
     limit = _LARGEST_SHARE * len(fine.points)
     seeds = fine.spread(count)
     for _ in range(_LLOYD_ROUNDS):
-        check()
+        control.check()
         if len(seeds) > limit:
             return None
         clusters = fine.grown(seeds)
-        check()
+        control.check()
         seeds = fine.centered(clusters)
     if kept is not None:
         seeds = fine.with_kept(fine.grown(seeds), kept)
     for _ in range(_DIVIDING_ROUNDS):
-        check()
+        control.check()
         if len(seeds) > limit:
             return None
         clusters = fine.grown(seeds)
-        check()
+        control.check()
         more = fine.dividing(clusters)
         if not len(more):
             break
         seeds = np.concatenate([seeds, more])
     else:
         clusters = fine.grown(seeds)
-    check()
+    control.check()
     labels = clusters.labels[fine.faces]
     a, b, c = labels.T
     coarse = TriangleMesh(fine.points[seeds], labels[(a != b) & (b != c) & (c != a)])
@@ -130,7 +131,7 @@ def coarsened(
         return None
     own = np.full(len(mesh.vertices), -1, np.int64)
     own[fine.used] = clusters.labels
-    return Coarsening(coarse, fine.used[seeds], own, _prolongation(mesh, own, coarse, check))
+    return Coarsening(coarse, fine.used[seeds], own, _prolongation(mesh, own, coarse, control))
 
 
 @dataclass(frozen=True)
@@ -190,7 +191,7 @@ class _Fine:
     pieces: NDArray[np.int64]
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, areas: NDArray[np.float64], check: Callable[[], None]) -> _Fine | None:
+    def of(cls, mesh: TriangleMesh, areas: NDArray[np.float64], control: Control) -> _Fine | None:
         """Strip a mesh; None where nothing is left."""
         proper = mesh.faces[distinct_corners(mesh.faces)]
         is_used = np.zeros(len(mesh.vertices), bool)
@@ -200,13 +201,13 @@ class _Fine:
             return None
         faces = _without_doubles((np.cumsum(is_used) - 1)[proper], len(used))
         points = mesh.vertices[used]
-        check()
+        control.check()
         ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
         # Sorted by hand: NumPy's unique takes several times as long for millions of numbers.
         keys = np.sort(ends[:, 0] * len(used) + ends[:, 1])
         edges = np.stack(np.divmod(keys[np.diff(keys, prepend=-1) > 0], len(used)), axis=1)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-        check()
+        control.check()
         # An edge without length is still an edge.
         lengths = np.maximum(lengths, np.finfo(float).tiny)
         graph = coo_array((lengths, edges.T), shape=(len(used), len(used))).tocsr()
@@ -324,9 +325,7 @@ def _along_curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
     return place
 
 
-def _prolongation(
-    mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: TriangleMesh, check: Callable[[], None]
-) -> csr_array:
+def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: TriangleMesh, control: Control) -> csr_array:
     """Interpolate at the closest points of the triangles around every vertex's own seed."""
     vertices = np.flatnonzero(clusters >= 0)
     # Triangles by the vertex that they lie around.
@@ -336,7 +335,7 @@ def _prolongation(
     columns = np.empty((len(vertices), 3), np.int64)
     shares = np.empty((len(vertices), 3))
     for some in _chunks(counts[clusters[vertices]]):
-        check()
+        control.check()
         own = clusters[vertices[some]]
         number = counts[own]
         first = np.cumsum(number) - number

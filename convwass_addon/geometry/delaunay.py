@@ -9,12 +9,12 @@ N. Sharp and K. Crane, "A Laplacian for Nonmanifold Triangle Meshes", Computer G
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .edges import edge_use
 
 # Edges are flipped until none has a weight, half the sum of two cotangents, below this.
@@ -115,16 +115,16 @@ class FlippedSurface:
     areas: NDArray[np.float64]
 
 
-def flipped_to_delaunay(surface: ClosedSurface, check: Callable[[], None] = lambda: None) -> FlippedSurface | None:
+def flipped_to_delaunay(surface: ClosedSurface, control: Control = UNINTERRUPTED) -> FlippedSurface | None:
     """Flip edges until the sum of the angles across each is at most pi; None where rounding keeps that from ending.
 
-    In every round flips that share no triangle are done together. `check` is called between rounds.
+    In every round flips that share no triangle are done together. Cancelling `control` ends the work.
     """
     state = _Flipping(surface.tails.copy(), surface.twins.copy(), surface.lengths.copy())
     random = np.random.default_rng(0)
     sides = np.flatnonzero(np.arange(len(state.twins)) < state.twins)
     for _ in range(_MOST_ROUNDS):
-        check()
+        control.check()
         sides = state.bad(sides)
         if not len(sides):
             areas = state.areas

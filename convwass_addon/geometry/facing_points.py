@@ -8,13 +8,13 @@ against direction everywhere and measures one triangle per point only, for itera
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
@@ -48,7 +48,7 @@ class FacingPointFinder:
         self._tree: cKDTree | None = None
 
     def find(
-        self, points: NDArray[np.float64], normals: NDArray[np.float64], check: Callable[[], None] = lambda: None
+        self, points: NDArray[np.float64], normals: NDArray[np.float64], control: Control = UNINTERRUPTED
     ) -> ClosestPoints:
         """Find the point of the surface for each of `points`, (n, 3).
 
@@ -58,10 +58,10 @@ class FacingPointFinder:
             Anywhere.
         normals : (n, 3)
             Where the surface should face there; not longer than 1, and the shorter the less is known.
-        check : callable
-            Called now and then; what it raises ends the search.
+        control : Control
+            Ends the search when cancelled.
         """
-        found = self._closest.find_about(points, check)
+        found = self._closest.find_about(points, control)
         lengths = np.linalg.norm(normals, axis=1)
         agreement = np.einsum("nd,nd->n", self._normals[found.triangles], normals)
         again = np.flatnonzero((lengths > _VAGUE) & (agreement < _AWAY * lengths))
@@ -70,7 +70,7 @@ class FacingPointFinder:
         found = replace(found, **{name: values.copy() for name, values in vars(found).items()})
         units = normals / np.maximum(lengths, _VAGUE)[:, None]
         for start in range(0, len(again), _AT_ONCE):
-            check()
+            control.check()
             self._refind(found, again[start : start + _AT_ONCE], points, units)
         return found
 

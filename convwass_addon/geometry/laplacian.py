@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array
 
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from .delaunay import closed_surface, flipped_to_delaunay, triangle_areas
 from .edges import distinct_corners
 from .mesh import TriangleMesh
@@ -57,11 +57,11 @@ class Laplacian:
     clamped: int
 
 
-def laplacian(mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> Laplacian:
+def laplacian(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Laplacian:
     """Return the tufted Laplacian of `mesh` where it can be had, the cotangent Laplacian otherwise.
 
     The tufted one needs numbers that float64 can still tell apart after many edge flips and, where edges have more than
-    two triangles, robust_laplacian. `check` is called now and then; what it raises ends the work.
+    two triangles, robust_laplacian. Cancelling `control` ends the work.
 
     Raises
     ------
@@ -69,11 +69,11 @@ def laplacian(mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> L
         No triangle of the mesh has any area, or its size is beyond what can be calculated with.
     """
     with suppress(ImportError, TuftedLaplacianError):
-        return tufted_laplacian(mesh, check)
+        return tufted_laplacian(mesh, control)
     return cotangent_laplacian(mesh)
 
 
-def tufted_laplacian(mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> Laplacian:
+def tufted_laplacian(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Laplacian:
     """Return the Laplacian of the intrinsic Delaunay triangulation of the mesh's tufted cover.
 
     It has no negative weights but for rounding, and takes edges of any number of triangles. N. Sharp and K. Crane, "A
@@ -93,24 +93,24 @@ def tufted_laplacian(mesh: TriangleMesh, check: Callable[[], None] = lambda: Non
         robust_laplacian failed, as it may where edges differ in length by more than about 1e10.
     """
     surface = _unit_surface(mesh)
-    check()
-    return _by_flips(surface, check) or _by_robust_laplacian(surface)
+    control.check()
+    return _by_flips(surface, control) or _by_robust_laplacian(surface)
 
 
-def _by_flips(surface: _UnitSurface, check: Callable[[], None]) -> Laplacian | None:
+def _by_flips(surface: _UnitSurface, control: Control) -> Laplacian | None:
     """Flip many edges at once; None where more than two triangles share an edge, or numbers do not suffice."""
     # Lengths of the sides that start from every corner.
     lengths = np.roll(_mollified(_edge_lengths(surface)), -2, axis=1)
-    check()
+    control.check()
     closed = closed_surface(surface.faces, lengths)
     if closed is None:
         return None
-    check()
+    control.check()
     with np.errstate(all="ignore"):
-        flipped = flipped_to_delaunay(closed, check)
+        flipped = flipped_to_delaunay(closed, control)
     if flipped is None:
         return None
-    check()
+    control.check()
     count = len(surface.vertices)
     tails = flipped.tails.reshape(-1, 3)
     heads = np.roll(tails, -1, axis=1)
@@ -118,8 +118,8 @@ def _by_flips(surface: _UnitSurface, check: Callable[[], None]) -> Laplacian | N
     weights = (0.5 / closed.sheets) * flipped.cotangents
     halves = coo_array((weights.ravel(), (tails.ravel(), heads.ravel())), shape=(count, count))
     areas = np.bincount(tails.ravel(), np.repeat(flipped.areas / (3.0 * closed.sheets), 3), count)
-    check()
-    return _assemble(surface, halves, areas, "tufted", check) if areas.min() > 0 else None
+    control.check()
+    return _assemble(surface, halves, areas, "tufted", control) if areas.min() > 0 else None
 
 
 def _by_robust_laplacian(surface: _UnitSurface) -> Laplacian:
@@ -246,13 +246,13 @@ def _assemble(
     halves: coo_array,
     areas: NDArray[np.float64],
     method: Literal["tufted", "cotangent"],
-    check: Callable[[], None] = lambda: None,
+    control: Control = UNINTERRUPTED,
 ) -> Laplacian:
     """Sum the weights of every edge in both directions, clamp them and put them where the mesh has its vertices."""
     one_way = halves.tocsc()
-    check()
+    control.check()
     weights = (one_way + one_way.T).tocoo()
-    check()
+    control.check()
     rows, columns = weights.coords
     clamped = np.count_nonzero((weights.data < -_NOTICEABLE) & (rows < columns))
     keep = (weights.data > 0) & (rows != columns)
@@ -260,7 +260,7 @@ def _assemble(
     # No negative weight makes D_a + t L an M-matrix: its inverse has no negative entry, and a Cholesky solve only
     # adds numbers of one sign, so that even heat of 1e-200 is right to many digits.
     diagonal = np.bincount(columns, values, len(areas))
-    check()
+    control.check()
     used = surface.used
     matrix = coo_array(
         (

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .rays import Crossings, crossings
 from .winding import lattice_winding
 
@@ -18,7 +17,7 @@ _NUDGE = (1.23e-5, 2.77e-5)
 
 
 def occupancy(
-    corners: NDArray[np.float64], shape: tuple[int, int, int], check: Callable[[], None] = lambda: None
+    corners: NDArray[np.float64], shape: tuple[int, int, int], control: Control = UNINTERRUPTED
 ) -> NDArray[np.float32]:
     """Fraction of every voxel that is inside.
 
@@ -32,17 +31,17 @@ def occupancy(
         Outward triangles in cells, a cell or more away from the walls of the grid.
     shape : (int, int, int)
         Cells per axis.
-    check : callable
-        Called now and then; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Returns
     -------
     ndarray of float32, shape `shape`
         Values in [0, 1]. A sheet thinner than a voxel keeps its volume.
     """
-    filled = (lattice_winding(corners, shape, check) > 0.5).astype(np.float32)
+    filled = (lattice_winding(corners, shape, control) > 0.5).astype(np.float32)
     touched = np.zeros(shape, bool)
-    lengths = [_axis_coverage(corners, shape, axis, touched, check) for axis in range(3)]
+    lengths = [_axis_coverage(corners, shape, axis, touched, control) for axis in range(3)]
     filled[touched] = np.median([length[touched] for length in lengths], axis=0)
     return filled
 
@@ -52,7 +51,7 @@ def _axis_coverage(
     shape: tuple[int, int, int],
     axis: int,
     touched: NDArray[np.bool_],
-    check: Callable[[], None],
+    control: Control,
 ) -> NDArray[np.float32]:
     """Covered length per voxel along one axis, the mean over its rays; marks the voxels that a ray crosses in."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
@@ -67,10 +66,10 @@ def _axis_coverage(
     rows = shape[b] * _RAYS
     chunks = []
     for chunk in crossings(sheared):
-        check()
+        control.check()
         chunks.append(chunk)
     found = _changes(chunks, rows)
-    check()
+    control.check()
     ray, height, step = found
     layer = np.floor(height).astype(np.int64)
     voxel = (layer * shape[a] + ray // rows // _RAYS) * shape[b] + ray % rows // _RAYS

@@ -10,11 +10,10 @@ triangles. Exact on closed meshes; close enough to tell inside from outside on o
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .rays import crossings
 
 # No line passes exactly through an edge or a vertex of a mesh that is aligned with the grid.
@@ -31,7 +30,7 @@ _LINES = (
 
 
 def lattice_winding(
-    corners: NDArray[np.float64], shape: tuple[int, int, int], check: Callable[[], None] = lambda: None
+    corners: NDArray[np.float64], shape: tuple[int, int, int], control: Control = UNINTERRUPTED
 ) -> NDArray[np.float32]:
     """Winding number at the voxel centers.
 
@@ -42,8 +41,8 @@ def lattice_winding(
         cell of distance from the walls of the grid.
     shape : (int, int, int)
         Cells per axis.
-    check : callable
-        Called now and then; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Returns
     -------
@@ -53,14 +52,14 @@ def lattice_winding(
     total = sum(line[3] for line in _LINES)
     by_axis = [np.zeros(shape, np.float32) for _ in range(3)]
     for axis, alone in enumerate(by_axis):
-        _add_line_winding(_turned(alone, axis), corners, axis, 0, 0, 0.5, check)
+        _add_line_winding(_turned(alone, axis), corners, axis, 0, 0, 0.5, control)
     # On a closed mesh every line sees a whole number, the same from both of its ends.
     if not any(np.any(alone - np.rint(alone)) for alone in by_axis):
         return _median(*by_axis)
     winding = sum(np.float32(line[3] / total) * alone for line, alone in zip(_LINES[:3], by_axis, strict=True))
     del by_axis
     for axis, shear_a, shear_b, weight in _LINES[3:]:
-        _add_line_winding(_turned(winding, axis), corners, axis, shear_a, shear_b, weight / total / 2, check)
+        _add_line_winding(_turned(winding, axis), corners, axis, shear_a, shear_b, weight / total / 2, control)
     return winding
 
 
@@ -84,7 +83,7 @@ def _add_line_winding(
     shear_a: int,
     shear_b: int,
     weight: float,
-    check: Callable[[], None],
+    control: Control,
 ) -> None:
     """Add `weight` times the crossings seen behind and ahead along one lattice direction.
 
@@ -102,7 +101,7 @@ def _add_line_winding(
     )
     behind, ahead = np.zeros(along.shape, np.int16), np.zeros(along.shape, np.int16)
     for found in crossings(sheared):
-        check()
+        control.check()
         layer = np.ceil(found.height).astype(np.int64)
         _scatter(behind, layer, found.column + shear_a * layer, found.row + shear_b * layer, found.sign)
         layer -= 1

@@ -16,6 +16,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..applications.background import BackgroundJob
 from ..bridge.handles import Handle
 from ..errors import Cancelled, ConvwassError
+from ..progress import UNINTERRUPTED, Control
 from ..sentence import Sentence
 from ..translations import translated
 from .reporting import refuse_if_known
@@ -88,7 +89,7 @@ class BackgroundOperator:
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
-            for step in self._steps()(None):
+            for step in self._steps()(UNINTERRUPTED):
                 self._job.write(step)
                 manager.progress_update(int(100 * step.fraction))
             return self._finish(context, self._job)
@@ -219,8 +220,8 @@ class BackgroundOperator:
         """Read the inputs; everything that can be refused is refused here or before the first step."""
         raise NotImplementedError
 
-    def _steps(self) -> Callable[[Callable[[], None] | None], Iterator[Step]]:
-        """Return what makes the steps of the job and touches nothing of Blender; without a window its check is None."""
+    def _steps(self) -> Callable[[Control], Iterator[Step]]:
+        """Return what makes the steps of the job and touches nothing of Blender; without a window nobody stops it."""
         raise NotImplementedError
 
     def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:

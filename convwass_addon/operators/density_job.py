@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..applications.checks import Check
 from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import Surface, blur_notice, density_surface
 from ..bridge.mesh_checks import other_vertices
 from ..bridge.surfaces import read_surface
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .mesh_writing import MeshWritingOperator
@@ -50,7 +50,7 @@ class DensityJob(ObjectJob):
     settings : DensitySettings
         For the blur and the substeps.
     solve : callable
-        ``solve(surface, check)`` yields the steps; it touches nothing of Blender.
+        ``solve(surface, control)`` yields the steps; it touches nothing of Blender.
 
     Raises
     ------
@@ -63,7 +63,7 @@ class DensityJob(ObjectJob):
         context: bpy.types.Context,
         obj: bpy.types.Object,
         settings: DensitySettings,
-        solve: Callable[[Surface, Check | None], Iterator[DensityStep]],
+        solve: Callable[[Surface, Control], Iterator[DensityStep]],
     ) -> None:
         gone = InputError("The object was deleted, or undone, while its densities were computed; start again.")
         super().__init__(obj, gone)
@@ -74,13 +74,13 @@ class DensityJob(ObjectJob):
         self._count = len(obj.data.vertices)
         self._steps: list[DensityStep] = []
 
-    def steps(self, check: Check | None = None) -> Iterator[DensityStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[DensityStep]:
         """Yield the steps of the work, the first one of which is to make the surface."""
         yield DensityStep(0.0, Sentence("Measuring the surface"))
-        surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps, check)
+        surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps, control)
         notice = blur_notice(surface)
         self.warnings += [] if notice is None else [notice]
-        for step in self._solve(surface, check):
+        for step in self._solve(surface, control):
             share = _SURFACE_SHARE + (1.0 - _SURFACE_SHARE) * step.fraction
             yield FoundStep(share, step.message, step.frames, getattr(step, "found", None))
 

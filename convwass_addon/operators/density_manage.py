@@ -14,7 +14,6 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from numpy.typing import NDArray
 
-from ..applications.checks import Check
 from ..bridge.densities.density_attributes import stored_frames
 from ..bridge.densities.density_images import ImageSettings, write_step_images
 from ..bridge.densities.density_material import growth_material, heat_material
@@ -25,6 +24,7 @@ from ..bridge.densities.density_store import StoredDensity, store_density, store
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.workshop import reason
 from ..errors import ConvwassError, InputError
+from ..progress import UNINTERRUPTED, Control
 from ..properties.densities import LIMITS, OutputProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
@@ -57,14 +57,13 @@ class _BakeJob(ObjectJob):
         self._next = threading.Semaphore(0)
         self.made: list[str] = []
 
-    def steps(self, check: Check | None = None) -> Iterator[_BakeStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[_BakeStep]:
         """Yield a step for every piece, once the one before has been written."""
         for number in range(1, self._total + 1):
             message = Sentence("Writing {done} of {total}", {"done": number, "total": self._total})
             yield _BakeStep(number / self._total, message)
             while not self._next.acquire(timeout=_PATIENCE):
-                if check is not None:
-                    check()
+                control.check()
 
     def write(self, step: _BakeStep) -> None:
         """Write the next piece; raises ConvwassError where the object is gone."""

@@ -13,7 +13,6 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from numpy.typing import NDArray
 
-from ..applications.checks import Check
 from ..applications.densities.density_measures import (
     MEASURING_SUBSTEPS,
     DensityDistance,
@@ -27,6 +26,7 @@ from ..applications.densities.vertex_distances import distances_from
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..errors import InputError
+from ..progress import Control
 from ..properties.densities import SurfaceProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
@@ -98,10 +98,10 @@ def _distance_steps(
     debias: bool,
     settings: DensitySettings,
     surface: Surface,
-    check: Check | None,
+    control: Control,
 ) -> Iterator[FoundStep]:
     match = settings.pieces == "match"
-    for step in measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, check=check):
+    for step in measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, control=control):
         yield FoundStep(step.fraction, step.message, found=step.found)
 
 
@@ -152,11 +152,11 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
 
 
 def _table_steps(
-    weights: NDArray[np.float64], names: list[str], surface: Surface, check: Check | None
+    weights: NDArray[np.float64], names: list[str], surface: Surface, control: Control
 ) -> Iterator[FoundStep]:
     message = Sentence("Between {count} groups", {"count": len(names)})
     yield FoundStep(0.0, message)
-    for step in distance_table_steps(weights, names, surface, check=check):
+    for step in distance_table_steps(weights, names, surface, control=control):
         yield FoundStep(step.fraction, message, found=step.found)
 
 
@@ -204,10 +204,10 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
         return {"FINISHED"}
 
 
-def _distances_steps(vertices: list[int], surface: Surface, check: Check | None) -> Iterator[FoundStep]:
+def _distances_steps(vertices: list[int], surface: Surface, control: Control) -> Iterator[FoundStep]:
     message = Sentence("Measuring from {count} vertices", {"count": len(vertices)})
     yield FoundStep(0.0, message)
-    yield FoundStep(1.0, message, found=distances_from(vertices, surface, check))
+    yield FoundStep(1.0, message, found=distances_from(vertices, surface, control))
 
 
 classes = (CONVWASS_OT_measure_distance, CONVWASS_OT_measure_groups, CONVWASS_OT_distance_from_vertices)

@@ -14,12 +14,12 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, FloatProperty
 from numpy.typing import NDArray
 
-from ..applications.checks import Check
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import diffused, sharpened, sharpened_by, unit_mass
 from ..applications.densities.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
+from ..progress import Control
 from ..properties.densities import length_property, radius_property, share_property
 from ..sentence import Sentence
 from .density_job import DensityJob, FoundStep, WritingDensityOperator
@@ -59,8 +59,8 @@ class _PaintDensity(WritingDensityOperator):
     def _name_of_group(self, obj: bpy.types.Object) -> str:
         return chosen_group(obj, self.group)
 
-    def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface, Check | None], NDArray[np.float64]]:
-        """Return what makes the new density of the group, (n,), until a check ends it, without touching Blender."""
+    def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface, Control], NDArray[np.float64]]:
+        """Return what makes the new density of the group, (n,), and touches nothing of Blender."""
         raise NotImplementedError
 
     def _title(self):
@@ -86,11 +86,11 @@ class _PaintDensity(WritingDensityOperator):
 
 
 def _steps(
-    name: str, change: Callable[[Surface, Check | None], NDArray[np.float64]], surface: Surface, check: Check | None
+    name: str, change: Callable[[Surface, Control], NDArray[np.float64]], surface: Surface, control: Control
 ) -> Iterator[FoundStep]:
     message = Sentence("Changing {name}", {"name": name})
     yield FoundStep(0.0, message)
-    density = change(surface, check)
+    density = change(surface, control)
     figures = density_figures(density, surface, name)
     # Heat is everywhere at once, though nobody sees it.
     visible = np.where(density >= _VISIBLE * density.max(), density, 0.0)
@@ -108,7 +108,7 @@ class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator)
 
     def _change(self, obj, name):
         weights = read_group(obj, name)
-        return lambda surface, check: distribution(weights, surface, name)
+        return lambda surface, control: distribution(weights, surface, name)
 
 
 class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
@@ -122,8 +122,8 @@ class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
 
     def _change(self, obj, name):
         weights, length = read_group(obj, name), self.length
-        return lambda surface, check: diffused(
-            weights, surface, length or _USUAL_SPREAD * surface.unit_length, name, check
+        return lambda surface, control: diffused(
+            weights, surface, length or _USUAL_SPREAD * surface.unit_length, name, control
         )
 
 
@@ -152,8 +152,8 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
     def _change(self, obj, name):
         weights, share, limit = read_group(obj, name), self.share, self.entropy
         if self.to == "SHARE":
-            return lambda surface, check: sharpened_by(weights, surface, share, name, check)
-        return lambda surface, check: sharpened(weights, surface, limit, name, check)
+            return lambda surface, control: sharpened_by(weights, surface, share, name, control)
+        return lambda surface, control: sharpened(weights, surface, limit, name, control)
 
 
 class CONVWASS_OT_drop_density(OnVertices, _PaintDensity, OnMesh, bpy.types.Operator):
@@ -188,12 +188,12 @@ def _dropped(
     share: float,
     name: str,
     surface: Surface,
-    check: Check | None,
+    control: Control,
 ) -> NDArray[np.float64]:
     """Return a density of which a share is dropped on some vertices."""
     dropped = unit_mass(vertices, surface)
     if radius > 0.0:
-        dropped = diffused(dropped, surface, radius, name, check)
+        dropped = diffused(dropped, surface, radius, name, control)
     if share == 1.0 or not weights.any():
         return dropped
     return share * dropped + (1.0 - share) * distribution(weights, surface, name)

@@ -12,7 +12,6 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, StringProperty
 
-from ..applications.checks import Check
 from ..applications.densities.density_graphs import propagation_steps
 from ..applications.densities.density_paths import blend_steps, path_steps
 from ..applications.densities.surface_densities import Surface, heat_map
@@ -24,6 +23,7 @@ from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked, write_group
 from ..errors import InputError
+from ..progress import Control
 from ..properties.densities import PathProperties, TravelProperties
 from .density_job import DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops
@@ -93,8 +93,8 @@ class CONVWASS_OT_interpolate_density(
         return {"FINISHED"}
 
 
-def _path(weights, names, frames, settings, surface: Surface, check: Check | None):
-    return path_steps(weights, names, surface, settings, frames, check)
+def _path(weights, names, frames, settings, surface: Surface, control: Control):
+    return path_steps(weights, names, surface, settings, frames, control)
 
 
 class CONVWASS_OT_blend_densities(
@@ -137,8 +137,8 @@ class CONVWASS_OT_blend_densities(
         return {"FINISHED"}
 
 
-def _blend(weights, names, shares, settings, surface: Surface, check: Check | None):
-    return blend_steps(weights, names, shares, surface, settings, check)
+def _blend(weights, names, shares, settings, surface: Surface, control: Control):
+    return blend_steps(weights, names, shares, surface, settings, control)
 
 
 class CONVWASS_OT_propagate_densities(
@@ -193,8 +193,8 @@ class CONVWASS_OT_propagate_densities(
 _NOTHING = np.zeros(1)
 
 
-def _graph(pairs, fixed, names, settings, surface: Surface, check: Check | None):
-    return propagation_steps(pairs, fixed, surface, settings, names, check=check)
+def _graph(pairs, fixed, names, settings, surface: Surface, control: Control):
+    return propagation_steps(pairs, fixed, surface, settings, names, control=control)
 
 
 def _pairs(text: str) -> list[tuple[int, int]]:

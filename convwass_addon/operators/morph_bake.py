@@ -13,7 +13,6 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.checks import Check
 from ..applications.morphs.computation import Computation
 from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from ..applications.morphs.morph import MorphStep
@@ -29,6 +28,7 @@ from ..bridge.morphs.stored import frame_objects
 from ..bridge.workshop import reason
 from ..errors import InputError
 from ..preferences import preferences
+from ..progress import UNINTERRUPTED, Control
 from ..properties.morphs import MorphProperties
 from ..sentence import Sentence
 from ..translations import translated
@@ -134,7 +134,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
                 self.report({"WARNING"}, translated(error.sentence))
         return Computation(workers=preferred.workers, cache=cache)
 
-    def _steps(self) -> Callable[[Check | None], Iterator[MorphStep]]:
+    def _steps(self) -> Callable[[Control], Iterator[MorphStep]]:
         return partial(_steps_of, self._job, self._computing)
 
     def _title(self) -> str:
@@ -214,9 +214,11 @@ def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[No
         yield
 
 
-def _steps_of(job: MorphJob, computing: Computation, check: Check | None = None) -> Iterator[MorphStep]:
+def _steps_of(job: MorphJob, computing: Computation, control: Control = UNINTERRUPTED) -> Iterator[MorphStep]:
     """Return the steps of a bake; previews are for those who can look at them and stop it."""
-    return job.steps(check, Computation(computing.workers, cache=computing.cache, previews=check is not None))
+    return job.steps(
+        control, Computation(computing.workers, cache=computing.cache, previews=control is not UNINTERRUPTED)
+    )
 
 
 classes = (CONVWASS_OT_bake_morph,)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import bpy
@@ -22,6 +22,7 @@ from ..bridge.palettes.image_files import save_pixels
 from ..bridge.palettes.image_kinds import is_clip
 from ..drafts import DraftFiles
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from ..properties.recolor import RecolorProperties, clip_folder_property
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
@@ -56,9 +57,9 @@ class ClipJob:
         self._desk, self._drafts = FrameDesk(), DraftFiles()
         self.change: Recoloring | None = None
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[ClipStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[ClipStep]:
         """Yield the steps of the work."""
-        yield from clip_steps(len(self._frames.numbers), self._desk, *self._inputs, check, only_map=not self._targets)
+        yield from clip_steps(len(self._frames.numbers), self._desk, *self._inputs, control, only_map=not self._targets)
 
     def write(self, step: ClipStep) -> None:
         """Read the frame that a step asks for, and write the one that it has brought."""

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -22,6 +22,7 @@ from ..bridge.handles import Handle
 from ..bridge.palettes.image_kinds import is_clip
 from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from ..properties.recolor import RecolorProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
@@ -68,15 +69,15 @@ class RecolorJob:
         self.file: bytes | None = None
         self._pixels: NDArray[np.float32] | None = None
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[RecolorStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[RecolorStep]:
         """Yield the steps of the work."""
         source = self._inputs[0]
-        for step in recolor_steps(*self._inputs, check, only_map=self._ends == "map"):
+        for step in recolor_steps(*self._inputs, control, only_map=self._ends == "map"):
             if step.pixels is None or self._ends != "file" or not source.pixel_format.levels:
                 yield step
             else:
                 yield RecolorStep(_RECOLORED, Sentence("Packing the image"))
-                yield replace(step, file=png_bytes(step.pixels, check))
+                yield replace(step, file=png_bytes(step.pixels, control))
 
     def write(self, step: RecolorStep) -> None:
         """Take what a step has brought; the file stays as it is until the end."""

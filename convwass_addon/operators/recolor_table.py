@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from ..applications.palettes.clip_job import ClipStep
 from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
 from ..applications.palettes.recolor_job import RecolorStep
 from ..drafts import DraftFiles
+from ..progress import UNINTERRUPTED, Control
 from ..sentence import Sentence
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
@@ -55,17 +56,17 @@ class TableJob:
         self._drafts = DraftFiles()
         self.table: LookupTable | None = None
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[RecolorStep | ClipStep | TableStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[RecolorStep | ClipStep | TableStep]:
         """Yield the steps of the work."""
         change = None
-        for step in self._job.steps(check):
+        for step in self._job.steps(control):
             change = step.change
             yield replace(step, fraction=_MAPPED * step.fraction)
         yield TableStep(_MAPPED, Sentence("Making the table"))
         table = lookup_table(change, self._size)
         if self._target is not None:
             yield TableStep(_TABULATED, Sentence("Writing the table"))
-            write_cube(table, self._drafts.draft_of(self._target.path), self._target.title, check)
+            write_cube(table, self._drafts.draft_of(self._target.path), self._target.title, control)
         yield TableStep(1.0, Sentence("The table is there"), table)
 
     def write(self, step: RecolorStep | ClipStep | TableStep) -> None:

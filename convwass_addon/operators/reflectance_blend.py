@@ -11,7 +11,6 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.checks import Check
 from ..applications.reflectance.lobe_frames import LobeFrame, LobeFrameStep, lobe_frames
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import spread_out
@@ -24,6 +23,7 @@ from ..bridge.reflectance.lobe_materials import FittedLook, fitted_material, lob
 from ..bridge.reflectance.material_pad import material_pad
 from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from ..properties.light import ReflectanceProperties, sun_of
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
@@ -59,11 +59,10 @@ class ReflectanceJob:
         self._sun = None if sun is None else Handle.of("objects", sun)
         self.found: list[LobeFrame] = []
 
-    def steps(self, check: Check | None = None) -> Iterator[LobeFrameStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[LobeFrameStep]:
         """Yield the steps of the work; whoever runs them checks between them."""
         for step in lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings):
-            if check is not None:
-                check()
+            control.check()
             yield step
 
     def write(self, step: LobeFrameStep) -> None:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import bpy
@@ -20,6 +20,7 @@ from ..bridge.handles import Handle
 from ..bridge.skies.sky_sequence import SkyFiles, SkyStep, fitting_height, sky_steps
 from ..bridge.skies.world_skies import sequence_world, world_sky
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from ..properties.light import SkyProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
@@ -72,14 +73,14 @@ class SkyJob:
         self._desk: Desk[NDArray[np.float64]] = Desk()
         self.ends: list[SkyFrame] = []
 
-    def steps(self, check: Callable[[], None] | None = None) -> Iterator[WorldStep | SkyStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[WorldStep | SkyStep]:
         """Yield the steps of the work."""
         count, skies = len(self._worlds), []
         for place in range(count):
             message = Sentence("World {done} of {total}", {"done": place + 1, "total": count})
             yield WorldStep(_READING * (place + 1) / count, message, place)
-            skies.append(self._desk.take(check))
-        for step in sky_steps(skies, len(self.files.paths), self._settings, check):
+            skies.append(self._desk.take(control))
+        for step in sky_steps(skies, len(self.files.paths), self._settings, control):
             yield replace(step, fraction=_READING + (1.0 - _READING) * step.fraction)
 
     def write(self, step: WorldStep | SkyStep) -> None:

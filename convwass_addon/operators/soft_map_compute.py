@@ -13,7 +13,6 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
-from ..applications.checks import Check
 from ..applications.soft_maps.map_extension import DOUBTFUL
 from ..applications.soft_maps.map_repair import repaired_map
 from ..applications.soft_maps.map_sides import MapSide
@@ -24,6 +23,7 @@ from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map
 from ..errors import ConvwassError, InputError
+from ..progress import Control
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from ..sentence import Sentence
 from .background import BackgroundOperator
@@ -34,7 +34,7 @@ from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_obj
 
 _WAYS = ("forward", "backward")
 
-_Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, "Check | None"], Iterator[SoftMapStep]]
+_Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, Control], Iterator[SoftMapStep]]
 
 
 class _ComputesMap(SoftMapProperties, BackgroundOperator):
@@ -108,10 +108,10 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
 
 
 def _computed(
-    pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, check: Check | None
+    pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, control: Control
 ) -> Iterator[SoftMapStep]:
     """Put the arguments of the application in its order."""
-    return soft_map_steps(source, target, pairs, settings, check)
+    return soft_map_steps(source, target, pairs, settings, control)
 
 
 def _require_editable(obj: bpy.types.Object) -> None:
@@ -185,10 +185,10 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
 
 
 def _mirrored(
-    pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, check: Check | None
+    pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, control: Control
 ) -> Iterator[SoftMapStep]:
     """Put the arguments of the application in its order."""
-    return mirror_map_steps(side, pairs, settings, check)
+    return mirror_map_steps(side, pairs, settings, control)
 
 
 class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Operator):
@@ -224,11 +224,10 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         return {"FINISHED"}
 
 
-def _repaired(mend: Callable[[], SurfaceMap], check: Check | None) -> Iterator[SoftMapStep]:
+def _repaired(mend: Callable[[], SurfaceMap], control: Control) -> Iterator[SoftMapStep]:
     """Mend a map in one step."""
     yield SoftMapStep(0.0, Sentence("Repairing the map"))
-    if check is not None:
-        check()
+    control.check()
     yield SoftMapStep(1.0, Sentence("The map is there"), mend())
 
 

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 
 import bpy
 
-from ..applications.checks import Check
 from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.map_solving import SoftMapStep
 from ..applications.soft_maps.surface_maps import SurfaceMap
@@ -19,9 +18,10 @@ from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, 
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from .soft_map_targets import StoredWay
 
-Solve = Callable[[MapSide, MapSide, "Check | None"], Iterator[SoftMapStep]]
+Solve = Callable[[MapSide, MapSide, Control], Iterator[SoftMapStep]]
 
 
 class _MapJob:
@@ -73,7 +73,7 @@ class SoftMapJob(_MapJob):
     groups : sequence of str
         Names of vertex groups that both have and that take part.
     solve : callable
-        ``solve(source, target, check)`` yields the steps; it touches nothing of Blender.
+        ``solve(source, target, control)`` yields the steps; it touches nothing of Blender.
 
     Raises
     ------
@@ -101,9 +101,9 @@ class SoftMapJob(_MapJob):
             mapped.append(mapped_side(obj, reading.mesh.faces))
         self._mapped = tuple(mapped)
 
-    def steps(self, check: Check | None = None) -> Iterator[SoftMapStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[SoftMapStep]:
         """Yield the steps of the work."""
-        yield from self._solve(*self._sides, check)
+        yield from self._solve(*self._sides, control)
 
 
 class RepairJob(_MapJob):
@@ -114,10 +114,10 @@ class RepairJob(_MapJob):
     way : StoredWay
         The map.
     mend : callable
-        ``mend(check)`` yields the steps; it touches nothing of Blender.
+        ``mend(control)`` yields the steps; it touches nothing of Blender.
     """
 
-    def __init__(self, way: StoredWay, mend: Callable[[Check | None], Iterator[SoftMapStep]]) -> None:
+    def __init__(self, way: StoredWay, mend: Callable[[Control], Iterator[SoftMapStep]]) -> None:
         self.before, self.steps = way.stored.found, mend
         self.names = (way.source.name, way.target.name)
         self._objects = (Handle.of("objects", way.source), Handle.of("objects", way.target))

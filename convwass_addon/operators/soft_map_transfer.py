@@ -12,7 +12,6 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.checks import Check
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
@@ -21,6 +20,7 @@ from ..bridge.soft_maps.map_transfer import Carried, TransferEnds
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import InputError
+from ..progress import UNINTERRUPTED, Control
 from ..properties.soft_maps import TRANSFERRED, TransferProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
@@ -67,13 +67,12 @@ class TransferJob(ObjectJob):
         super().__init__(receiver, gone)
         self.parts, self._side = parts, way.side(receiver)
 
-    def steps(self, check: Check | None = None) -> Iterator[_TransferStep]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[_TransferStep]:
         """Yield the steps of the work."""
         for place, part in enumerate(self.parts.values()):
             for message in part.steps():
                 yield _TransferStep(place / len(self.parts), message)
-                if check is not None:
-                    check()
+                control.check()
         yield _TransferStep(1.0, Sentence("Writing"))
 
     def write(self, step: _TransferStep) -> None:

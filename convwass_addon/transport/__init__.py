@@ -4,7 +4,7 @@
 
 from .barycenter import Barycenter, barycenter
 from .between import barycenter_beside, barycenter_between
-from .bisection import BisectionStep, bisect, bisection
+from .bisection import bisect, bisection
 from .coordinates import BarycentricCoordinates, NearestBarycenter, barycentric_coordinates, nearest_barycenter
 from .distance import Distance, DistanceMatrix, distance, distance_matrix
 from .domain import Domain, KernelTooNarrowError
@@ -23,7 +23,6 @@ from .surface import Surface
 __all__ = [
     "Barycenter",
     "BarycentricCoordinates",
-    "BisectionStep",
     "Distance",
     "DistanceMatrix",
     "Domain",

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .bregman import BregmanIteration
 from .checks import check_entropy_limit, check_sharpness, check_solver, check_weights
 from .domain import Domain
@@ -23,7 +24,6 @@ from .log_range import LOG_NOTHING
 from .potentials import Potentials
 from .region import Region
 from .sharpening import entropy
-from .sinkhorn import Monitor
 
 # Coarser levels are solved to this share of the tolerance: what they leave is what the finest level is slowest to mend,
 # but more than this changes nothing in its rounds.
@@ -119,7 +119,7 @@ def barycenter(
     tolerance: float = 1e-2,
     max_iterations: int = 500,
     numerics: Literal["automatic", "scaling"] = "automatic",
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Barycenter:
     """Barycenter of distributions under the entropic Wasserstein distance.
 
@@ -157,8 +157,8 @@ def barycenter(
     numerics : "automatic" or "scaling"
         Where scalings of float64 do not reach, "automatic" goes on in the log domain, which reaches further and takes
         longer; "scaling" raises.
-    monitor : callable, optional
-        ``monitor(cells, iteration, error)``, called once per iteration; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Returns
     -------
@@ -195,7 +195,7 @@ def barycenter(
     ladder = tuple(level.chosen(active) for level in inputs.levels)
     length = None if reach is None else float(reach) / inputs.aim.unit_length
     problem = _Problem(
-        ladder, inputs.aim, alphas[active], sharpness, length, tolerance, max_iterations, numerics, monitor
+        ladder, inputs.aim, alphas[active], sharpness, length, tolerance, max_iterations, numerics, control
     )
     limit = float(inputs.entropies[active].max()) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
@@ -238,7 +238,7 @@ class _Problem:
     tolerance: float
     max_iterations: int
     numerics: Literal["automatic", "scaling"]
-    monitor: Monitor | None
+    control: Control
 
     def resumed(self, begun: Barycenter, limit: float | None) -> _Solved:
         """Take up the coarse levels where they were left."""
@@ -288,12 +288,10 @@ class _Problem:
         tolerance: float,
     ) -> tuple[BregmanIteration, int]:
         """Iterate on one domain until the marginals agree."""
-        cells = int(np.prod(level.domain.shape))
         state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics, self.reach)
-        for iteration in range(1, self.max_iterations + 1):
+        for iteration in range(1, self.max_iterations + 1):  # noqa: B007
             state.step()
-            if self.monitor is not None:
-                self.monitor(cells, iteration, state.error)
+            self.control.check()
             if state.error < tolerance:
                 if state.rim_mass() <= _RIM_SHARE * tolerance:
                     break

@@ -11,12 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .barycenter import Barycenter, barycenter
 from .inputs import Inputs
 from .log_range import LOG_NOTHING
 from .potentials import Potentials
 from .region import Region
-from .sinkhorn import Monitor
 
 
 def barycenter_between(
@@ -31,7 +31,7 @@ def barycenter_between(
     tolerance: float = 1e-2,
     max_iterations: int = 100,
     numerics: Literal["automatic", "scaling"] = "automatic",
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Barycenter:
     """Barycenter whose weights lie between those of two neighbors, without solving it from coarse to fine.
 
@@ -48,7 +48,7 @@ def barycenter_between(
         Of which they are the barycenters.
     sharpness : float, optional
         By default interpolated too.
-    entropy_limit, reach, tolerance, max_iterations, numerics, monitor
+    entropy_limit, reach, tolerance, max_iterations, numerics, control
         As for :func:`barycenter`.
 
     Raises
@@ -74,7 +74,7 @@ def barycenter_between(
         tolerance=tolerance,
         max_iterations=max_iterations,
         numerics=numerics,
-        monitor=monitor,
+        control=control,
     )
 
 
@@ -89,7 +89,7 @@ def barycenter_beside(
     tolerance: float = 1e-2,
     max_iterations: int = 500,
     numerics: Literal["automatic", "scaling"] = "automatic",
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Barycenter:
     """Barycenter with weights near those of another, of which only the finest potentials need to be known.
 
@@ -104,7 +104,7 @@ def barycenter_beside(
         Those wanted.
     inputs : Inputs
         Of which it is the barycenter.
-    sharpness, entropy_limit, reach, tolerance, max_iterations, numerics, monitor
+    sharpness, entropy_limit, reach, tolerance, max_iterations, numerics, control
         As for :func:`barycenter`.
 
     Raises
@@ -118,7 +118,7 @@ def barycenter_beside(
         "tolerance": tolerance,
         "max_iterations": max_iterations,
         "numerics": numerics,
-        "monitor": monitor,
+        "control": control,
     }
     before: tuple[Potentials, ...] = ()
     if len(inputs.levels) > 1:

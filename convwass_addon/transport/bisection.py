@@ -4,20 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_entropy_limit, check_pair, check_solver
 from .domain import Domain
 from .interpolation import Interpolation, check_times, furthest_numerics
 from .propagation import propagation
 from .sharpening import entropy, entropy_between
-from .sinkhorn import Monitor
-from .stepwise import Round, RoundsDone
 
 # Halvings by default: frames themselves, and those next to which frames at other times are put. With an eighth of the
 # way from one to the next, costs are quadratic enough for any weights.
@@ -25,26 +23,8 @@ _LEVELS, _LEVELS_BELOW_TIMES = 5, 3
 # Frames that are solved together where each takes few sweeps: as many as have so many values, but at least four, whose
 # columns fill the solves of a mesh.
 _VALUES_AT_ONCE, _FEWEST_AT_ONCE = 1 << 17, 4
-# On domains of so many elements, progress is told after every sweep.
-_LARGE = 100_000
 # Nats by which a bound is raised at frames that do not converge under it.
 _RELIEF = 1.0
-
-
-@dataclass(frozen=True)
-class BisectionStep:
-    """How far a bisection is.
-
-    Attributes
-    ----------
-    fraction : float
-        The share of all frames to solve that has been solved.
-    result : Interpolation or None
-        Everything, at the last step; None before.
-    """
-
-    fraction: float
-    result: Interpolation | None = None
 
 
 def bisect(
@@ -57,7 +37,7 @@ def bisect(
     entropy_limit: Literal["between", "max"] | float | None = "max",
     tolerance: float = 1e-2,
     max_iterations: int = 500,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Interpolation:
     """Interpolate by recursive bisection: every new frame is the midpoint of its two neighbors.
 
@@ -79,7 +59,7 @@ def bisect(
         Bound for the entropy of every new frame in nats: between those of its two neighbors, as if a ball grew from one
         to the other; the larger of both; none; or one number. Without any the blur of every level would add up. On
         meshes the first two are raised by one nat where a frame does not converge.
-    tolerance, max_iterations, monitor
+    tolerance, max_iterations, control
         As in :func:`propagate`.
 
     Returns
@@ -101,18 +81,19 @@ def bisect(
 
     Few frames are solved at a time: with 24 of them on 500 000 vertices the whole process stays below 2 GB.
     """
-    *_, last = bisection(
-        mu0,
-        mu1,
-        domain,
-        levels=levels,
-        times=times,
-        entropy_limit=entropy_limit,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        monitor=monitor,
+    return drained(
+        bisection(
+            mu0,
+            mu1,
+            domain,
+            levels=levels,
+            times=times,
+            entropy_limit=entropy_limit,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            control=control,
+        )
     )
-    return last.result
 
 
 def bisection(
@@ -125,16 +106,20 @@ def bisection(
     entropy_limit: Literal["between", "max"] | float | None = "max",
     tolerance: float = 1e-2,
     max_iterations: int = 500,
-    monitor: Monitor | None = None,
-) -> Iterator[BisectionStep]:
-    """Do the same as :func:`bisect` step by step: some frames at a time.
+    control: Control = UNINTERRUPTED,
+) -> Work[Interpolation]:
+    """Do the same as :func:`bisect` sweep by sweep, some frames at a time.
 
-    Parameters and errors are those of :func:`bisect`; errors are raised at the first step.
+    Parameters and errors are those of :func:`bisect`; errors are raised before the first report.
 
     Yields
     ------
-    BisectionStep
-        After every few frames, on large domains after every sweep; the last one has the result.
+    Progress
+        After every sweep; the fraction is the share of all frames that is done, the payload a :class:`.rounds.Round`.
+
+    Returns
+    -------
+    Interpolation
     """
     ends = check_pair(mu0, mu1, domain)
     if entropy_limit != "between":
@@ -145,7 +130,7 @@ def bisection(
         levels = _LEVELS if wanted is None else _LEVELS_BELOW_TIMES
     if levels < 1 or levels != int(levels):
         raise ValueError(f"levels must be a positive whole number, got {levels}")
-    path = _Path(domain, entropy_limit, tolerance, max_iterations, monitor)
+    path = _Path(domain, entropy_limit, tolerance, max_iterations, control)
     path.keep(np.array([0.0, 1.0]), ends)
     stages = _stages(int(levels), wanted)
     done, total = 0, sum(map(len, stages))
@@ -153,21 +138,10 @@ def bisection(
     for stage in stages:
         sweeps = []
         for block in path.blocks(stage):
-            share = RoundsDone(int(np.prod(domain.shape)), tolerance)
-            rounds = path.insert(block)
-            while True:
-                try:
-                    found = share.after(next(rounds))
-                except StopIteration as end:
-                    sweeps.append(end.value)
-                    break
-                if np.prod(domain.shape) >= _LARGE:
-                    yield BisectionStep((done + found * len(block)) / total)
+            sweeps.append((yield from within(path.insert(block), done / total, (done + len(block)) / total)))
             done += len(block)
-            if done < total:
-                yield BisectionStep(done / total)
         iterations.append(max(sweeps))
-    yield BisectionStep(1.0, path.interpolation(wanted, tuple(iterations)))
+    return path.interpolation(wanted, tuple(iterations))
 
 
 def _stages(levels: int, wanted: NDArray[np.float64] | None) -> list[NDArray[np.float64]]:
@@ -196,7 +170,7 @@ class _Path:
     entropy_limit: Literal["between", "max"] | float | None
     tolerance: float
     max_iterations: int
-    monitor: Monitor | None
+    control: Control
     frames: dict[float, _Frame] = field(default_factory=dict)
 
     def keep(self, times: NDArray[np.float64], densities: NDArray[np.float64]) -> None:
@@ -211,7 +185,7 @@ class _Path:
             size = max(_FEWEST_AT_ONCE, _VALUES_AT_ONCE // int(np.prod(self.domain.shape)))
         return [times[start : start + size] for start in range(0, len(times), size)]
 
-    def insert(self, times: NDArray[np.float64]) -> Generator[Round, None, int]:
+    def insert(self, times: NDArray[np.float64]) -> Work[int]:
         """Solve frames between their neighbors in time, in one propagation over separate parts of a graph.
 
         Frames at `times` are vertices count, count + 1, ... after the known ones. Returns the sweeps that it took.
@@ -247,7 +221,7 @@ class _Path:
             relief=relief,
             tolerance=self.tolerance,
             max_iterations=self.max_iterations,
-            monitor=self.monitor,
+            control=self.control,
         )
         if relief:
             inherited += (solved.entropy_limits - limits)[new]

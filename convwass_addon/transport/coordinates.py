@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control, drained
 from .barycenter import Barycenter, barycenter
 from .checks import check_distribution, check_distributions, check_sharpness, check_solver
 from .distance import Distance, distance
 from .domain import Domain
 from .inputs import Inputs
-from .sinkhorn import Monitor, balance, self_balance
+from .sinkhorn import balancing, self_balancing
 
 # How much heavier the constraint that weights sum to one is than the quadratic form, in nonnegative least squares.
 _CONSTRAINT = 1e4
@@ -76,7 +77,7 @@ def barycentric_coordinates(
     sharpness: float = 0.0,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> BarycentricCoordinates:
     """Weights for which a distribution comes nearest to being the barycenter of others.
 
@@ -96,7 +97,7 @@ def barycentric_coordinates(
         Where all of them live.
     sharpness : float
         That of the family's barycenters.
-    tolerance, max_iterations, monitor
+    tolerance, max_iterations, control
         As in :func:`distance`.
 
     Returns
@@ -114,9 +115,9 @@ def barycentric_coordinates(
     target, family = _checked(mu, mus, domain)
     check_sharpness(sharpness)
     check_solver(tolerance, max_iterations)
-    limits = {"tolerance": tolerance, "max_iterations": max_iterations, "monitor": monitor}
-    towards = balance(np.broadcast_to(target, family.shape).copy(), family, domain, **limits)
-    own = self_balance(target[None], domain, **limits)
+    limits = {"tolerance": tolerance, "max_iterations": max_iterations, "control": control}
+    towards = drained(balancing(np.broadcast_to(target, family.shape).copy(), family, domain, **limits))
+    own = drained(self_balancing(target[None], domain, **limits))
     inside = target > 0
     mass = (target * domain.weights)[inside]
     potentials = (towards.log_v - sharpness * own.log_v)[:, inside]
@@ -138,7 +139,7 @@ def nearest_barycenter(
     tolerance: float = 1e-3,
     max_iterations: int = 1000,
     max_evaluations: int = 20,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> NearestBarycenter:
     """Weights whose barycenter is nearest to a distribution, in debiased distance.
 
@@ -148,7 +149,7 @@ def nearest_barycenter(
 
     Parameters
     ----------
-    mu, mus, domain, sharpness, max_iterations, monitor
+    mu, mus, domain, sharpness, max_iterations, control
         As in :func:`barycentric_coordinates`.
     tolerance : float
         Relative decrease of the squared distance at which the search ends; the barycenters are solved to a hundredth
@@ -173,9 +174,9 @@ def nearest_barycenter(
     check_solver(tolerance, max_iterations)
     if max_evaluations < 1:
         raise ValueError(f"max_evaluations must be at least 1, got {max_evaluations}")
-    search = _Search(target, family, domain, sharpness, tolerance * _SOLVER_SHARE, max_iterations, monitor)
+    search = _Search(target, family, domain, sharpness, tolerance * _SOLVER_SHARE, max_iterations, control)
     start = barycentric_coordinates(
-        target, family, domain, sharpness=sharpness, max_iterations=max_iterations, monitor=monitor
+        target, family, domain, sharpness=sharpness, max_iterations=max_iterations, control=control
     ).weights
     search.value(start)
     if len(family) > 1:
@@ -205,10 +206,10 @@ class _Search:
         sharpness: float,
         tolerance: float,
         max_iterations: int,
-        monitor: Monitor | None,
+        control: Control,
     ) -> None:
         self.target, self.inputs, self.domain = target, Inputs.of(family, domain), domain
-        self.limits = {"tolerance": tolerance, "max_iterations": max_iterations, "monitor": monitor}
+        self.limits = {"tolerance": tolerance, "max_iterations": max_iterations, "control": control}
         self.sharpness = sharpness
         self.evaluations = 0
         self.best: Distance | None = None
@@ -229,7 +230,7 @@ class _Search:
         if not np.array_equal(weights, self.last_weights):
             self.value(weights)
         density = self.last_barycenter.density
-        own = self_balance(density[None], self.domain, **self.limits)
+        own = drained(self_balancing(density[None], self.domain, **self.limits))
         potential = self.domain.gamma * self.domain.unit_length**2 * (self.last.log_v - own.log_v[0])
         slopes = []
         for corner in np.eye(len(weights)):

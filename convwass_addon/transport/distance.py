@@ -4,17 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_distributions, check_pair, check_solver
 from .domain import Domain
 from .region import Region
-from .sinkhorn import Monitor, Scalings, balancing, self_balance, self_balancing
-from .stepwise import Round, finished
+from .rounds import COARSE_SHARE
+from .sinkhorn import Scalings, balancing, self_balancing
 
 # Coarser levels only give the finest one its start.
 _COARSE_TOLERANCE = 1e-3
@@ -22,6 +22,9 @@ _COARSE_TOLERANCE = 1e-3
 _VALUES_AT_ONCE = 1 << 23
 # No more, so that progress can be told; larger blocks are hardly faster.
 _PAIRS_AT_ONCE = 16
+# Where the report of a debiased distance begins to tell of the plans of both distributions to themselves, which take a
+# dozen rounds; and where that of a matrix ends to tell of them, which comes first.
+_OWN_BEGIN, _OWN_END = 0.85, 0.1
 
 
 @dataclass(frozen=True)
@@ -100,14 +103,6 @@ class DistanceMatrix:
     converged: bool
 
 
-@dataclass(frozen=True)
-class DistanceMatrixStep:
-    """The share of the pairs that are done, and all that was found, with the last step."""
-
-    fraction: float
-    found: DistanceMatrix | None = None
-
-
 def distance(
     mu0: ArrayLike,
     mu1: ArrayLike,
@@ -116,7 +111,7 @@ def distance(
     debias: bool = True,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Distance:
     """Squared Wasserstein distance between two distributions (Algorithm 1).
 
@@ -133,8 +128,8 @@ def distance(
         Largest marginal error.
     max_iterations : int
         At every level.
-    monitor : callable, optional
-        ``monitor(elements, iteration, error)``, called once per iteration; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Returns
     -------
@@ -148,9 +143,9 @@ def distance(
     KernelTooNarrowError
         gamma is too small for numerics of any kind to get from one distribution to the other.
     """
-    return finished(
+    return drained(
         distance_rounds(
-            mu0, mu1, domain, debias=debias, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor
+            mu0, mu1, domain, debias=debias, tolerance=tolerance, max_iterations=max_iterations, control=control
         )
     )
 
@@ -163,14 +158,15 @@ def distance_rounds(
     debias: bool = True,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    monitor: Monitor | None = None,
-) -> Generator[Round, None, Distance]:
+    control: Control = UNINTERRUPTED,
+) -> Work[Distance]:
     """Do the same as :func:`distance` round by round; parameters and errors are the same.
 
     Yields
     ------
-    Round
-        Of the plan between the two and, debiased, of those of both to themselves.
+    Progress
+        After every round of the plan between the two and, debiased, of those of both to themselves; the payload is a
+        :class:`.rounds.Round`.
 
     Returns
     -------
@@ -178,13 +174,13 @@ def distance_rounds(
     """
     pair = check_pair(mu0, mu1, domain)
     check_solver(tolerance, max_iterations)
-    solved, iterations = yield from _coarse_to_fine(pair[:1], pair[1:], domain, tolerance, max_iterations, monitor)
+    solving = _coarse_to_fine(pair[:1], pair[1:], domain, tolerance, max_iterations, control)
+    solved, iterations = yield from within(solving, 0.0, _OWN_BEGIN if debias else 1.0)
     entropic = float(_entropic_values(solved, pair[:1], pair[1:], domain)[0])
     value, divergence, error = entropic, None, float(solved.errors[0])
     if debias:
-        own = yield from self_balancing(
-            pair, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor
-        )
+        solving = self_balancing(pair, domain, tolerance=tolerance, max_iterations=max_iterations, control=control)
+        own = yield from within(solving, _OWN_BEGIN, 1.0)
         divergence = entropic - 0.5 * float(_self_values(own, pair, domain).sum())
         value = float(_squared_distances(np.array(divergence), domain))
         error = max(error, float(own.errors.max()))
@@ -198,28 +194,40 @@ def distance_matrix(
     *,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> DistanceMatrix:
     """Debiased squared distances between all pairs of `mus`, (k, *domain.shape), in blocks of columns.
 
     Parameters and errors are those of :func:`distance`.
     """
-    steps = distance_matrix_steps(mus, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
-    return list(steps)[-1].found
+    return drained(
+        distance_matrix_rounds(mus, domain, tolerance=tolerance, max_iterations=max_iterations, control=control)
+    )
 
 
-def distance_matrix_steps(
+def distance_matrix_rounds(
     mus: ArrayLike,
     domain: Domain,
     *,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    monitor: Monitor | None = None,
-) -> Iterator[DistanceMatrixStep]:
-    """Yield a step after every block of pairs, the last one with what :func:`distance_matrix` returns."""
+    control: Control = UNINTERRUPTED,
+) -> Work[DistanceMatrix]:
+    """Do the same as :func:`distance_matrix` round by round; parameters and errors are the same.
+
+    Yields
+    ------
+    Progress
+        After every round of every block of pairs; the payload is a :class:`.rounds.Round`.
+
+    Returns
+    -------
+    DistanceMatrix
+    """
     densities = check_distributions(mus, domain)
     check_solver(tolerance, max_iterations)
-    own = self_balance(densities, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor)
+    solving = self_balancing(densities, domain, tolerance=tolerance, max_iterations=max_iterations, control=control)
+    own = yield from within(solving, 0.0, _OWN_END)
     self_values = _self_values(own, densities, domain)
     first, second = np.triu_indices(len(densities), 1)
     values = np.zeros((len(densities), len(densities)))
@@ -227,15 +235,15 @@ def distance_matrix_steps(
     at_once = min(max(1, _VALUES_AT_ONCE // densities[0].size), _PAIRS_AT_ONCE)
     for start in range(0, len(first), at_once):
         i, j = first[start : start + at_once], second[start : start + at_once]
-        solved, rounds = finished(
-            _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, monitor)
-        )
+        solving = _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, control)
+        share = (1.0 - _OWN_END) / len(first)
+        end = _OWN_END + share * min(start + at_once, len(first))
+        solved, rounds = yield from within(solving, _OWN_END + share * start, end)
         found = _entropic_values(solved, densities[i], densities[j], domain)
         divergences = found - 0.5 * (self_values[i] + self_values[j])
         values[i, j] = values[j, i] = _squared_distances(divergences, domain)
         error, iterations = max(error, float(solved.errors.max())), max(iterations, rounds)
-        yield DistanceMatrixStep(min((start + at_once) / len(first), 1.0))
-    yield DistanceMatrixStep(1.0, DistanceMatrix(values, iterations, error, error < tolerance))
+    return DistanceMatrix(values, iterations, error, error < tolerance)
 
 
 def _coarse_to_fine(
@@ -244,21 +252,22 @@ def _coarse_to_fine(
     domain: Domain,
     tolerance: float,
     max_iterations: int,
-    monitor: Monitor | None,
-) -> Generator[Round, None, tuple[Scalings, int]]:
+    control: Control,
+) -> Work[tuple[Scalings, int]]:
     """Balance pairs on ever finer domains; the scalings of the finest one, and the iterations of all."""
     coarser = None if domain.has_fast_balance else domain.coarser()
     start, before = None, 0
     if coarser is not None:
         loose = max(tolerance, _COARSE_TOLERANCE)
-        coarse, before = yield from _coarse_to_fine(
-            domain.restrict(mus), domain.restrict(nus), coarser, loose, max_iterations, monitor
-        )
+        restricted = domain.restrict(mus), domain.restrict(nus)
+        solving = _coarse_to_fine(*restricted, coarser, loose, max_iterations, control)
+        coarse, before = yield from within(solving, 0.0, COARSE_SHARE)
         # The potential is -gamma log H(a w).
         start = domain.fall_of_gamma * domain.prolong(coarse.log_kw, Region.whole(domain.shape)).reshape(mus.shape)
-    solved = yield from balancing(
-        mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, monitor=monitor
+    solving = balancing(
+        mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=start, control=control
     )
+    solved = yield from within(solving, 0.0 if coarser is None else COARSE_SHARE, 1.0)
     return solved, before + solved.iterations
 
 

@@ -11,13 +11,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .barycenter import barycenter
 from .checks import check_entropy_limit, check_pair, check_sharpness, check_solver
 from .distance import distance
 from .domain import Domain
 from .inputs import Inputs
 from .sharpening import entropy
-from .sinkhorn import Monitor
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def interpolate(
     entropy_limit: Literal["max"] | float | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Interpolation:
     """Interpolate by barycenters of the two ends, eq. (16), each started from the one before.
 
@@ -79,7 +79,7 @@ def interpolate(
         Densities, not negative; each is normalized to mass 1.
     times : (f,)
         In [0, 1], in any order.
-    domain, sharpness, entropy_limit, tolerance, max_iterations, monitor
+    domain, sharpness, entropy_limit, tolerance, max_iterations, control
         As in :func:`barycenter`.
 
     Returns
@@ -99,7 +99,7 @@ def interpolate(
     check_sharpness(sharpness)
     check_entropy_limit(entropy_limit)
     check_solver(tolerance, max_iterations)
-    shares = _shares(instants, ends, domain, max_iterations, monitor)
+    shares = _shares(instants, ends, domain, max_iterations, control)
     inputs = Inputs.of(ends, domain)
     frames: list[_Frame] = []
     before = None
@@ -116,7 +116,7 @@ def interpolate(
             initial=before,
             tolerance=tolerance,
             max_iterations=max_iterations,
-            monitor=monitor,
+            control=control,
         )
         error = before.marginal_error
         frames.append(_Frame(before.density, error, before.converged, sum(before.iterations), before.numerics))
@@ -148,13 +148,13 @@ def _shares(
     ends: NDArray[np.float64],
     domain: Domain,
     max_iterations: int,
-    monitor: Monitor | None,
+    control: Control,
 ) -> NDArray[np.float64]:
     """Weights of the second end for which mass on its way is at `instants`."""
     if domain.has_quadratic_cost:
         return instants
     # The weights change slowly with the distance, so that a rough one will do.
-    whole = distance(ends[0], ends[1], domain, tolerance=1e-3, max_iterations=max_iterations, monitor=monitor)
+    whole = distance(ends[0], ends[1], domain, tolerance=1e-3, max_iterations=max_iterations, control=control)
     length = max(whole.length / domain.unit_length, np.sqrt(domain.gamma) * 1e-3)
     done, left = domain.cost_slope(instants * length), domain.cost_slope((1.0 - instants) * length)
     return done / (done + left)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +15,7 @@ from ..errors import InputError
 from ..geometry.coarsening import Coarsening, coarsened
 from ..geometry.laplacian import Laplacian, laplacian
 from ..geometry.mesh import TriangleMesh
+from ..progress import UNINTERRUPTED, Control
 
 # Smaller meshes are solved as fast as coarser ones of them are made.
 _FEWEST_VERTICES = 8000
@@ -34,16 +34,16 @@ class MeshLevel:
     laplacian : Laplacian
         Its stiffness; its areas are those of the finest mesh, so that lengths are the same on all levels, and heat
         spreads over a crumpled surface as slowly as its area says.
-    check : callable
-        Called now and then during long work; what it raises ends the work.
+    control : Control
+        Ends long work on the mesh when cancelled.
     """
 
     mesh: TriangleMesh
     laplacian: Laplacian
-    check: Callable[[], None] = lambda: None
+    control: Control = UNINTERRUPTED
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, check: Callable[[], None] = lambda: None) -> MeshLevel:
+    def of(cls, mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> MeshLevel:
         """Calculate the Laplacian of a mesh.
 
         Raises
@@ -51,7 +51,7 @@ class MeshLevel:
         InputError
             The mesh has no area, or its size is beyond what can be calculated with.
         """
-        return cls(mesh, laplacian(mesh, check), check)
+        return cls(mesh, laplacian(mesh, control), control)
 
     @cached_property
     def mean_edge_length(self) -> float:
@@ -59,7 +59,7 @@ class MeshLevel:
         faces, points = self.mesh.faces, self.mesh.vertices
         lengths = []
         for tail, head in ((0, 1), (1, 2), (2, 0)):
-            self.check()
+            self.control.check()
             lengths.append(np.linalg.norm(points[faces[:, tail]] - points[faces[:, head]], axis=1))
         return float(np.concatenate(lengths).mean())
 
@@ -70,16 +70,16 @@ class MeshLevel:
         used = int(np.count_nonzero(areas))
         if used < _FEWEST_VERTICES:
             return None
-        coarsening = coarsened(self.mesh, areas, round(_SHARE * used), check=self.check)
+        coarsening = coarsened(self.mesh, areas, round(_SHARE * used), control=self.control)
         if coarsening is None:
             return None
         try:
-            stiffness = laplacian(coarsening.mesh, self.check)
+            stiffness = laplacian(coarsening.mesh, self.control)
         except InputError:
             # Nothing but needles is left.
             return None
         summed = replace(stiffness, areas=coarsening.sums(areas[None])[0])
-        return CoarserLevel(coarsening, MeshLevel(coarsening.mesh, summed, self.check))
+        return CoarserLevel(coarsening, MeshLevel(coarsening.mesh, summed, self.control))
 
     @property
     def levels_below(self) -> int:

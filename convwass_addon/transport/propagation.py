@@ -4,20 +4,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_distribution, check_distributions, check_solver
 from .domain import Domain
 from .graph import PropagationGraph
 from .propagation_sweeps import PropagationIteration
+from .rounds import COARSE_SHARE, RoundReports
 from .sharpening import entropy
-from .sinkhorn import Monitor
-from .stepwise import Round, finished
 
 # Sweeps after which bounds are raised where that is allowed. What converges at all takes ten to thirty on meshes.
 _PATIENCE = 60
@@ -77,7 +77,7 @@ def propagate(
     initial: Propagation | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Propagation:
     """Spread distributions over a graph so that the weighted sum of squared distances along its edges is least.
 
@@ -108,8 +108,8 @@ def propagate(
         Largest marginal error at the end.
     max_iterations : int
         Largest number of sweeps.
-    monitor : callable, optional
-        ``monitor(elements, iteration, error)``, called once per sweep; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Returns
     -------
@@ -128,7 +128,7 @@ def propagate(
     A line of many edges is not the interpolation of its ends by a barycenter: every edge adds the blur of one kernel,
     so that without an entropy limit long lines diffuse; :func:`bisect` does not.
     """
-    return finished(
+    return drained(
         propagation(
             edges,
             edge_weights,
@@ -140,7 +140,7 @@ def propagate(
             initial=initial,
             tolerance=tolerance,
             max_iterations=max_iterations,
-            monitor=monitor,
+            control=control,
         )
     )
 
@@ -157,14 +157,14 @@ def propagation(
     initial: Propagation | None = None,
     tolerance: float = 1e-2,
     max_iterations: int = 500,
-    monitor: Monitor | None = None,
-) -> Generator[Round, None, Propagation]:
+    control: Control = UNINTERRUPTED,
+) -> Work[Propagation]:
     """Do the same as :func:`propagate` sweep by sweep; parameters and errors are the same.
 
     Yields
     ------
-    Round
-        After every sweep, on coarser domains too.
+    Progress
+        After every sweep, on coarser domains too; the payload is a :class:`.rounds.Round`.
 
     Returns
     -------
@@ -181,7 +181,7 @@ def propagation(
     start = None if initial is None else initial.log_scalings
     if start is not None and start.shape != (len(graph.vertex_of_end), *domain.shape):
         raise ValueError("initial must be a solution for the same graph on the same domain")
-    problem = _Problem(graph, vertices, relief, tolerance, max_iterations, monitor)
+    problem = _Problem(graph, vertices, relief, tolerance, max_iterations, control)
     state, counts = yield from problem.solved(domain, given, limits, start)
     return Propagation(
         densities=state.densities,
@@ -224,7 +224,7 @@ class _Problem:
     relief: float
     tolerance: float
     max_iterations: int
-    monitor: Monitor | None
+    control: Control
 
     def solved(
         self,
@@ -232,22 +232,30 @@ class _Problem:
         given: NDArray[np.float64],
         limits: NDArray[np.float64],
         start: NDArray[np.float64] | None,
-    ) -> Generator[Round, None, tuple[PropagationIteration, tuple[int, ...]]]:
+    ) -> Work[tuple[PropagationIteration, tuple[int, ...]]]:
         """Solve it, from coarser domains where there is no start and the domain asks for it; and count the sweeps."""
         counts: tuple[int, ...] = ()
+        begin = 0.0
         if start is None and domain.has_fast_propagation and (coarser := domain.coarser()) is not None:
-            coarse, counts = yield from self.solved(coarser, domain.restrict(given), limits, None)
+            solving = self.solved(coarser, domain.restrict(given), limits, None)
+            coarse, counts = yield from within(solving, 0.0, COARSE_SHARE)
+            begin = COARSE_SHARE
             start = coarse.lifted(domain)
             limits = coarse.limits
         state = PropagationIteration(domain, self.graph, dict(zip(self.vertices, given, strict=True)), limits, start)
+        iterations = yield from within(self._swept(state), begin, 1.0)
+        return state, (*counts, iterations)
+
+    def _swept(self, state: PropagationIteration) -> Work[int]:
+        """Sweep until the marginals agree, and return how often."""
+        reports = RoundReports(int(np.prod(state.domain.shape)), self.tolerance)
         sweeps = min(self.max_iterations, 2 * _PATIENCE) if self.relief else self.max_iterations
         for iteration in range(1, sweeps + 1):
             state.sweep(self.tolerance)
-            if self.monitor is not None:
-                self.monitor(given[0].size, iteration, state.error)
-            yield Round(given[0].size, state.error)
+            self.control.check()
+            yield reports.after(iteration, state.error)
             if state.error < self.tolerance:
                 break
             if self.relief and iteration == _PATIENCE:
                 state.relieve(self.relief, self.tolerance)
-        return state, (*counts, iteration)
+        return iteration

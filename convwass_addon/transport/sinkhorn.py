@@ -4,22 +4,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control, Work
 from .domain import Domain, KernelTooNarrowError
 from .log_range import LOG_NOTHING
 from .relaxation import AdaptiveRelaxation
-from .stepwise import Round, finished
+from .rounds import RoundReports
 
 # Exponents of what is only compared with a density.
 _LARGEST = 50.0
-
-# Called once per iteration with the elements of the domain, the iteration and the largest error; raise to stop.
-Monitor = Callable[[int, int, float], None]
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ def marginal_errors(
     return left.reshape(len(left), -1).sum(axis=1)
 
 
-def balance(
+def balancing(
     mus: NDArray[np.float64],
     nus: NDArray[np.float64],
     domain: Domain,
@@ -106,8 +103,8 @@ def balance(
     tolerance: float,
     max_iterations: int,
     log_kw: NDArray[np.float64] | None = None,
-    monitor: Monitor | None = None,
-) -> Scalings:
+    control: Control = UNINTERRUPTED,
+) -> Work[Scalings]:
     """Find the scalings of the pairs (mus[p], nus[p]): v = mu / H(a w), w = nu / H(a v).
 
     Pairs that have converged take no further part.
@@ -124,30 +121,19 @@ def balance(
         Then the errors are as they are.
     log_kw : (p, *shape), optional
         Where to start from.
-    monitor : callable, optional
-        See `Monitor`.
+    control : Control
+        Ends the solve when cancelled.
+
+    Yields
+    ------
+    Progress
+        After every round; the payload is a :class:`.rounds.Round`.
 
     Returns
     -------
     Scalings
         Of all pairs, in their order.
     """
-    return finished(
-        balancing(mus, nus, domain, tolerance=tolerance, max_iterations=max_iterations, log_kw=log_kw, monitor=monitor)
-    )
-
-
-def balancing(
-    mus: NDArray[np.float64],
-    nus: NDArray[np.float64],
-    domain: Domain,
-    *,
-    tolerance: float,
-    max_iterations: int,
-    log_kw: NDArray[np.float64] | None = None,
-    monitor: Monitor | None = None,
-) -> Generator[Round, None, Scalings]:
-    """Do the same as :func:`balance` round by round."""
     kernel = KernelInLogarithms(domain)
     log_mus, log_nus = log_density(mus), log_density(nus)
     log_kw = np.zeros_like(mus) if log_kw is None else log_kw.copy()
@@ -156,6 +142,7 @@ def balancing(
     errors = np.full(len(mus), np.inf)
     relaxation = AdaptiveRelaxation(len(mus))
     live = np.arange(len(mus))
+    reports = RoundReports(mus[0].size, tolerance)
     for iteration in range(1, max_iterations + 1):
         first, second = mus[live] > 0, nus[live] > 0
         factors = relaxation.factors[live]
@@ -170,29 +157,12 @@ def balancing(
         # The last update is a full one: the plans then have their first marginals exactly.
         done = (found < tolerance) | (iteration == max_iterations)
         log_v[live] = _relaxed(log_v[live], log_mus[live] - log_kw[live], np.where(done, 1.0, factors), first)
-        if monitor is not None:
-            monitor(mus[0].size, iteration, float(errors.max()))
-        yield Round(mus[0].size, float(errors.max()))
+        control.check()
+        yield reports.after(iteration, float(errors.max()))
         live = live[~done]
         if not len(live):
             break
     return Scalings(log_v, log_w, log_kw, errors, iteration, kernel.numerics)
-
-
-def self_balance(
-    mus: NDArray[np.float64],
-    domain: Domain,
-    *,
-    tolerance: float,
-    max_iterations: int,
-    monitor: Monitor | None = None,
-) -> Scalings:
-    """Find the scaling of every distribution's plan to itself, v H(a v) = mu, by v = sqrt(v mu / H(a v)).
-
-    The square root makes both sides of the plan one; it takes about a dozen rounds at any gamma (Feydy et al. 2019,
-    "Interpolating between optimal transport and MMD using Sinkhorn divergences", section 3).
-    """
-    return finished(self_balancing(mus, domain, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor))
 
 
 def self_balancing(
@@ -201,19 +171,25 @@ def self_balancing(
     *,
     tolerance: float,
     max_iterations: int,
-    monitor: Monitor | None = None,
-) -> Generator[Round, None, Scalings]:
-    """Do the same as :func:`self_balance` round by round."""
+    control: Control = UNINTERRUPTED,
+) -> Work[Scalings]:
+    """Find the scaling of every distribution's plan to itself, v H(a v) = mu, by v = sqrt(v mu / H(a v)).
+
+    The square root makes both sides of the plan one; it takes about a dozen rounds at any gamma (Feydy et al. 2019,
+    "Interpolating between optimal transport and MMD using Sinkhorn divergences", section 3).
+
+    Parameters, reports and results are those of :func:`balancing`.
+    """
     kernel = KernelInLogarithms(domain)
     log_mus = log_density(mus)
     inside = mus > 0
     log_v = np.where(inside, 0.5 * log_mus, LOG_NOTHING)
+    reports = RoundReports(mus[0].size, tolerance)
     for iteration in range(1, max_iterations + 1):
         log_kv = kernel.apply(log_v, inside)
         errors = marginal_errors(log_v + log_kv, mus, domain.weights)
-        if monitor is not None:
-            monitor(mus[0].size, iteration, float(errors.max()))
-        yield Round(mus[0].size, float(errors.max()))
+        control.check()
+        yield reports.after(iteration, float(errors.max()))
         if errors.max() < tolerance:
             break
         log_v = np.where(inside, 0.5 * (log_v + log_mus - log_kv), LOG_NOTHING)

@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .checks import check_solver
-from .sinkhorn import Monitor
 from .soft_map_problem import SoftMapProblem
 from .surface import Surface
 
@@ -86,7 +86,7 @@ def soft_map(
     sweeps: int = 10,
     tolerance: float = 1e-2,
     initial: ArrayLike | SoftMap | None = None,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> SoftMap:
     """Find the map of least Dirichlet energy and cost (Solomon et al. 2015, section 7), by Algorithm 4.
 
@@ -120,8 +120,8 @@ def soft_map(
         Mean mass moved by a sweep, below which it ends.
     initial : (n0, n1) or SoftMap, optional
         Densities to start from.
-    monitor : callable, optional
-        ``monitor(elements, sweep, change)``, called once per sweep; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Returns
     -------
@@ -140,6 +140,5 @@ def soft_map(
     changes: list[float] = []
     while len(changes) < sweeps and not (changes and changes[-1] < tolerance):
         changes.append(iteration.sweep())
-        if monitor is not None:
-            monitor(len(domain.weights), len(changes), changes[-1])
+        control.check()
     return SoftMap(problem.whole(iteration.densities), domain.weights, np.array(changes), changes[-1] < tolerance)

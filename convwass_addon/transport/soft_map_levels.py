@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..geometry.coarsening import Coarsening, coarsened
+from ..progress import UNINTERRUPTED, Control
 from .checks import check_solver
-from .sinkhorn import Monitor
 from .soft_map import GAMMA_PER_SQUARED_EDGE, SoftMap, soft_map_domain
 from .soft_map_problem import SoftMapProblem, SourceEdges, check_pairs
 from .surface import Surface
@@ -78,7 +78,7 @@ def soft_map_between(
     *,
     pairs: ArrayLike = (),
     sweeps: SoftMapSweeps | None = None,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> SoftMap:
     """Find the soft map from one surface to another; see :func:`.soft_map.soft_map`, whose sweeps this saves.
 
@@ -92,8 +92,8 @@ def soft_map_between(
         A vertex of the source and one of the target that belong together.
     sweeps : SoftMapSweeps, optional
         How.
-    monitor : callable, optional
-        ``monitor(elements, sweep, change)``, called once per sweep on every level; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def soft_map_between(
     """
     way = _Way.of(compatibility, source, target, pairs)
     sweeps = sweeps or SoftMapSweeps()
-    return _solved([way], sweeps, sweeps.fine, 0.0, monitor)[0]
+    return _solved([way], sweeps, sweeps.fine, 0.0, control)[0]
 
 
 def symmetric_soft_map(
@@ -117,7 +117,7 @@ def symmetric_soft_map(
     pairs: ArrayLike = (),
     agreement: float = 0.25,
     sweeps: SoftMapSweeps | None = None,
-    monitor: Monitor | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> SymmetricSoftMap:
     """Find the soft maps of both directions together.
 
@@ -125,7 +125,7 @@ def symmetric_soft_map(
 
     Parameters
     ----------
-    compatibility, source, target, pairs, sweeps, monitor
+    compatibility, source, target, pairs, sweeps, control
         As in :func:`soft_map_between`.
     agreement : float
         The share that the other direction has in every distribution, at least 0 and below 1.
@@ -146,7 +146,7 @@ def symmetric_soft_map(
     pairs_back = way.pairs[source.weights[way.pairs[:, 0]] > 0][:, ::-1]
     back = _Way(target, source, np.ascontiguousarray(way.costs.T), pairs_back)
     sweeps = sweeps or SoftMapSweeps()
-    return SymmetricSoftMap(*_solved([way, back], sweeps, sweeps.fine, agreement, monitor))
+    return SymmetricSoftMap(*_solved([way, back], sweeps, sweeps.fine, agreement, control))
 
 
 @dataclass(frozen=True)
@@ -209,20 +209,20 @@ class _CoarseSide:
 
 
 def _solved(
-    ways: Sequence[_Way], sweeps: SoftMapSweeps, count: int, agreement: float, monitor: Monitor | None
+    ways: Sequence[_Way], sweeps: SoftMapSweeps, count: int, agreement: float, control: Control
 ) -> list[SoftMap]:
     """Solve in `count` sweeps, after coarser meshes where there are any."""
     for number in (sweeps.coarse, count):
         check_solver(sweeps.tolerance, number, "sweeps")
     sides = [_CoarseSide.of(surface) for surface in (ways[0].source, ways[0].target)]
     if None in sides:
-        return _swept(ways, [None] * len(ways), sweeps, sweeps.coarse + count, agreement, monitor)
+        return _swept(ways, [None] * len(ways), sweeps, sweeps.coarse + count, agreement, control)
     ends = list(zip(sides, sides[::-1], strict=True))[: len(ways)]
     coarse = [_coarse_way(way, *two) for way, two in zip(ways, ends, strict=True)]
-    maps = _solved(coarse, sweeps, sweeps.coarse, agreement, monitor)
+    maps = _solved(coarse, sweeps, sweeps.coarse, agreement, control)
     starts = [_prolonged(found.densities, *two) for found, two in zip(maps, ends, strict=True)]
     counts = (*maps[0].coarse_iterations, maps[0].iterations)
-    return _swept(ways, starts, sweeps, count, agreement, monitor, counts)
+    return _swept(ways, starts, sweeps, count, agreement, control, counts)
 
 
 def _coarse_way(way: _Way, source: _CoarseSide, target: _CoarseSide) -> _Way:
@@ -243,7 +243,7 @@ def _swept(
     sweeps: SoftMapSweeps,
     count: int,
     agreement: float,
-    monitor: Monitor | None,
+    control: Control,
     coarse_iterations: tuple[int, ...] = (),
 ) -> list[SoftMap]:
     """Solve one level, all directions in turn."""
@@ -259,8 +259,7 @@ def _swept(
                 iteration.attract(_log_depth(other.T[np.ix_(problem.sources, problem.targets)]), agreement)
             moved.append(iteration.sweep())
         changes.append(moved)
-        if monitor is not None:
-            monitor(len(ways[0].target.weights), len(changes), max(moved))
+        control.check()
     found = []
     for problem, iteration, moved in zip(problems, iterations, np.array(changes).T, strict=True):
         densities, areas = problem.whole(iteration.densities), problem.domain.weights

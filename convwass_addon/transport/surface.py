@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +13,7 @@ from scipy.sparse import diags_array
 from ..geometry.edges import vertex_components
 from ..geometry.factorization import Factorization, factorize
 from ..geometry.mesh import TriangleMesh
+from ..progress import UNINTERRUPTED, Control
 from .domain import KernelTooNarrowError
 from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .matern import cost_slope, kernel_distance, squared_distance
@@ -56,9 +56,9 @@ class Surface(ThroughWholeArrays):
     steps : int
         Implicit Euler steps per application of the kernel. More steps make long distances truer: the relative
         shortfall at distance d is about d^2 / (11 gamma steps).
-    check : callable, optional
-        Called now and then in long work, as between Euler steps on many vertices; what it raises ends the work. It
-        stays with the surface and the coarser ones.
+    control : Control
+        Ends long work on the surface when cancelled, such as Euler steps on many vertices. It stays with the surface
+        and the coarser ones.
 
     Attributes
     ----------
@@ -92,10 +92,10 @@ class Surface(ThroughWholeArrays):
         faces: ArrayLike,
         gamma: float | None = None,
         steps: int = 10,
-        check: Callable[[], None] | None = None,
+        control: Control = UNINTERRUPTED,
     ) -> None:
         mesh = TriangleMesh.from_arrays(vertices, faces)
-        self._build(MeshLevel.of(mesh) if check is None else MeshLevel.of(mesh, check), gamma, steps)
+        self._build(MeshLevel.of(mesh, control), gamma, steps)
 
     def with_kernel(self, gamma: float | None = None, steps: int = 10) -> Surface:
         """Return the same mesh with another kernel; the Laplacian and the coarser meshes are shared."""
@@ -137,7 +137,7 @@ class Surface(ThroughWholeArrays):
 
     def factorize(self) -> None:
         """Prepare the kernel now rather than where it is applied for the first time, as that may take a while."""
-        self._level.check()
+        self._level.control.check()
         _ = self._factor
 
     @property
@@ -291,7 +291,7 @@ class Surface(ThroughWholeArrays):
         for start in range(0, len(columns), _COLUMNS):
             some = columns[start : start + _COLUMNS]
             for _ in range(self.steps):
-                self._level.check()
+                self._level.control.check()
                 some = self._factor.solve(some * self._area_weights)
             result[start : start + _COLUMNS] = some
         return result

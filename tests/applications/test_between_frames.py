@@ -64,9 +64,9 @@ def cold(monkeypatch):
     """The weights of blends that were solved from nothing."""
     found = []
 
-    def solve(problem, blends, check=None, real=between.solve_blends):
+    def solve(problem, blends, control, real=between.solve_blends):
         found.extend(blend.weights for blend in blends)
-        return real(problem, blends, check)
+        return real(problem, blends, control)
 
     monkeypatch.setattr(between, "solve_blends", solve)
     return found

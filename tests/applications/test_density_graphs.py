@@ -12,6 +12,7 @@ from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.transport import barycenter
 from tests.applications.test_density_paths import SPHERE, check_records
 from tests.applications.test_density_pieces import BALLS, on
+from tests.controls import cancelled_control
 from tests.transport.spheres import cap, off_center
 
 LINE = [(0, 1), (1, 2), (2, 3), (3, 4)]
@@ -78,9 +79,6 @@ def test_pieces_are_heeded():
         next(propagation_steps([(0, 1), (1, 2)], {0: on(1, 0), 2: on(0, 1)}, BALLS, DensitySettings()))
 
 
-def test_a_check_ends_the_work():
-    def check():
-        raise Cancelled("Cancelled.")
-
+def test_it_can_be_cancelled():
     with pytest.raises(Cancelled):
-        list(propagation_steps(LINE, ENDS, SPHERE, DensitySettings(), check=check))
+        list(propagation_steps(LINE, ENDS, SPHERE, DensitySettings(), control=cancelled_control()))

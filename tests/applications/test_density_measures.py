@@ -15,6 +15,7 @@ from convwass_addon.applications.densities.surface_densities import density_surf
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.test_density_pieces import BALLS, on
+from tests.controls import CountingControl
 from tests.transport.sheets import strip
 from tests.transport.spheres import cap, icosphere, sphere
 
@@ -87,17 +88,11 @@ def test_pieces_are_refused_or_matched():
     assert 0 <= found.length < 0.5
 
 
-def test_a_check_ends_the_work():
-    calls = []
-
-    def check():
-        calls.append(None)
-        if len(calls) == 2:
-            raise Cancelled("Cancelled.")
-
+def test_it_can_be_cancelled():
+    control = CountingControl(last=2)
     with pytest.raises(Cancelled):
-        distance_table(caps(0.0, 1.0), "AB", LARGE, check=check)
-    assert len(calls) == 2
+        distance_table(caps(0.0, 1.0), "AB", LARGE, control=control)
+    assert control.count == 2
 
 
 def test_what_is_no_distribution_is_refused_by_name():

@@ -253,7 +253,7 @@ def test_more_frames_than_memory_are_refused(monkeypatch):
 def test_a_job_in_the_background_is_cancelled_between_iterations(entropy_limit):
     ends = cap(FINE, 0.0), cap(FINE, FAR)
     slow = DensitySettings(steps=500, entropy_limit=entropy_limit, tolerance=1e-9, max_iterations=100_000)
-    job = BackgroundJob(lambda check: interpolation_steps(*ends, FINE, slow, check=check))
+    job = BackgroundJob(lambda control: interpolation_steps(*ends, FINE, slow, control=control))
     while not any(step.fraction == 0.0 for step in job.poll()):
         pass
     job.cancel()

@@ -13,6 +13,7 @@ from convwass_addon.applications.densities.surface_densities import density_surf
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.transport.sharpening import entropy
 from tests.applications.test_surface_densities import SURFACE
+from tests.controls import cancelled_control
 from tests.shapes import ball, joined
 from tests.transport.sheets import sheet_mesh
 from tests.transport.spheres import cap, icosphere
@@ -86,13 +87,10 @@ def test_lengths_that_make_no_sense_are_refused(length):
 
 
 @pytest.mark.parametrize("tool", [partial(diffused, length=0.3), partial(sharpened_by, share=0.5)])
-def test_a_check_ends_the_work(tool):
-    def check():
-        raise Cancelled("Cancelled.")
-
+def test_it_can_be_cancelled(tool):
     density = diffused(unit_mass(MIDDLE, PLANE), PLANE, 1.0, "a")
     with pytest.raises(Cancelled):
-        tool(density, PLANE, name="a", check=check)
+        tool(density, PLANE, name="a", control=cancelled_control())
 
 
 def test_sharpening_a_gaussian_narrows_it():

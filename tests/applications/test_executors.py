@@ -23,7 +23,9 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.cluster import ClusterExecutor, cluster_workers
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from convwass_addon.progress import Control
 from tests.clusters import local_cluster
+from tests.controls import CountingControl
 from tests.shapes import ball, box
 
 SHAPES = (ball(), box())
@@ -152,16 +154,11 @@ def test_one_thread_of_blas_lasts_until_the_last_has_left():
 
 
 def test_cancelling_cancels_what_has_not_begun(cluster):
-    seen = threading.Event()
-
-    def check():
-        if seen.is_set():
-            raise Cancelled("enough")
-
+    control = Control()
     with counted(cluster.scheduler_address) as (executor, futures):
         with pytest.raises(Cancelled):
-            for _ in steps(executor=executor, check=check):
-                seen.set()
+            for _ in steps(executor=executor, control=control):
+                control.cancel()
         assert sum(future.cancelled() for future in futures) >= RUNS // 2
         deadline = time.monotonic() + 30
         while any(executor.client.processing().values()) and time.monotonic() < deadline:
@@ -171,18 +168,11 @@ def test_cancelling_cancels_what_has_not_begun(cluster):
 
 def test_a_bake_on_a_cluster_can_be_stopped_while_it_waits():
     """No run ever ends here, and the user is heard all the same."""
-    asked = []
-
-    def check():
-        asked.append(1)
-        if len(asked) == 3:
-            raise Cancelled("enough")
-
     never = threading.Event()
     with ThreadPoolExecutor(1) as elsewhere:
         elsewhere.submit(never.wait)
         with pytest.raises(Cancelled):
-            list(steps(executor=elsewhere, check=check))
+            list(steps(executor=elsewhere, control=CountingControl(last=3)))
         never.set()
 
 

@@ -17,6 +17,7 @@ from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.planar_fill import filled_boundary
+from tests.controls import CountingControl
 from tests.flat_shapes import ellipse, rectangle
 
 SETTINGS = FlatSettings(resolution=128)
@@ -262,16 +263,10 @@ def test_curves_that_cross_themselves_are_filled():
 
 
 def test_a_job_can_be_cancelled():
-    calls = []
-
-    def check():
-        calls.append(1)
-        if len(calls) > 5:
-            raise Cancelled("Cancelled.")
-
+    control = CountingControl(last=6)
     with pytest.raises(Cancelled):
-        frames_of([shape(ellipse()), shape(rectangle())], path_blends(2, 24), check=check)
-    assert len(calls) < 60
+        frames_of([shape(ellipse()), shape(rectangle())], path_blends(2, 24), control=control)
+    assert control.count < 60
 
 
 def test_holes_that_belong_to_a_blend_are_not_filled():

@@ -26,6 +26,7 @@ from convwass_addon.applications.morphs.runs import RUN_LENGTH, runs_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.array_files import array_bytes
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from tests.controls import ConditionalControl
 from tests.shapes import ball, box
 
 QUICK = MorphSettings(resolution=16)
@@ -39,9 +40,9 @@ def solved(monkeypatch):
     """The runs that were really computed, as a list of their first frames."""
     found = []
 
-    def in_threads(problem, runs, check, workers, real=morphing.runs_in_threads):
+    def in_threads(problem, runs, control, workers, real=morphing.runs_in_threads):
         found.extend(run[0].frame for run in runs.values())
-        return real(problem, runs, check, workers)
+        return real(problem, runs, control, workers)
 
     monkeypatch.setattr(morphing, "runs_in_threads", in_threads)
     return found
@@ -100,13 +101,10 @@ def test_runs_that_are_finished_before_their_turn_are_kept_too(tmp_path, monkeyp
     """The last run comes first and the first never ends; what the last found is in the folder all the same."""
     last = len(BLENDS) % RUN_LENGTH
 
-    def check():
-        if len(list(tmp_path.iterdir())) >= last:
-            raise Cancelled("enough")
-
+    control = ConditionalControl(lambda: len(list(tmp_path.iterdir())) >= last)
     monkeypatch.setattr(TransportProblem, "effort", lambda problem, blend: blend.frame**4)
     with pytest.raises(Cancelled):
-        list(bake(FrameCache(tmp_path), check=check, workers=1))
+        list(bake(FrameCache(tmp_path), control=control, workers=1))
     assert len(list(tmp_path.iterdir())) == last
 
 

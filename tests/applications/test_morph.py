@@ -20,6 +20,7 @@ from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.alignment import aligned
 from convwass_addon.geometry.edges import topology
 from convwass_addon.sentence import Sentence
+from tests.controls import CountingControl, cancelled_control
 from tests.shapes import ball, box, joined, square, torus, with_faces
 
 QUICK = MorphSettings(resolution=32)
@@ -165,12 +166,9 @@ def test_frames_are_the_same_wherever_they_are_computed():
                 np.testing.assert_array_equal(one, other)
 
 
-def test_a_check_that_raises_ends_a_job_in_other_processes():
-    def check():
-        raise Cancelled("enough")
-
+def test_a_job_in_other_processes_can_be_cancelled():
     with ThreadPoolExecutor(1) as elsewhere, pytest.raises(Cancelled):
-        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, check, executor=elsewhere))
+        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, cancelled_control(), executor=elsewhere))
 
 
 def test_no_workers_are_refused():
@@ -178,23 +176,17 @@ def test_no_workers_are_refused():
         list(morph([ball(), box()], ["a", "b"], path_blends(2, 2), QUICK, workers=0))
 
 
-def test_a_check_that_raises_ends_the_job():
-    calls = []
-
-    def check():
-        calls.append(1)
-        if len(calls) > 5:
-            raise Cancelled("enough")
-
+def test_a_job_can_be_cancelled():
+    control = CountingControl(last=6)
     with pytest.raises(Cancelled):
-        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, check))
+        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, control))
     # Every run that a thread still begins ends at its first check.
-    assert len(calls) < 6 + os.cpu_count() + 50 / 4
+    assert control.count < 6 + os.cpu_count() + 50 / 4
 
 
 def test_a_background_job_delivers_and_can_be_cancelled():
     shapes, blends = [ball(), box()], path_blends(2, 400)
-    job = BackgroundJob(lambda check: morph(shapes, ["a", "b"], blends, QUICK, check))
+    job = BackgroundJob(lambda control: morph(shapes, ["a", "b"], blends, QUICK, control))
     steps = []
     deadline = time.monotonic() + 60
     while sum(step.frame is not None for step in steps) < 3 and time.monotonic() < deadline:
@@ -207,7 +199,7 @@ def test_a_background_job_delivers_and_can_be_cancelled():
 
 
 def test_a_background_job_hands_over_its_error():
-    job = BackgroundJob(lambda check: morph([ball(), square()], ["a", "b"], path_blends(2, 2), QUICK, check))
+    job = BackgroundJob(lambda control: morph([ball(), square()], ["a", "b"], path_blends(2, 2), QUICK, control))
     while not job.done:
         time.sleep(0.01)
     assert isinstance(job.error, InputError)

@@ -28,6 +28,7 @@ from convwass_addon.applications.palettes.palette_statistics import (
 )
 from convwass_addon.applications.palettes.recoloring import palette_barycenter, recoloring
 from convwass_addon.errors import Cancelled, InputError
+from tests.controls import cancelled_control
 
 from .palettes import cloud, palette_of
 
@@ -203,13 +204,10 @@ def test_samples_are_spread_evenly():
     assert columns.min() > 0.4 * columns.mean() and columns.max() < 1.7 * columns.mean()
 
 
-def test_a_check_ends_the_solve():
-    def check():
-        raise Cancelled("Cancelled.")
-
+def test_a_solve_can_be_cancelled():
     own = palette_of(cloud(1, MIDDLE, np.eye(3) * 4))
     with pytest.raises(Cancelled):
-        recoloring(own, [palette_of(cloud(2, MIDDLE, np.eye(3) * 9))], check=check)
+        recoloring(own, [palette_of(cloud(2, MIDDLE, np.eye(3) * 9))], control=cancelled_control())
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from convwass_addon.applications.morphs.reading import connectivity_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import voxelize
 from convwass_addon.errors import Cancelled
+from convwass_addon.progress import Control
 from convwass_addon.transport import Grid
 from tests.shapes import ball, box, joined, torus
 
@@ -291,7 +292,7 @@ def test_frames_of_the_cache_need_no_previews(tmp_path):
 
 
 def test_a_job_can_be_stopped_among_its_previews(monkeypatch):
-    stopped, sketched = [], []
+    sketched = []
 
     def noting(*args):
         sketched.append(args)
@@ -300,15 +301,12 @@ def test_a_job_can_be_stopped_among_its_previews(monkeypatch):
     real = blending._sketched_frame
     monkeypatch.setattr(blending, "_sketched_frame", noting)
 
-    def check():
-        if stopped:
-            raise Cancelled("enough")
-
-    steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, check, previews=True)
+    control = Control()
+    steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, control, previews=True)
     for step in steps:
         if step.preview is not None:
             break
-    stopped.append(True)
+    control.cancel()
     with pytest.raises(Cancelled):
         list(steps)
     assert len(sketched) < 30

@@ -20,6 +20,7 @@ from convwass_addon.applications.palettes.pixels import PixelFormat, image_palet
 from convwass_addon.applications.palettes.recolor_job import Picture, recolor_steps
 from convwass_addon.applications.palettes.recoloring import recoloring
 from convwass_addon.errors import Cancelled, InputError
+from tests.controls import cancelled_control
 
 from .palettes import cloud, picture_of
 
@@ -297,12 +298,8 @@ def test_steps_of_a_job(source, target):
     np.testing.assert_array_equal(steps[-1].pixels, recolored(source, change_of(source, target)))
     ends = list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), only_map=True))
     assert ends[-1].pixels is None and ends[-1].change is not None
-
-    def check():
-        raise Cancelled("Cancelled.")
-
     with pytest.raises(Cancelled):
-        list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), check))
+        list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), cancelled_control()))
 
 
 @pytest.mark.parametrize(("size", "mean", "worst"), [(17, 1.5, 12.0), (65, 0.2, 4.0)])

@@ -20,6 +20,7 @@ from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import arm, shuffled, subdivided, tube, turn
 from tests.applications.test_densities_on_animals import horse
+from tests.controls import CountingControl
 from tests.shapes import ball, joined, torus, with_faces
 
 QUICK = SoftMapSettings(vertices=200, sweeps=4)
@@ -213,17 +214,11 @@ def test_a_pair_that_contradicts_the_others_is_told_of():
 
 
 def test_work_can_be_stopped():
-    calls = []
-
-    def check():
-        calls.append(1)
-        if len(calls) > 3:
-            raise Cancelled("stopped")
-
+    control = CountingControl(last=4)
     mesh, _ = arm()
     with pytest.raises(Cancelled):
-        list(soft_map_steps(MapSide(mesh, "A"), MapSide(mesh, "B"), [], QUICK, check))
-    assert len(calls) == 4
+        list(soft_map_steps(MapSide(mesh, "A"), MapSide(mesh, "B"), [], QUICK, control))
+    assert control.count == 4
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from convwass_addon.applications.densities.vertex_distances import distances_fro
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.test_density_pieces import BALLS
+from tests.controls import cancelled_control
 from tests.transport.sheets import strip
 from tests.transport.spheres import icosphere
 
@@ -71,9 +72,6 @@ def test_sources_need_area(vertices, message):
         distances_from(vertices, BALLS)
 
 
-def test_a_check_ends_the_work():
-    def check():
-        raise Cancelled("Cancelled.")
-
+def test_it_can_be_cancelled():
     with pytest.raises(Cancelled):
-        distances_from([0], BALLS, check)
+        distances_from([0], BALLS, cancelled_control())

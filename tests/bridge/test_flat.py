@@ -26,6 +26,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.fitting import fitted_beziers
 from convwass_addon.geometry.outlines import FlatRegion, Outline
+from convwass_addon.progress import Control
 
 SQUARE = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
@@ -335,16 +336,13 @@ def test_a_job_that_is_stopped_keeps_what_is_finished():
     settings = FlatSettings(resolution=256)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     job = FlatJob(bpy.context.scene, depsgraph, letters, path_blends(2, 9), settings, {}, 1)
-    frames = 0
-
-    def check():
-        if frames >= 3:
-            raise Cancelled("Cancelled.")
-
+    control, frames = Control(), 0
     with pytest.raises(Cancelled):
-        for step in job.steps(check, Computation(workers=1)):
+        for step in job.steps(control, Computation(workers=1)):
             job.write(step)
             frames += step.frame is not None
+            if frames == 3:
+                control.cancel()
     collection = job.finish(hide_inputs=False)
     shown = frame_objects(collection)
     assert 3 <= len(shown) < 10

@@ -30,10 +30,10 @@ from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import UNINTERRUPTED, Control
 from tests.flat_shapes import ellipse
 from tests.shapes import ball
 
-Check = Callable[[], None] | None
 _BALL = ball(points=80)
 _SOLID = MorphSettings(resolution=20, blur=1.0)
 _FLAT = FlatSettings(resolution=32, blur=1.0)
@@ -49,81 +49,80 @@ def outcome(run: Callable[[], object]) -> str:
     return "done"
 
 
-def morph_of(mesh: TriangleMesh, check: Check = None, settings: MorphSettings = _SOLID) -> None:
+def morph_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED, settings: MorphSettings = _SOLID) -> None:
     """Morph a mesh into a ball."""
-    for step in morph([mesh, _BALL], ["broken", "ball"], path_blends(2, 3), settings, check, workers=1):
+    for step in morph([mesh, _BALL], ["broken", "ball"], path_blends(2, 3), settings, control, workers=1):
         if step.frame is not None and step.frame.mesh is not None:
             _sound(step.frame.mesh)
             assert step.frame.origins is None or np.isfinite(step.frame.origins).all()
 
 
-def density_of(mesh: TriangleMesh, check: Check = None) -> None:
+def density_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
     """Move mass from the first vertices to the last ones."""
     surface = density_surface(mesh)
     weights = np.zeros((2, len(mesh.vertices)))
     weights[0, : len(mesh.vertices) // 3 + 1] = 1.0
     weights[1, -1:] = 1.0
     settings = DensitySettings(steps=2, max_iterations=40, pieces="match")
-    for step in interpolation_steps(*weights, surface, settings, check=check):
+    for step in interpolation_steps(*weights, surface, settings, control=control):
         if step.frames is not None:
             assert np.isfinite(step.frames.densities).all() and (step.frames.densities >= 0).all()
 
 
-def soft_map_of(mesh: TriangleMesh, check: Check = None) -> None:
+def soft_map_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
     """Map a mesh to a ball and back."""
     sides = MapSide(mesh, "broken"), MapSide(_BALL, "ball")
-    for step in soft_map_steps(*sides, [], SoftMapSettings(vertices=50, sweeps=1), check):
+    for step in soft_map_steps(*sides, [], SoftMapSettings(vertices=50, sweeps=1), control):
         if step.found is not None:
             for points in (step.found.forward, step.found.backward):
                 assert np.isfinite(points.barycentric).all() and np.isfinite(points.confidence).all()
                 assert not np.isnan(points.spread).any()
 
 
-def skeleton_of(mesh: TriangleMesh, check: Check = None) -> None:
+def skeleton_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
     """Fit a chain of bones into a mesh."""
     middle = mesh.bounds.mean(axis=0) if len(mesh.faces) else np.zeros(3)
     size = np.ptp(mesh.bounds, axis=0) if len(mesh.faces) else np.ones(3)
     ends = middle - 0.2 * size, middle + 0.2 * size
     positions = np.linspace(*ends, 4)
     graph = JointGraph.from_arrays(positions, [(0, 1), (1, 2), (2, 3)], [True, False, False, True])
-    for step in fit_steps(mesh, graph, SkeletonSettings(outside_pins="move"), check):
+    for step in fit_steps(mesh, graph, SkeletonSettings(outside_pins="move"), control):
         if step.found is not None:
             assert np.isfinite(step.found.positions).all()
 
 
-def flat_of(rings: list[np.ndarray], check: Check = None) -> None:
+def flat_of(rings: list[np.ndarray], control: Control = UNINTERRUPTED) -> None:
     """Morph rings into an ellipse, by mass and by letters, as outlines and as densities."""
     for settings in (_FLAT, FlatSettings(resolution=32, blur=1.0, words="letters", output="densities")):
         shapes = [FlatShape(tuple(rings)), FlatShape((ellipse(corners=16),))]
-        _flat(shapes, settings, check)
+        _flat(shapes, settings, control)
 
 
-def gray_of(pixels: np.ndarray, check: Check = None) -> None:
+def gray_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
     """Morph an image into an ellipse."""
     for kind in ("density", "silhouette"):
         image = FlatImage(pixels[..., 0].T, 0.1, kind=kind)
-        _flat([image, FlatShape((ellipse(corners=16),))], _FLAT, check)
+        _flat([image, FlatShape((ellipse(corners=16),))], _FLAT, control)
 
 
-def palette_of(pixels: np.ndarray, check: Check = None) -> None:
+def palette_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
     """Give an image the colors of another, and the other way around."""
     good = np.random.default_rng(6).random((8, 8, 4)).astype(np.float32)
     for encoding, turn in (("srgb", 1), ("linear", -1)):
         form = PixelFormat(encoding, highest=1.0 if encoding == "srgb" else np.inf)
         source, palette = [Picture(own, form) for own in (pixels.astype(np.float32), good)][::turn]
-        for step in recolor_steps(source, [palette], [1.0], RecolorSettings(edge_radius=0), check):
+        for step in recolor_steps(source, [palette], [1.0], RecolorSettings(edge_radius=0), control):
             finite = np.isfinite(source.pixels).all(axis=-1)
             assert step.pixels is None or np.isfinite(step.pixels[finite]).all()
 
 
-def sky_of(pixels: np.ndarray, check: Check = None) -> None:
+def sky_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
     """Blend a sky into another."""
     image = np.asarray(pixels, float)[..., :3]
     image = np.resize(image, (64, 128, 3)) if image.size else image
     good = np.random.default_rng(7).random((64, 128, 3))
     frame = Skies(image, good, SkySettings(rows=32)).frame(0.5)
-    if check is not None:
-        check()
+    control.check()
     assert np.isfinite(frame.image).all() and (frame.image >= 0).all()
 
 
@@ -132,8 +131,8 @@ ON_RINGS = {"flat": flat_of}
 ON_PIXELS = {"gray": gray_of, "recolor": palette_of, "sky": sky_of}
 
 
-def _flat(shapes: list[FlatShape | FlatImage], settings: FlatSettings, check: Check) -> None:
-    for step in flat_morph(shapes, ["broken", "ellipse"], path_blends(2, 2), settings, check, workers=1):
+def _flat(shapes: list[FlatShape | FlatImage], settings: FlatSettings, control: Control) -> None:
+    for step in flat_morph(shapes, ["broken", "ellipse"], path_blends(2, 2), settings, control, workers=1):
         if step.frame is not None and step.frame.outline is not None:
             assert np.isfinite(step.frame.outline.points).all()
 

@@ -18,6 +18,7 @@ import bpy
 from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.skies.sky_sequence import SkyFiles, sky_steps
+from convwass_addon.progress import Control
 from tests.fuzz.job_cases import prepare, with_steps
 from tests.lights import sky
 
@@ -45,8 +46,8 @@ def _stepping(own: Callable[[object], Callable], step: Step) -> Callable:
     def steps(self: object) -> Callable[[object], Iterator]:
         make = own(self)
 
-        def stepping(check: object) -> Iterator:
-            for found in make(check):
+        def stepping(control: Control) -> Iterator:
+            for found in make(control):
                 step()
                 yield found
 

@@ -11,6 +11,7 @@ from convwass_addon.applications.skeletons import skeleton_bodies
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
+from tests.controls import CountingControl
 from tests.fuzz.array_cases import (
     ON_MESHES,
     ON_PIXELS,
@@ -84,30 +85,22 @@ def pixels():
 
 
 JOBS = {
-    "morph": lambda check: morph_of(ball(points=60), check),
-    "density": lambda check: density_of(ball(points=60), check),
-    "soft map": lambda check: soft_map_of(ball(points=60), check),
-    "armature": lambda check: skeleton_of(ball(points=60), check),
-    "flat": lambda check: flat_of([np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])], check),
-    "gray": lambda check: gray_of(pixels(), check),
-    "recolor": lambda check: palette_of(pixels(), check),
+    "morph": lambda control: morph_of(ball(points=60), control),
+    "density": lambda control: density_of(ball(points=60), control),
+    "soft map": lambda control: soft_map_of(ball(points=60), control),
+    "armature": lambda control: skeleton_of(ball(points=60), control),
+    "flat": lambda control: flat_of([np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])], control),
+    "gray": lambda control: gray_of(pixels(), control),
+    "recolor": lambda control: palette_of(pixels(), control),
 }
 
 
 @pytest.mark.parametrize("name", JOBS)
 def test_jobs_end_at_every_check(name):
     """Every check that a job makes ends it where the user has pressed Esc, and nothing swallows that."""
-    calls = []
-    JOBS[name](lambda: calls.append(1))
-    assert calls, "it never looks whether it should stop"
-    stops = sorted({0, 1, len(calls) // 3, len(calls) - 1} & set(range(len(calls))))
-    for stop in stops:
-        seen = []
-
-        def check(seen=seen, stop=stop):
-            seen.append(1)
-            if len(seen) > stop:
-                raise Cancelled("Cancelled.")
-
+    whole = CountingControl()
+    JOBS[name](whole)
+    assert whole.count, "it never looks whether it should stop"
+    for last in sorted({1, 2, whole.count // 3 + 1, whole.count} & set(range(1, whole.count + 1))):
         with pytest.raises(Cancelled):
-            JOBS[name](check)
+            JOBS[name](CountingControl(last))

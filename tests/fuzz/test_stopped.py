@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import errno
 import gc
-import threading
 from contextlib import suppress
 
 import bpy
@@ -15,6 +14,7 @@ import pytest
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.operators.background import BackgroundOperator
+from tests.controls import CountingControl
 from tests.fuzz.job_cases import CASES, call, kinds_of, prepare, traces, two_cubes, with_steps
 from tests.operators.densities import ESCAPE, Pressed, inventory, until, window_context
 
@@ -31,8 +31,8 @@ def stopped_after(monkeypatch, count, error):
         def steps(self):
             make = own(self)
 
-            def failing(check):
-                for number, step in enumerate(make(check)):
+            def failing(control):
+                for number, step in enumerate(make(control)):
                     if number == count:
                         raise error
                     yield step
@@ -67,30 +67,17 @@ def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch, tmp_
     assert count > 0 and not bpy.context.window_manager.convwass_progress.running
 
 
-class Checks:
-    """Counts how often a job asks whether to go on, and lets it be cancelled at one of these times."""
-
-    def __init__(self, last=None):
-        self.count, self._last, self._lock = 0, last, threading.Lock()
-
-    def __call__(self):
-        with self._lock:
-            self.count += 1
-            if self._last is not None and self.count > self._last:
-                raise Cancelled("Cancelled.")
-
-
-def checked_by(monkeypatch, checks):
-    """Let all jobs ask `checks`, and the steps end at it as those of a thread do."""
+def checked_by(monkeypatch, control):
+    """Let all jobs check `control`, and the steps end at it as those of a thread do."""
 
     def steps_of(own):
         def steps(self):
             make = own(self)
 
             def asking(_):
-                for step in make(checks):
+                for step in make(control):
                     yield step
-                    checks()
+                    control.check()
 
             return asking
 
@@ -109,16 +96,16 @@ def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, t
     """Inside of solves too; at eight checks, from the first to the last. What comes after works as if nothing was."""
     work = prepare(name, tmp_path)
     before = traces(tmp_path)
-    whole = Checks()
+    whole = CountingControl()
     with monkeypatch.context() as patch:
         checked_by(patch, whole)
         with suppress(RuntimeError):
             work()
     assert traces(tmp_path) == before
     assert whole.count > 2, "it never asks"
-    for last in sorted(set(np.linspace(0, whole.count - 1, 8).astype(int).tolist())):
+    for last in sorted(set(np.linspace(1, whole.count, 8).astype(int).tolist())):
         with monkeypatch.context() as patch:
-            checked_by(patch, Checks(last))
+            checked_by(patch, CountingControl(last))
             with suppress(RuntimeError):
                 assert work() == {"CANCELLED"}
         assert traces(tmp_path) == before, f"at check {last} of {whole.count}"

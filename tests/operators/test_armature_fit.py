@@ -18,6 +18,7 @@ from convwass_addon.bridge.armatures.pins import pinned_ends
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_fit, background
 from convwass_addon.operators.armature_fit import CONVWASS_OT_fit_armature
+from convwass_addon.progress import UNINTERRUPTED
 from convwass_addon.properties.armatures import FitProperties
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, TIMER, Pressed, until, window_context
@@ -34,9 +35,9 @@ def asked(monkeypatch):
     """What the fit is asked for; it lays joints out between the pins."""
     calls = []
 
-    def steps(mesh, graph, settings, check=None):
+    def steps(mesh, graph, settings, control=UNINTERRUPTED):
         calls.append(SimpleNamespace(mesh=mesh, graph=graph, settings=settings))
-        yield from harmonic_steps(mesh, graph, settings, check)
+        yield from harmonic_steps(mesh, graph, settings, control)
 
     monkeypatch.setattr(armature_fit, "fit_steps", steps)
     return calls
@@ -251,7 +252,7 @@ def test_a_pose_is_told_and_kept(rig, capfd):
 
 
 def test_what_should_be_known_is_told(rig, monkeypatch, capfd):
-    def steps(mesh, graph, settings, check=None):
+    def steps(mesh, graph, settings, control=UNINTERRUPTED):
         found = harmonic(graph, [Sentence("Pins were moved.")])
         found.positions[2] = found.positions[1]
         yield armature_fit.FitStep(1.0, Sentence("Writing"), found)
@@ -329,7 +330,7 @@ def test_hidden_and_running(rig):
 
 
 def test_what_the_application_refuses_changes_nothing(rig, monkeypatch):
-    def steps(mesh, graph, settings, check=None):
+    def steps(mesh, graph, settings, control=UNINTERRUPTED):
         raise InputError("The pin {name} lies outside.", name="A.head")
         yield
 
@@ -395,9 +396,9 @@ def test_it_runs_beside_the_users_work(window, rig):
 
 
 def test_escape_leaves_everything_as_it_was(window, rig, monkeypatch):
-    def endless(mesh, graph, settings, check=None):
+    def endless(mesh, graph, settings, control=UNINTERRUPTED):
         while True:
-            check()
+            control.check()
             yield armature_fit.FitStep(0.5, Sentence("Starting"))
 
     monkeypatch.setattr(armature_fit, "fit_steps", endless)

@@ -19,6 +19,7 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, RecolorJob
 from convwass_addon.operators.recolor_table import CubeFile, TableJob
 from convwass_addon.operators.recolor_targets import read_pictures
+from tests.controls import ConditionalControl
 from tests.operators.densities import Pressed, inventory, until, window_context
 from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_of, red_image
 from tests.rigs import call
@@ -128,13 +129,9 @@ def test_a_table_that_is_stopped_while_it_is_written_leaves_the_old_file(own, tm
     pictures = read_pictures(bpy.context, red)
     inner = RecolorJob(Handle.of("images", red), *pictures, RecolorSettings(), ends="map")
     job, written = TableJob(inner, 5, CubeFile(target, "Blue")), []
-
-    def check():
-        if written:
-            raise Cancelled("Cancelled.")
-
+    control = ConditionalControl(lambda: written)
     with pytest.raises(Cancelled):
-        for step in job.steps(check):
+        for step in job.steps(control):
             job.write(step)
             written += [step] * (str(step.message) == "Writing the table")
     job.discard()

@@ -19,6 +19,7 @@ from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.errors import InputError
 from convwass_addon.operators import background, soft_map_compute
 from convwass_addon.operators.soft_map_compute import CONVWASS_OT_compute_soft_map
+from convwass_addon.progress import UNINTERRUPTED
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, Pressed, until, window_context
 from tests.operators.soft_maps import call, choose, own, points, select, sphere, store_closest, store_mirror
@@ -39,7 +40,7 @@ def asked(monkeypatch):
     """Put the map to the closest points in the place of the solver; gives what that is asked for."""
     calls = []
 
-    def steps(source, target, pairs, settings, check=None):
+    def steps(source, target, pairs, settings, control=UNINTERRUPTED):
         calls.append(SimpleNamespace(source=source, target=target, pairs=pairs.tolist(), settings=settings))
         yield SoftMapStep(0.5, Sentence("Solving the map"))
         yield SoftMapStep(1.0, Sentence("The map is there"), closest_map(source.mesh, target.mesh))
@@ -48,7 +49,7 @@ def asked(monkeypatch):
     monkeypatch.setattr(
         soft_map_compute,
         "mirror_map_steps",
-        lambda side, pairs, settings, check: steps(side, side, pairs, settings, check),
+        lambda side, pairs, settings, control: steps(side, side, pairs, settings, control),
     )
     return calls
 
@@ -299,11 +300,11 @@ def test_it_goes_on_beside_the_users_work(pair, asked, monkeypatch):
 
 
 def test_escape_leaves_no_map(pair, monkeypatch):
-    def for_ever(source, target, pairs, settings, check):
+    def for_ever(source, target, pairs, settings, control):
         while True:
             yield SoftMapStep(0.5, Sentence("Solving the map"))
             time.sleep(0.001)
-            check()
+            control.check()
 
     monkeypatch.setattr(soft_map_compute, "soft_map_steps", for_ever)
     pressed, context = start(monkeypatch)

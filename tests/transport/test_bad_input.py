@@ -230,14 +230,14 @@ def test_without_the_mistake_nothing_is_wrong(function):
 
 def test_no_argument_was_forgotten():
     """All but domains and callbacks, and flags that have no wrong value."""
-    unchecked = {"domain", "inputs", "monitor", "debias", "size", "source", "target", "surface"}
+    unchecked = {"domain", "inputs", "control", "debias", "size", "source", "target", "surface"}
     tried = {(function, argument) for function, argument, *_ in CASES}
     for function in GOOD:
         for argument in set(inspect.signature(function).parameters) - unchecked:
             assert (function, argument) in tried, f"{function.__name__}: {argument}"
     callables = {getattr(transport, name) for name in transport.__all__}
     functions = {f for f in callables if inspect.isfunction(f)}
-    # What bisect does step by step has its arguments, and only starts with the first step.
+    # The generator behind bisect has the same arguments, and only starts with the first report.
     assert functions - {transport.bisection} | {Grid} == set(GOOD)
     assert inspect.signature(transport.bisection).parameters == inspect.signature(bisect).parameters
 

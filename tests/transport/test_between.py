@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
+from convwass_addon.progress import Control
 from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_beside, barycenter_between
 from convwass_addon.transport.log_range import LOG_NOTHING
 from convwass_addon.transport.potentials import Potentials
@@ -73,12 +74,10 @@ def test_strangers_are_refused():
 
 def test_it_can_be_stopped():
     first, second = solved([0.5, 0.5, 0.0]), solved([0.4, 0.6, 0.0])
-
-    def stop(*_):
-        raise Cancelled("stop")
-
+    control = Control()
+    control.cancel()
     with pytest.raises(Cancelled):
-        barycenter_between(first, second, 0.5, INPUTS, monitor=stop)
+        barycenter_between(first, second, 0.5, INPUTS, control=control)
 
 
 def only_finest(one):

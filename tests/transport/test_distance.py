@@ -10,6 +10,8 @@ import pytest
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import Grid, KernelTooNarrowError, distance, distance_matrix
+from convwass_addon.transport.distance import distance_matrix_rounds, distance_rounds
+from tests.controls import CountingControl
 from tests.transport import dense
 from tests.transport.gaussians import gaussian
 
@@ -209,16 +211,8 @@ def test_coarse_levels_give_the_finest_one_its_start(monkeypatch):
     for levels in (True, False):
         if not levels:
             monkeypatch.setattr(Grid, "coarser", lambda self: None)
-        heard = []
-        distance(
-            first,
-            second,
-            Grid((64, 64), 2.0),
-            debias=False,
-            tolerance=1e-2,
-            monitor=lambda *now, to=heard: to.append(now[0]),
-        )
-        rounds.append(heard.count(64 * 64))
+        reports = list(distance_rounds(first, second, Grid((64, 64), 2.0), debias=False, tolerance=1e-2))
+        rounds.append(sum(report.payload.elements == 64 * 64 for report in reports))
     assert rounds[0] < 0.6 * rounds[1]
 
 
@@ -333,19 +327,21 @@ def test_beyond_the_entries_of_the_kernel_the_distance_is_right(sigma):
     assert found.value == pytest.approx(60**2, rel=1e-6)
 
 
-@pytest.mark.parametrize("solve", [distance, lambda mu, nu, grid, **rest: distance_matrix([mu, nu], grid, **rest)])
-def test_the_monitor_hears_every_round_and_can_stop(solve):
+@pytest.mark.parametrize(
+    "rounds", [distance_rounds, lambda a, b, *rest, **own: distance_matrix_rounds([a, b], *rest, **own)]
+)
+def test_every_round_is_reported_and_can_be_the_last(rounds):
     first, second = ragged(21, 2, (17, 9))
-    heard = []
-    solve(first, second, Grid((17, 9), 1.0), monitor=lambda *heard_now: heard.append(heard_now))
-    assert {cells for cells, _, _ in heard} == {17 * 9}
-    rounds = [iteration for _, iteration, _ in heard]
-    assert all(later == before + 1 or later == 1 for before, later in pairwise(rounds))
-    assert min(error for *_, error in heard) < 1e-5
-
-    def stop(cells, iteration, error):
-        if iteration == 3:
-            raise Cancelled("enough")
-
-    with pytest.raises(Cancelled, match="enough"):
-        solve(first, second, Grid((17, 9), 1.0), monitor=stop)
+    reports = list(rounds(first, second, Grid((17, 9), 1.0)))
+    assert {report.payload.elements for report in reports} == {17 * 9}
+    numbers = [report.payload.iteration for report in reports]
+    assert all(later == before + 1 or later == 1 for before, later in pairwise(numbers))
+    assert min(report.payload.error for report in reports) < 1e-5
+    fractions = [report.fraction for report in reports]
+    assert fractions == sorted(fractions)
+    assert 0.0 <= fractions[0] < 0.3
+    assert 0.9 < fractions[-1] <= 1.0
+    control = CountingControl(last=3)
+    with pytest.raises(Cancelled):
+        list(rounds(first, second, Grid((17, 9), 1.0), control=control))
+    assert control.count == 3

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
+from convwass_addon.progress import Control
 from convwass_addon.transport import Grid, KernelTooNarrowError, barycenter, propagate
 from convwass_addon.transport.graph import line
+from convwass_addon.transport.propagation import propagation
 from convwass_addon.transport.relaxation import AdaptiveRelaxation
 from convwass_addon.transport.sharpening import entropy
 from tests.transport import dense
@@ -299,19 +301,16 @@ def test_a_kernel_that_does_not_reach_is_refused():
         propagate(line(3), 1.0, {0: first, 2: second}, Grid((200,), 0.2))
 
 
-def test_the_monitor_hears_every_sweep_and_can_stop():
+def test_every_sweep_is_reported_and_can_be_the_last():
     mus, grid = uneven(18, 2, (12, 9)), Grid((12, 9), 1.1)
-    heard = []
-
-    def stop(cells, iteration, error):
-        heard.append((cells, iteration, error))
-        if iteration == 4:
-            raise Cancelled("enough")
-
-    with pytest.raises(Cancelled, match="enough"):
-        propagate(line(5), 1.0, {0: mus[0], 4: mus[1]}, grid, tolerance=1e-12, monitor=stop)
-    assert [h[:2] for h in heard] == [(108, i) for i in (1, 2, 3, 4)]
-    assert all(np.isfinite(error) for *_, error in heard)
+    control, rounds = Control(), []
+    with pytest.raises(Cancelled):
+        for report in propagation(line(5), 1.0, {0: mus[0], 4: mus[1]}, grid, tolerance=1e-12, control=control):
+            rounds.append(report.payload)
+            if len(rounds) == 4:
+                control.cancel()
+    assert [(done.elements, done.iteration) for done in rounds] == [(108, i) for i in (1, 2, 3, 4)]
+    assert all(np.isfinite(done.error) for done in rounds)
 
 
 def test_a_start_is_copied():

@@ -9,6 +9,7 @@ from hypothesis import given, settings, strategies as st
 from convwass_addon.errors import Cancelled
 from convwass_addon.transport import SourceEdges, Surface, point_distances, soft_map, soft_map_domain
 from convwass_addon.transport.dense_kernel import dense_kernel
+from tests.controls import CountingControl
 
 from .soft_map_cases import Literal, sheet
 from .spheres import icosphere
@@ -181,18 +182,13 @@ def test_a_start_that_is_a_solution_is_kept():
     assert mass_apart(cold.densities, done.densities, case.domain).mean() > 0.2
 
 
-def test_the_monitor_hears_every_sweep_and_can_stop():
-    heard = []
-
-    def stop(elements, sweep, change):
-        heard.append((elements, sweep, change))
-        if sweep == 3:
-            raise Cancelled("enough")
-
+def test_a_solve_can_be_cancelled_at_any_sweep():
+    control = CountingControl(last=3)
     with pytest.raises(Cancelled):
-        solved(problem(), monitor=stop)
-    assert [h[:2] for h in heard] == [(20, 1), (20, 2), (20, 3)]
-    assert heard[0][2] > heard[2][2] > 0
+        solved(problem(), control=control)
+    assert control.count == 3
+    changes = solved(problem(), sweeps=3).changes
+    assert changes[0] > changes[2] > 0
 
 
 def test_ends_at_the_tolerance():

@@ -17,6 +17,7 @@ from convwass_addon.transport import (
     soft_map_domain,
     symmetric_soft_map,
 )
+from tests.controls import CountingControl
 
 from .soft_map_cases import sheet
 
@@ -123,19 +124,18 @@ def test_vertices_that_nothing_uses():
         assert densities[1].argmax() == 1
 
 
-def test_the_monitor_hears_all_levels_and_can_stop():
+def test_a_solve_can_be_cancelled_on_any_level():
     source, target, costs, _ = case()
-    heard = []
-
-    def listen(elements, sweep, change):
-        heard.append(elements)
-        if len(heard) == 8:
-            raise Cancelled("enough")
-
-    with pytest.raises(Cancelled):
-        soft_map_between(costs, source, target, monitor=listen, sweeps=SoftMapSweeps(coarse=3, fine=5))
-    assert len(set(heard)) == 2
-    assert heard == sorted(heard)
+    whole, sweeps = CountingControl(), SoftMapSweeps(coarse=3, fine=5)
+    found = soft_map_between(costs, source, target, control=whole, sweeps=sweeps)
+    (coarse,) = found.coarse_iterations
+    assert coarse > 0
+    assert whole.count == coarse + found.iterations
+    for last in (1, coarse, coarse + 1, whole.count):
+        control = CountingControl(last)
+        with pytest.raises(Cancelled):
+            soft_map_between(costs, source, target, control=control, sweeps=sweeps)
+        assert control.count == last
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
+from convwass_addon.progress import Control
 from convwass_addon.transport import Surface, barycenter, bisect, bisection, distance, propagate
 from convwass_addon.transport.graph import line
 from convwass_addon.transport.region import Region
@@ -227,8 +228,7 @@ def test_nothing_leaps_across_the_gap(limit, away):
 def test_frames_that_nothing_wants_are_not_solved():
     surface = sphere(3, 0.0145)
     ends = cap(surface, 0.0), cap(surface, FAR)
-    solved = []
-    found = bisect(*ends, surface, levels=4, times=[0.1, 0.0], monitor=lambda *args: solved.append(args))
+    found = bisect(*ends, surface, levels=4, times=[0.1, 0.0])
     everything = bisect(*ends, surface, levels=4, times=np.append(np.arange(1, 16) / 16, 0.1))
     assert len(found.iterations) == 5
     np.testing.assert_allclose(found.densities[0], everything.densities[-1], rtol=1e-9)
@@ -239,26 +239,34 @@ def test_frames_that_nothing_wants_are_not_solved():
 def test_steps_tell_how_far_it_is():
     surface = globe()
     ends = cap(surface, 0.0), cap(surface, FAR)
-    steps = list(bisection(*ends, surface, levels=4))
-    fractions = [step.fraction for step in steps]
-    assert len(steps) >= 4
-    assert fractions == sorted(set(fractions))
-    assert fractions[-1] == 1.0
-    assert [step.result is None for step in steps] == [True] * (len(steps) - 1) + [False]
-    np.testing.assert_array_equal(steps[-1].result.times, np.arange(17) / 16)
+    reports, results = [], []
+
+    def work():
+        results.append((yield from bisection(*ends, surface, levels=4)))
+
+    for report in work():
+        reports.append(report)
+        assert not results
+    fractions = [report.fraction for report in reports]
+    assert fractions == sorted(fractions)
+    assert len(set(fractions)) >= 4
+    assert 0.0 <= fractions[0] < 0.1
+    assert 0.9 < fractions[-1] <= 1.0
+    assert {report.payload.elements for report in reports} == {surface.coarser().shape[0], surface.shape[0]}
+    np.testing.assert_array_equal(results[0].times, np.arange(17) / 16)
 
 
 def test_a_solve_can_be_stopped_on_any_level():
     surface = globe()
     ends = cap(surface, 0.0), cap(surface, FAR)
     for vertices in (surface.coarser().shape[0], surface.shape[0]):
-
-        def stop(elements, iteration, error, vertices=vertices):
-            if elements == vertices:
-                raise Cancelled("enough")
-
+        control, rounds = Control(), []
         with pytest.raises(Cancelled):
-            bisect(*ends, surface, levels=1, monitor=stop)
+            for report in bisection(*ends, surface, levels=1, control=control):
+                rounds.append(report.payload.elements)
+                if rounds[-1] == vertices:
+                    control.cancel()
+        assert rounds.count(vertices) == 1
 
 
 def test_a_bound_that_does_not_let_frames_converge_is_raised():

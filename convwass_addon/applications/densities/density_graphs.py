@@ -15,9 +15,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface, propagate
-from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, record
 from .density_memory import check_frames_memory
@@ -35,7 +35,7 @@ def propagation_steps(
     settings: DensitySettings,
     names: Sequence[str] | None = None,
     edge_weights: ArrayLike | float = 1.0,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[DensityStep]:
     """Fill in the densities at the places of a graph, so that neighbors are as near to each other as can be.
 
@@ -53,8 +53,8 @@ def propagation_steps(
         What messages call the places, all of them; by default their numbers.
     edge_weights : float or (e,)
         How near the ends of an edge are to be, positive.
-    check : callable, optional
-        Called between iterations; what it raises ends the job.
+    control : Control
+        Ends the job when cancelled.
 
     Yields
     ------
@@ -92,7 +92,7 @@ def propagation_steps(
             entropy_limit="max" if settings.entropy_limit == "between" else settings.entropy_limit,
             tolerance=settings.tolerance,
             max_iterations=settings.max_iterations,
-            monitor=monitor_of(check),
+            control=control,
         )
     records = []
     for place in range(size):

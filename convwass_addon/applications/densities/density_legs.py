@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Control
 from ...sentence import Sentence
 from ...transport import Interpolation, Surface, bisection, interpolate
-from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, record
 from .density_settings import DensitySettings
-from .density_solving import reachable
+from .density_solving import reachable, solving
 
 # Halvings of the way that no bisection gets to.
 _ENDLESS = 64
@@ -38,15 +38,15 @@ class Leg:
         Where they are.
     settings : DensitySettings
         How.
-    check : callable or None
-        Called between iterations; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
     """
 
     ends: NDArray[np.float64]
     names: tuple[str, str]
     surface: Surface
     settings: DensitySettings
-    check: Check | None
+    control: Control
 
     def steps(self, start: float, end: float) -> Iterator[DensityStep]:
         """Yield progress, and all frames, both ends among them, at times from `start` to `end`."""
@@ -70,26 +70,27 @@ class Leg:
     def _bounded(self, instants: NDArray[np.float64]) -> Iterator[_Part]:
         """By bisection, some midpoints of a level at a time."""
         limit = self.settings.entropy_limit
-        steps = bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options)
-        found = None
-        while found is None:
-            # Not across a yield: whoever drives this may leave it standing.
-            with one_blas_thread(), reachable(self.surface, self.names):
-                step = next(steps)
-            found = step.result
-            if found is not None:
-                # One number per level is one per frame.
-                inner = (found.iterations[min(_halvings(t), len(found.iterations)) - 1] for t in instants[1:-1])
-                found = replace(found, iterations=(0, *inner, 0))
-            yield _Part(step.fraction, found)
+        work = solving(
+            bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options),
+            self.surface,
+            self.names,
+        )
+        while True:
+            try:
+                yield _Part(next(work).fraction, None)
+            except StopIteration as end:
+                found = end.value
+                break
+        # One number per level is one per frame.
+        inner = (found.iterations[min(_halvings(t), len(found.iterations)) - 1] for t in instants[1:-1])
+        yield _Part(1.0, replace(found, iterations=(0, *inner, 0)))
 
     @property
     def _options(self) -> dict[str, object]:
-        monitor = monitor_of(self.check)
         return {
             "tolerance": self.settings.tolerance,
             "max_iterations": self.settings.max_iterations,
-            "monitor": monitor,
+            "control": self.control,
         }
 
     def _frames(self, found: Interpolation, start: float, end: float) -> DensityFrames:

@@ -11,20 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface
-from ...transport.distance import distance_matrix_steps, distance_rounds
-from ...transport.stepwise import RoundsDone
-from ..checks import Check, monitor_of
-from ..workers import one_blas_thread
+from ...transport.distance import distance_matrix_rounds, distance_rounds
 from .density_frames import DensityStep
 from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
 from .density_preparing import preparing
-from .density_solving import reachable
+from .density_solving import solving
 from .surface_densities import distribution
 
-# On surfaces of so many vertices, progress is told after every round.
-_LARGE = 100_000
 MEASURING_SUBSTEPS = 20
 """Substeps with which distances are right to a few percent; 10 will do for interpolations."""
 
@@ -106,7 +102,7 @@ def measured_distance(
     match_pieces: bool = False,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> DensityDistance:
     """Measure the Wasserstein distance between two densities (Algorithm 1).
 
@@ -124,8 +120,8 @@ def measured_distance(
         Whether shares on connected pieces are scaled where they differ; see :func:`.density_pieces.on_same_pieces`.
     tolerance, max_iterations
         As in :func:`.transport.distance`.
-    check : callable, optional
-        Called between iterations; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Raises
     ------
@@ -141,7 +137,7 @@ def measured_distance(
         match_pieces=match_pieces,
         tolerance=tolerance,
         max_iterations=max_iterations,
-        check=check,
+        control=control,
     )
     return last.found
 
@@ -163,7 +159,7 @@ def measuring_steps(
     match_pieces: bool = False,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[MeasuringStep]:
     """Yield a step now and then, on large surfaces after every round, and last what :func:`measured_distance` returns.
 
@@ -182,19 +178,15 @@ def measuring_steps(
         debias=debias,
         tolerance=tolerance,
         max_iterations=max_iterations,
-        monitor=monitor_of(check),
+        control=control,
     )
-    share = RoundsDone(surface.shape[0], tolerance)
+    rounds = solving(rounds, surface, names)
     while True:
         try:
-            # The limit of threads is not for those who take the steps.
-            with one_blas_thread(), reachable(surface, names):
-                fraction = share.after(next(rounds))
+            yield MeasuringStep(next(rounds).fraction, message)
         except StopIteration as end:
             found = end.value
             break
-        if surface.shape[0] >= _LARGE:
-            yield MeasuringStep(fraction, message)
     figures = found.iterations, found.marginal_error, found.converged, found.numerics
     yield MeasuringStep(1.0, message, found=DensityDistance(found.length, found.value, debias, *figures))
 
@@ -206,7 +198,7 @@ def distance_table(
     *,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> DistanceTable:
     """Measure the debiased distances between all pairs of densities; parameters as :func:`measured_distance`.
 
@@ -218,7 +210,7 @@ def distance_table(
         Fewer than two, or weights that are no distributions.
     """
     steps = distance_table_steps(
-        weights, names, surface, tolerance=tolerance, max_iterations=max_iterations, check=check
+        weights, names, surface, tolerance=tolerance, max_iterations=max_iterations, control=control
     )
     return list(steps)[-1].found
 
@@ -230,7 +222,7 @@ def distance_table_steps(
     *,
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[DistanceTableStep]:
     """Yield a step after every few pairs, the last one with what :func:`distance_table` returns.
 
@@ -252,16 +244,17 @@ def distance_table_steps(
         if len(family) == 1:
             continue
         alike = on_same_pieces(densities[family], own, surface)
-        steps = distance_matrix_steps(
-            alike, surface, tolerance=tolerance, max_iterations=max_iterations, monitor=monitor_of(check)
+        rounds = distance_matrix_rounds(
+            alike, surface, tolerance=tolerance, max_iterations=max_iterations, control=control
         )
-        pairs, found = len(family) * (len(family) - 1) // 2, None
-        while found is None:
-            # The limit of threads is not for those who take the steps.
-            with one_blas_thread(), reachable(surface, own):
-                step = next(steps)
-            found = step.found
-            yield DistanceTableStep((done + step.fraction * pairs) / total)
+        pairs = len(family) * (len(family) - 1) // 2
+        rounds = solving(rounds, surface, own)
+        while True:
+            try:
+                yield DistanceTableStep((done + next(rounds).fraction * pairs) / total)
+            except StopIteration as end:
+                found = end.value
+                break
         done += pairs
         lengths[np.ix_(family, family)] = np.sqrt(np.maximum(found.values, 0.0))
         iterations, error = max(iterations, found.iterations), max(error, found.marginal_error)

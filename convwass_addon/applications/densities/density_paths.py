@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface, barycenter, interpolate
 from ...transport.sharpening import entropy, entropy_between
-from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, DensityStep, comparable, record
 from .density_legs import Leg
@@ -33,13 +33,13 @@ def interpolation_steps(
     surface: Surface,
     settings: DensitySettings,
     names: tuple[str, str] = ("A", "B"),
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[DensityStep]:
     """Move one density to another in ``settings.steps`` steps, at equally spaced times from 0 to 1.
 
     Parameters, steps and errors are those of :func:`path_steps`.
     """
-    return path_steps([first, second], names, surface, settings, check=check)
+    return path_steps([first, second], names, surface, settings, control=control)
 
 
 def path_steps(
@@ -48,7 +48,7 @@ def path_steps(
     surface: Surface,
     settings: DensitySettings,
     key_times: ArrayLike | None = None,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[DensityStep]:
     """Move a density through several others, ``settings.steps`` steps from each to the next.
 
@@ -64,8 +64,8 @@ def path_steps(
         How; steps, bound, tolerance and iterations are heeded here, blur and substeps made the surface.
     key_times : (k,), optional
         When each of them is reached, rising; by default at equal distances from 0 to 1.
-    check : callable, optional
-        Called between iterations; what it raises (:class:`.errors.Cancelled`) ends the job at once.
+    control : Control
+        Ends the work when cancelled.
 
     Yields
     ------
@@ -83,7 +83,7 @@ def path_steps(
     check_frames_memory(surface, legs * settings.steps + 1)
     yield from preparing_levels(surface)
     for leg in range(legs):
-        way = Leg(densities[leg : leg + 2], (names[leg], names[leg + 1]), surface, settings, check)
+        way = Leg(densities[leg : leg + 2], (names[leg], names[leg + 1]), surface, settings, control)
         for step in way.steps(times[leg], times[leg + 1]):
             frames = step.frames
             if frames is not None and leg > 0 and frames.times[0] == times[leg]:
@@ -98,7 +98,7 @@ def blend_steps(
     shares: Sequence[float],
     surface: Surface,
     settings: DensitySettings,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[DensityStep]:
     """Blend several densities: their barycenter with the weights `shares`, as one frame at time 0.
 
@@ -107,7 +107,7 @@ def blend_steps(
 
     Parameters
     ----------
-    weights, names, surface, settings, check
+    weights, names, surface, settings, control
         As for :func:`path_steps`.
     shares : sequence of float
         One per density, not negative, of any sum but zero.
@@ -135,9 +135,9 @@ def blend_steps(
         bound = float(entropy_between(entropies, alphas, surface.dimension))
     with one_blas_thread(), reachable(surface, names):
         if len(active) <= 2:
-            figures, density = _between_two(densities[active], alphas[active], surface, bound, settings, check)
+            figures, density = _between_two(densities[active], alphas[active], surface, bound, settings, control)
         else:
-            figures, density = _among_several(densities, alphas, surface, bound, settings, check)
+            figures, density = _among_several(densities, alphas, surface, bound, settings, control)
     figures["weights"] = [{"name": name, "weight": float(share)} for name, share in zip(names, alphas, strict=True)]
     yield DensityStep(1.0, message, DensityFrames(np.zeros(1), density[None], [figures], surface))
 
@@ -148,7 +148,7 @@ def _between_two(
     surface: Surface,
     bound: Literal["max"] | float | None,
     settings: DensitySettings,
-    check: Check | None,
+    control: Control,
 ) -> tuple[dict[str, object], NDArray[np.float64]]:
     """Return the record and the density of a blend of one or two densities.
 
@@ -164,7 +164,7 @@ def _between_two(
         entropy_limit=bound,
         tolerance=settings.tolerance,
         max_iterations=settings.max_iterations,
-        monitor=monitor_of(check),
+        control=control,
     )
     solved = found.marginal_errors[0], found.converged[0], found.iterations[0], found.numerics
     return record(0.0, found.entropies[0], None, *solved), found.densities[0]
@@ -176,7 +176,7 @@ def _among_several(
     surface: Surface,
     bound: Literal["max"] | float | None,
     settings: DensitySettings,
-    check: Check | None,
+    control: Control,
 ) -> tuple[dict[str, object], NDArray[np.float64]]:
     """Return the same for more densities."""
     found = barycenter(
@@ -187,7 +187,7 @@ def _among_several(
         entropy_limit=bound,
         tolerance=settings.tolerance,
         max_iterations=settings.max_iterations,
-        monitor=monitor_of(check),
+        control=control,
     )
     error = max(found.marginal_error, found.debias_error)
     solved = error, found.converged, sum(found.iterations), found.numerics

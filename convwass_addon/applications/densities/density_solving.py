@@ -6,10 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeVar
 
 from ...errors import InputError
+from ...progress import Work
 from ...transport import KernelTooNarrowError, Surface
+from ..workers import one_blas_thread
 from .surface_densities import blur_of
+
+Result = TypeVar("Result")
 
 
 @contextmanager
@@ -30,3 +35,17 @@ def reachable(surface: Surface, names: Sequence[str]) -> Iterator[None]:
             names=", ".join(dict.fromkeys(names)),
             longer=1.5 * blur_of(surface),
         ) from error
+
+
+def solving(work: Work[Result], surface: Surface, names: Sequence[str]) -> Work[Result]:
+    """Do work on a surface with one thread of BLAS, and with errors as :func:`reachable` says them.
+
+    Both hold while the work goes on, and not while its caller takes a report.
+    """
+    while True:
+        try:
+            with one_blas_thread(), reachable(surface, names):
+                report = next(work)
+        except StopIteration as end:
+            return end.value
+        yield report

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...transport import Surface
 from ...transport.pieces import PieceMasses
 from ...transport.sharpening import entropy, sharpening_exponent
 from ...transport.sinkhorn import log_density
-from ..checks import Check
 from ..workers import one_blas_thread
 from .surface_densities import distribution
 
@@ -25,7 +25,7 @@ _CLOSE = 1e-3
 
 
 def diffused(
-    weights: ArrayLike, surface: Surface, length: float, name: str, check: Check | None = None
+    weights: ArrayLike, surface: Surface, length: float, name: str, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
     """Let a density spread by heat along the surface.
 
@@ -39,8 +39,8 @@ def diffused(
         Standard deviation, per axis, that the heat gains, in scene units. Squares add up: 3 and then 4 are 5.
     name : str
         What messages call the weights.
-    check : callable, optional
-        Called between parts of the work; what it raises ends it.
+    control : Control
+        Ends the work when cancelled.
 
     Returns
     -------
@@ -63,16 +63,16 @@ def diffused(
         )
     with one_blas_thread():
         # The kernel's variance per axis is gamma / 2, whatever the number of substeps.
-        _ask(check)
+        control.check()
         kernel = surface.with_kernel(2.0 * (length / surface.unit_length) ** 2, surface.steps)
-        _ask(check)
+        control.check()
         spread = kernel.apply(density)
-    _ask(check)
+    control.check()
     return distribution(spread, surface, name)
 
 
 def sharpened(
-    weights: ArrayLike, surface: Surface, limit: float, name: str, check: Check | None = None
+    weights: ArrayLike, surface: Surface, limit: float, name: str, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
     """Raise a density to the power at which its entropy is `limit`; every connected piece keeps its share.
 
@@ -86,8 +86,8 @@ def sharpened(
         Entropy in nats. A density whose entropy is below it stays as it is.
     name : str
         What messages call the weights.
-    check : callable, optional
-        Called between parts of the work; what it raises ends it.
+    control : Control
+        Ends the work when cancelled.
 
     Returns
     -------
@@ -104,9 +104,9 @@ def sharpened(
         raise InputError("The entropy to sharpen to must be a number, got {limit}.", limit=limit)
     pieces = PieceMasses.of(density, surface)
     logs = log_density(density)
-    _ask(check)
+    control.check()
     exponent = sharpening_exponent(logs, limit, surface.weights, pieces)
-    _ask(check)
+    control.check()
     result = _powered(logs, exponent, pieces, surface)
     reached = entropy(result, surface.weights)
     if reached > limit + _CLOSE:
@@ -121,7 +121,7 @@ def sharpened(
 
 
 def sharpened_by(
-    weights: ArrayLike, surface: Surface, share: float, name: str, check: Check | None = None
+    weights: ArrayLike, surface: Surface, share: float, name: str, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
     """Sharpen a density, (n,), until it covers `share` of the area that it has covered, 0 < share <= 1.
 
@@ -135,7 +135,7 @@ def sharpened_by(
     if not 0 < share <= 1:
         raise InputError("The share of the area to keep must lie between 0 and 1, got {share:.3g}.", share=share)
     density = distribution(weights, surface, name)
-    return sharpened(density, surface, entropy(density, surface.weights) + float(np.log(share)), name, check)
+    return sharpened(density, surface, entropy(density, surface.weights) + float(np.log(share)), name, control)
 
 
 def unit_mass(vertices: int | Sequence[int] | ArrayLike, surface: Surface) -> NDArray[np.float64]:
@@ -172,12 +172,6 @@ def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
             "Vertex {vertex} is loose: no face with an area uses it, so that it can hold no mass. Choose another one.",
             vertex=int(loose[0]),
         )
-
-
-def _ask(check: Check | None) -> None:
-    """Let a check end the work."""
-    if check is not None:
-        check()
 
 
 def _powered(

@@ -8,7 +8,6 @@ density times area. All lengths that come in or go out are in scene units, those
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface
 from ...transport.sharpening import entropy
@@ -27,7 +27,7 @@ _GOOD_BLUR = 2.0
 
 
 def density_surface(
-    mesh: TriangleMesh, blur: float | None = None, substeps: int = 10, check: Callable[[], None] | None = None
+    mesh: TriangleMesh, blur: float | None = None, substeps: int = 10, control: Control = UNINTERRUPTED
 ) -> Surface:
     """Return the surface on which densities of a mesh live.
 
@@ -41,8 +41,8 @@ def density_surface(
         default what suits the mesh.
     substeps : int
         Steps of time that the kernel takes.
-    check : callable, optional
-        Called now and then in all work on the surface, also later; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def density_surface(
     """
     check_surface_memory(mesh)
     if blur is None or not mesh.area > 0:
-        return Surface(mesh.vertices, mesh.faces, None, substeps, check)
+        return Surface(mesh.vertices, mesh.faces, None, substeps, control)
     size = float(np.sqrt(mesh.area))
     if not (np.isfinite(blur) and blur > 0):
         raise InputError("The blur must be a positive length, or left out.")
@@ -74,7 +74,7 @@ def density_surface(
             # Rounded for the message, it must still do.
             least=1.01 * _LEAST_BLUR * edge,
         )
-    return Surface(mesh.vertices, mesh.faces, 2.0 * (blur / size) ** 2, substeps, check)
+    return Surface(mesh.vertices, mesh.faces, 2.0 * (blur / size) ** 2, substeps, control)
 
 
 def blur_of(surface: Surface) -> float:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface, point_distances
-from ..checks import Check
 from ..workers import one_blas_thread
 from .density_tools import check_vertices
 from .surface_densities import HeatMap, blur_of, heat_map
@@ -43,7 +43,7 @@ class VertexDistances:
         return heat_map(np.where(reached, self.lengths, far))
 
 
-def distances_from(vertices: ArrayLike, surface: Surface, check: Check | None = None) -> VertexDistances:
+def distances_from(vertices: ArrayLike, surface: Surface, control: Control = UNINTERRUPTED) -> VertexDistances:
     """Measure the distances along the surface from the nearest of some vertices to everywhere (Fig. 3 of the paper).
 
     Parameters
@@ -52,8 +52,8 @@ def distances_from(vertices: ArrayLike, surface: Surface, check: Check | None = 
         The sources.
     surface : Surface
         Its blur sets how far float64 reaches: a wider one goes further.
-    check : callable, optional
-        Called now and then; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Raises
     ------
@@ -65,8 +65,7 @@ def distances_from(vertices: ArrayLike, surface: Surface, check: Check | None = 
     nearest = np.full(surface.shape, np.inf)
     at_once = max(1, _VALUES_AT_ONCE // surface.shape[0])
     for start in range(0, len(chosen), at_once):
-        if check is not None:
-            check()
+        control.check()
         with one_blas_thread():
             found = point_distances(chosen[start : start + at_once], surface)
         np.minimum(nearest, found.min(axis=0), out=nearest)

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import UNINTERRUPTED, Control
 from ..morphs.blend_solver import BlendSolver, SolvedBlend
 from ..morphs.blending import HandOver
 from ..morphs.layouts import Blend
@@ -25,11 +26,11 @@ from .flat_regions import colored_regions
 def solve_flat_blends(
     problem: FlatProblem,
     blends: Sequence[Blend],
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
     hand_over: HandOver = at_once,
 ) -> list[FlatFrame]:
     """Solve a run of blends, each started from the one before; the parameters are those of :func:`.solve_blends`."""
-    solver = BlendSolver(problem.transport, check)
+    solver = BlendSolver(problem.transport, control)
     frames = []
     for blend in blends:
         if blend.source is not None:

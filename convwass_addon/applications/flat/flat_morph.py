@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
-from ..checks import Check
 from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
 from ..morphs.runs import as_solved, runs_of, solved_in_threads
@@ -29,7 +29,7 @@ def flat_morph(
     names: Sequence[str],
     blends: Sequence[Blend],
     settings: FlatSettings,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
     *,
     workers: int | None = None,
     wanted: range | None = None,
@@ -46,9 +46,8 @@ def flat_morph(
         In an order in which neighbors are similar: each solve starts from the one before.
     settings : FlatSettings
         How.
-    check : callable, optional
-        Called between iterations, in whatever thread computes; what it raises (:class:`.errors.Cancelled`) ends the
-        job at once.
+    control : Control
+        Ends the work when cancelled.
     workers : int, optional
         Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
         The frames are the same.
@@ -71,16 +70,15 @@ def flat_morph(
         raise InputError("A morph needs at least two shapes; select or name one more.")
     runs = dict(enumerate(runs_of(blends, wanted)))
     yield FlatStep(0.0, Sentence("Laying out the grid"))
-    if check is not None:
-        check()
+    control.check()
     problem = flat_problem(shapes, names, settings)
     yield FlatStep(_BEGUN, Sentence("Drew the shapes on the grid"))
     threads = min(workers or os.cpu_count() or 1, len(runs))
     fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
     solve = partial(solve_flat_blends, problem)
-    with solved_in_threads(solve, problem.transport.effort, runs, check, fitting) as pending:
-        frames = in_order(list(runs.values()), runs, as_solved(pending, check), None)
+    with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
+        frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
         for done, frame in enumerate(frames, start=1):
             fraction = _BEGUN + (1.0 - _BEGUN) * done / total
             yield FlatStep(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)

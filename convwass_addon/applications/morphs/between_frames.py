@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -19,6 +19,7 @@ from typing import Literal
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
 from ..workers import frame_workers
@@ -102,7 +103,7 @@ def between_frames(
     numbers: Sequence[float],
     settings: MorphSettings,
     cache: FrameCache,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
     *,
     labels: Sequence[FaceLabels] | None = None,
     workers: int | None = None,
@@ -114,7 +115,7 @@ def between_frames(
 
     Parameters
     ----------
-    shapes, names, settings, check, labels, workers
+    shapes, names, settings, control, labels, workers
         As for :func:`.morph.morph`.
     path, numbers
         As for :func:`places_at`, whose blends are made.
@@ -145,12 +146,12 @@ def between_frames(
         yield from _steps(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return
     side_by_side = min(workers or 1, max(len(missing), len(places)))
-    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, check=check)
+    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, control=control)
     most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
-    yield from _complete(store, problem, missing, check, most, executor)
+    yield from _complete(store, problem, missing, control, most, executor)
     frames = _stored_frames(store, runs)
     with frame_workers(most) as threads:
-        pending = [threads.submit(_frame_at, problem, place, frames, check) for place in places]
+        pending = [threads.submit(_frame_at, problem, place, frames, control) for place in places]
         start = _ABOUT_SHARE if missing else VOXEL_SHARE
         yield from _steps(start, len(places), (future.result() for future in pending))
 
@@ -165,7 +166,7 @@ def _complete(
     store: BakeCache,
     problem: MorphProblem,
     missing: dict[int, Run],
-    check: Callable[[], None] | None,
+    control: Control,
     workers: int,
     executor: Executor | None,
 ) -> Iterator[MorphStep]:
@@ -175,10 +176,10 @@ def _complete(
     keeping = replace(problem, keeps_potentials=True)
     with ExitStack() as stack:
         if executor is None:
-            pending = stack.enter_context(runs_in_threads(keeping, missing, check, workers))
+            pending = stack.enter_context(runs_in_threads(keeping, missing, control, workers))
         else:
             pending = stack.enter_context(runs_elsewhere(keeping, missing, executor))
-        for done, run in enumerate(as_solved(pending, check), start=1):
+        for done, run in enumerate(as_solved(pending, control), start=1):
             store.save(missing[run.index], run.frames)
             fraction = VOXEL_SHARE + (_ABOUT_SHARE - VOXEL_SHARE) * done / len(missing)
             counts = {"done": done, "total": len(missing)}
@@ -199,16 +200,14 @@ def _frame_itself(place: Place, frames: dict[int, MorphFrame]) -> MorphFrame:
     return replace(frames[place.about[0]], blend=place.blend)
 
 
-def _frame_at(
-    problem: MorphProblem, place: Place, frames: dict[int, MorphFrame], check: Callable[[], None] | None
-) -> MorphFrame:
+def _frame_at(problem: MorphProblem, place: Place, frames: dict[int, MorphFrame], control: Control) -> MorphFrame:
     """Return what is at a place: a frame, or a blend that starts from its neighbors."""
     if len(place.about) == 1:
         return _frame_itself(place, frames)
     known = [frames[index] for index in place.about if _usable(frames[index], problem)]
-    found = _started(problem, place, known, check) if _agree(known) else None
+    found = _started(problem, place, known, control) if _agree(known) else None
     if found is None:
-        (found,) = solve_blends(problem, [place.blend], check)
+        (found,) = solve_blends(problem, [place.blend], control)
     return replace(found, record=found.record | {"between": place.about})
 
 
@@ -226,9 +225,7 @@ def _agree(known: Sequence[MorphFrame]) -> bool:
     return len({tuple(part.sigma for part in frame.potentials) for frame in known}) == 1
 
 
-def _started(
-    problem: MorphProblem, place: Place, known: Sequence[MorphFrame], check: Callable[[], None] | None
-) -> MorphFrame | None:
+def _started(problem: MorphProblem, place: Place, known: Sequence[MorphFrame], control: Control) -> MorphFrame | None:
     """Solve from the potentials of one or two neighbors; None where that does not end soon."""
     solved, sigmas = [], [part.sigma for part in known[0].potentials]
     volumes = problem.transport.blend_volumes(place.blend)
@@ -237,7 +234,7 @@ def _started(
         starts = [frame.potentials[index].barycenter(frame.blend.weights) for frame in known]
         inputs = _inputs(part, problem, sigmas[index])
         try:
-            solved.append(_solve_from(starts, place, inputs, limit, problem.settings, check))
+            solved.append(_solve_from(starts, place, inputs, limit, problem.settings, control))
         except KernelTooNarrowError:
             return None
         if not solved[-1].converged:
@@ -255,7 +252,7 @@ def _solve_from(
     inputs: Inputs,
     limit: Literal["max"] | float | None,
     settings: MorphSettings,
-    check: Callable[[], None] | None,
+    control: Control,
 ) -> Barycenter:
     """Solve one part from what is known of its neighbors: both, or one beside a shape, which has no potentials."""
     options = {
@@ -265,7 +262,7 @@ def _solve_from(
         "tolerance": settings.stopping_error,
         # As in a bake: an automatic blur rather grows.
         "numerics": "scaling" if settings.blur is None else "automatic",
-        "monitor": None if check is None else lambda *_: check(),
+        "control": control,
     }
     if len(starts) == 2:
         rounds = min(_MOST_ROUNDS, settings.max_iterations)

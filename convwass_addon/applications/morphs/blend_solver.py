@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import UNINTERRUPTED, Control
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter
 from .layouts import Blend
 from .merging import MergedParts, merged_parts
@@ -94,13 +95,13 @@ class BlendSolver:
     ----------
     problem : TransportProblem
         The shapes and the settings.
-    check : callable, optional
-        Called between iterations; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
     """
 
-    def __init__(self, problem: TransportProblem, check: Callable[[], None] | None = None) -> None:
+    def __init__(self, problem: TransportProblem, control: Control = UNINTERRUPTED) -> None:
         self._problem = problem
-        self._parts = [_PartSolver(part, problem, check) for part in problem.parts]
+        self._parts = [_PartSolver(part, problem, control) for part in problem.parts]
 
     def solve(self, blend: Blend, volumes: NDArray[np.float64], sketch: Sequence[PartSketch] = ()) -> SolvedBlend:
         """Solve a blend whose parts have `volumes`, (p,) cells, going on from its sketch where there is one."""
@@ -118,11 +119,11 @@ class BlendSolver:
 class _PartSolver:
     """Solves one part of blend after blend, each started from what the ones before teach."""
 
-    def __init__(self, part: MorphPart, problem: TransportProblem, check: Callable[[], None] | None) -> None:
+    def __init__(self, part: MorphPart, problem: TransportProblem, control: Control) -> None:
         self._inputs = part.inputs
         self._lattice = problem.lattice
         self._settings = problem.settings
-        self._check = check
+        self._control = control
         self._depth = problem.sketch_depth
         self._last: Barycenter | None = None
         # The sketch that the last one went on from.
@@ -196,7 +197,7 @@ class _PartSolver:
             "tolerance": self._settings.stopping_error,
             "max_iterations": self._settings.max_iterations,
             "numerics": numerics,
-            "monitor": None if self._check is None else lambda *_: self._check(),
+            "control": self._control,
         }
         solved = solve(inputs, options)
         self._last, self.sigma = solved, sigma

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
 from .coinciding_solids import CoincidingSolids
 from .layouts import Blend
@@ -43,17 +44,15 @@ class Sketch:
     parts: tuple[PartSketch, ...] = ()
 
 
-def sketch_blends(
-    problem: MorphProblem, blends: Sequence[Blend], check: Callable[[], None] | None = None
-) -> Iterator[Sketch]:
+def sketch_blends(problem: MorphProblem, blends: Sequence[Blend], control: Control = UNINTERRUPTED) -> Iterator[Sketch]:
     """Solve the coarse levels of a run of blends, each when it is asked for and started from the one before.
 
     Parameters
     ----------
-    problem, blends, check
+    problem, blends, control
         As for :func:`solve_blends`, which takes the sketches of the same run; a problem with a `sketch_depth`.
     """
-    solver = BlendSolver(problem.transport, check)
+    solver = BlendSolver(problem.transport, control)
     return (_sketch(problem, solver, blend) for blend in blends)
 
 
@@ -67,7 +66,7 @@ def _sketch(problem: MorphProblem, solver: BlendSolver, blend: Blend) -> Sketch:
 def solve_blends(
     problem: MorphProblem,
     blends: Sequence[Blend],
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
     sketches: Sequence[Sketch] | None = None,
     hand_over: HandOver = at_once,
 ) -> list[MorphFrame]:
@@ -79,8 +78,8 @@ def solve_blends(
         The shapes and the settings.
     blends : sequence of Blend
         Neighbors, in order.
-    check : callable, optional
-        Called between iterations; what it raises ends the run.
+    control : Control
+        Ends the run when cancelled.
     sketches : sequence of Sketch, optional
         Of these blends: what was solved for them is not solved again. The frames are the same without.
     hand_over : callable, optional
@@ -92,7 +91,7 @@ def solve_blends(
     list of MorphFrame
         In the order of the blends.
     """
-    solver = BlendSolver(problem.transport, check)
+    solver = BlendSolver(problem.transport, control)
     known = [()] * len(blends) if sketches is None else [sketch.parts for sketch in sketches]
     frames = [hand_over(_solved(problem, solver, *own)) for own in zip(blends, known, strict=True)]
     return [frame() for frame in frames]

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ...errors import InputError, ResourceError
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
 from .blending import sketch_blends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
@@ -27,13 +28,13 @@ def glance(
     blend: Blend,
     settings: MorphSettings,
     matching: Matching,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> MorphFrame | None:
     """Show a blend as it is at a resolution that takes a fifth of a second.
 
     Parameters
     ----------
-    shapes, names, settings, check
+    shapes, names, settings, control
         As for :func:`.morph.morph`.
     blend : Blend
         Which one.
@@ -50,14 +51,13 @@ def glance(
         return None
     coarse = replace(settings, resolution=_RESOLUTION, blur=None)
     lattice = Lattice.around(shapes, coarse.resolution, coarse.sigma, 1, matching.count)
-    heed = check or (lambda: None)
     try:
         volumes = []
         for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
-            volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching, heed))
-            heed()
+            volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching, control))
+            control.check()
         problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, coarse)
-        frame = next(iter(sketch_blends(problem, [blend], check))).frame
+        frame = next(iter(sketch_blends(problem, [blend], control))).frame
     except (InputError, ResourceError):
         return None
     return None if frame.mesh is None else frame

@@ -9,7 +9,7 @@ are barycenters, and a level set of each barycenter is the blended shape.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from ..memory import fitting_beside
@@ -82,7 +83,7 @@ def morph(
     names: Sequence[str],
     blends: Sequence[Blend],
     settings: MorphSettings,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
     *,
     labels: Sequence[FaceLabels] | None = None,
     workers: int | None = None,
@@ -104,16 +105,15 @@ def morph(
         In an order in which neighbors are similar: each solve starts from the one before.
     settings : MorphSettings
         How.
-    check : callable, optional
-        Called between iterations, in whatever thread computes; what it raises (:class:`.errors.Cancelled`) ends the
-        job at once.
+    control : Control
+        Ends the job when cancelled; checked between iterations, in whatever thread computes.
     labels : sequence of FaceLabels, optional
         Parts of the shapes; those of the same name travel together.
     workers : int, optional
         Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
     executor : concurrent.futures.Executor, optional
         Where to compute the runs instead, in other processes or on other machines;
-        `check` is then called by the one who waits for them, and runs that have begun are left to end by themselves.
+        `control` is then checked by the one who waits for them, and runs that have begun are left to end by themselves.
         The frames are the same wherever they are computed.
     cache : FrameCache, optional
         Frames that are in it are not computed again, and those that are computed are put into it at once.
@@ -154,26 +154,26 @@ def morph(
             side_by_side = min(workers or 1, len(missing))
             threads = workers or os.cpu_count() or 1
             if previews and executor is None:
-                yield from _glanced(shapes, names, _looked_at(missing, looked_at), settings, matching, check)
-            problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads, check)
+                yield from _glanced(shapes, names, _looked_at(missing, looked_at), settings, matching, control)
+            problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads, control)
             problem = replace(problem, keeps_potentials=store is not None and store.keeps_potentials)
             most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
             if previews and executor is None and problem.transport.sketch_depth:
                 needed = problem.lattice.memory(shapes, most, matching.count)
                 chosen = _previewed(missing, looked_at, problem.transport.sketch_bytes, needed)
-                sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, chosen, check, most))
+                sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, chosen, control, most))
                 pending = sketched.frames
-                yield from _previews(sketched, check)
+                yield from _previews(sketched, control)
                 begun += _PREVIEW_SHARE
             else:
                 problem = _with_connectivity(problem, min(most, len(shapes)))
                 if executor is None:
-                    pending = stack.enter_context(runs_in_threads(problem, missing, check, most))
+                    pending = stack.enter_context(runs_in_threads(problem, missing, control, most))
                 else:
                     pending = stack.enter_context(runs_elsewhere(problem, missing, executor))
             # Threads keep what they need of it.
             del problem
-            solved = as_solved(pending, check)
+            solved = as_solved(pending, control)
         total = sum(map(len, runs))
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
             fraction = begun + (1.0 - begun) * done / total
@@ -193,10 +193,10 @@ def _glanced(
     blend: Blend | None,
     settings: MorphSettings,
     matching: Matching,
-    check: Callable[[], None] | None,
+    control: Control,
 ) -> Iterator[MorphStep]:
     """Show one blend at once, more coarsely than the other previews."""
-    seen = None if blend is None else glance(shapes, names, blend, settings, matching, check)
+    seen = None if blend is None else glance(shapes, names, blend, settings, matching, control)
     if seen is not None:
         yield MorphStep(0.0, Sentence("First glance"), preview=seen)
 
@@ -208,9 +208,9 @@ def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: in
     return nearest[: np.searchsorted(np.cumsum([len(runs[index]) for index in nearest]), fitting, side="right")]
 
 
-def _previews(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphStep]:
+def _previews(runs: SketchedRuns, control: Control) -> Iterator[MorphStep]:
     total = len(runs.sketches)
-    for done, frame in enumerate(as_sketched(runs, check), start=1):
+    for done, frame in enumerate(as_sketched(runs, control), start=1):
         message = Sentence("Preview {done} of {total}", {"done": done, "total": total})
         yield MorphStep(VOXEL_SHARE + _PREVIEW_SHARE * done / total, message, preview=frame)
 
@@ -222,13 +222,13 @@ def prepared_problem(
     settings: MorphSettings,
     workers: int,
     threads: int = 1,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Generator[MorphStep, None, MorphProblem]:
     """Yield the steps of voxelizing the shapes, and return what all runs have in common.
 
     Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
     """
-    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, check)
+    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, control)
     return _with_connectivity(problem, min(threads, len(shapes)))
 
 
@@ -239,17 +239,15 @@ def sketchable_problem(
     settings: MorphSettings,
     workers: int,
     threads: int = 1,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Generator[MorphStep, None, MorphProblem]:
     """Do the same, and leave out what only finished blends need."""
     yield MorphStep(0.0, Sentence("Laying out the grid"))
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
-
-    heed = check or (lambda: None)
-    heed()
+    control.check()
 
     def volumes_of(index: int) -> list[NDArray[np.float32]]:
-        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching, heed)
+        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching, control)
 
     volumes = []
     with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:

@@ -90,7 +90,7 @@ class MovingProblem:
     def frame(self, blend: Blend, control: Control) -> MorphFrame:
         """Solve one blend; an input with a weight of one is shown as it is."""
         if blend.source is not None:
-            return solve_blends(self.still, [blend], control.check)[0]
+            return solve_blends(self.still, [blend], control)[0]
         moved = self.motion.moved(blend.weights)
         control.check()
         active = np.flatnonzero(blend.weights)
@@ -118,7 +118,7 @@ class MovingProblem:
         control: Control,
     ) -> tuple[MorphFrame, list[ClosestPoints]]:
         """Solve the barycenter of what still differs; return a frame and where its vertices are on the shapes."""
-        solver = BlendSolver(problem.transport, control.check)
+        solver = BlendSolver(problem.transport, control)
         solved = surfaced_frame(problem, solver.solve(blend, problem.transport.blend_volumes(blend)), solids)
         if solved.origins is None:
             return solved, []
@@ -147,7 +147,7 @@ class MovingProblem:
         if not problem.settings.carry:
             return MorphFrame(blend, mesh, record), []
         normals = vertex_normals(mesh.vertices, mesh.faces)
-        places = [FacingPointFinder(shape.mesh).find(mesh.vertices, normals, control.check) for shape in shapes]
+        places = [FacingPointFinder(shape.mesh).find(mesh.vertices, normals, control) for shape in shapes]
         return MorphFrame(blend, mesh, record), places
 
     def _problem_of(
@@ -164,7 +164,7 @@ class MovingProblem:
         for place, (index, shape) in enumerate(zip(active, shapes, strict=True)):
             name = self.names[index]
             thickness = self.still.settings.thickness
-            volumes.append(voxelized_parts(shape.mesh, name, place, lattice, thickness, matching, control.check))
+            volumes.append(voxelized_parts(shape.mesh, name, place, lattice, thickness, matching, control))
         transport = TransportProblem.of(joined(matching, volumes), lattice, self.still.settings)
         known = {part.name: part.volumes[active] for part in self.still.transport.parts}
         parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in transport.parts)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.thicken import surface_points
+from ...progress import UNINTERRUPTED, Control
 from .part_labels import Matching, PartNotice
 from .volumes import Lattice, voxelized
 
@@ -55,10 +56,10 @@ def voxelized_parts(
     lattice: Lattice,
     thickness: float,
     matching: Matching,
-    check: Callable[[], None] = lambda: None,
+    control: Control = UNINTERRUPTED,
 ) -> list[NDArray[np.float32]]:
     """Voxelize shape `index`, and split what it fills into its parts; for the parameters see :func:`.voxelized`."""
-    filled = voxelized(shape, name, index, lattice, thickness, check)
+    filled = voxelized(shape, name, index, lattice, thickness, control)
     return part_volumes(filled, lattice.to_cells(shape, index), matching.faces[index], matching.count)
 
 

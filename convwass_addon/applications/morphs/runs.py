@@ -4,15 +4,15 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from ...errors import Cancelled, InputError
+from ...errors import InputError
 from ...geometry.mending import Connectivity
+from ...progress import Control
 from ..workers import frame_workers, one_blas_thread
 from .blending import HandOver, Sketch, sketch_blends, solve_blends
 from .layouts import Blend
@@ -25,8 +25,8 @@ weigh much, and few enough for the first frames to be there soon."""
 
 Run = tuple[Blend, ...]
 Frame = TypeVar("Frame")
-RunSolver = Callable[[Run, Callable[[], None], HandOver], "list[Frame]"]
-"""Makes the frames of a run; calls the second argument between iterations, and gives the third what reads a frame."""
+RunSolver = Callable[[Run, Control, HandOver], "list[Frame]"]
+"""Makes the frames of a run; checks the second argument between iterations, and gives the third what reads a frame."""
 Pending = dict["Future[list[MorphFrame]]", int]
 """What is still being solved: the index of the run for each future."""
 
@@ -98,15 +98,13 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
 
 
 @contextmanager
-def runs_in_threads(
-    problem: MorphProblem, runs: dict[int, Run], check: Callable[[], None] | None, workers: int
-) -> Iterator[Pending]:
+def runs_in_threads(problem: MorphProblem, runs: dict[int, Run], control: Control, workers: int) -> Iterator[Pending]:
     """Solve runs of a morph of solids in threads; see :func:`solved_in_threads`."""
 
-    def solve(run: Run, check: Callable[[], None], hand_over: HandOver) -> list[MorphFrame]:
-        return solve_blends(problem, run, check, None, hand_over)
+    def solve(run: Run, control: Control, hand_over: HandOver) -> list[MorphFrame]:
+        return solve_blends(problem, run, control, None, hand_over)
 
-    with solved_in_threads(solve, problem.transport.effort, runs, check, workers) as pending:
+    with solved_in_threads(solve, problem.transport.effort, runs, control, workers) as pending:
         yield pending
 
 
@@ -115,7 +113,7 @@ def solved_in_threads(
     solve: RunSolver,
     effort: Callable[[Blend], float],
     runs: dict[int, Run],
-    check: Callable[[], None] | None,
+    control: Control,
     workers: int,
 ) -> Iterator[Pending]:
     """Solve runs in threads, which stop between two iterations once nobody waits for them any more.
@@ -131,21 +129,21 @@ def solved_in_threads(
         Estimates how long a blend takes beside others.
     runs : dict
         All of them.
-    check : callable or None
-        Called between iterations; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
     workers : int
         How many threads.
     """
-    with _threads(check, workers) as (executor, check_both):
+    with _threads(control, workers) as (executor, own):
         spare = SpareThreads(executor, len(runs), workers - 1)
         longest = max(runs, key=lambda index: sum(map(effort, runs[index])))
         order = sorted(runs, key=lambda index: (index != longest, index))
-        yield {executor.submit(_begin, solve, runs[index], check_both, spare): index for index in order}
+        yield {executor.submit(_begin, solve, runs[index], own, spare): index for index in order}
 
 
-def _begin(solve: RunSolver, run: Run, check: Callable[[], None], spare: SpareThreads) -> list[Frame]:
+def _begin(solve: RunSolver, run: Run, control: Control, spare: SpareThreads) -> list[Frame]:
     spare.begin()
-    return solve(run, check, spare.hand_over)
+    return solve(run, control, spare.hand_over)
 
 
 @contextmanager
@@ -153,7 +151,7 @@ def sketched_runs_in_threads(
     problem: MorphProblem,
     runs: dict[int, Run],
     sketched: Sequence[int],
-    check: Callable[[], None] | None,
+    control: Control,
     workers: int,
 ) -> Iterator[SketchedRuns]:
     """Do the same for a problem with coarser levels, those of some runs before the finest of any.
@@ -167,12 +165,12 @@ def sketched_runs_in_threads(
     sketched : sequence of int
         Indices of those that are sketched: the first blend of each, in this order, then the second of each, and so on,
         so that the whole of a morph is seen early.
-    check, workers
+    control, workers
         As for :func:`runs_in_threads`.
     """
-    with _threads(check, workers) as (executor, check_both):
+    with _threads(control, workers) as (executor, own):
         spare = SpareThreads(executor, len(runs), workers - 1)
-        yield _begun(executor, problem, runs, sketched, check_both, spare)
+        yield _begun(executor, problem, runs, sketched, own, spare)
 
 
 def _begun(
@@ -180,12 +178,12 @@ def _begun(
     problem: MorphProblem,
     runs: dict[int, Run],
     sketched: Sequence[int],
-    check: Callable[[], None],
+    control: Control,
     spare: SpareThreads,
 ) -> SketchedRuns:
     """Hand everything to an executor in the order in which it is to be done; nothing but what waits keeps a sketch."""
     # Threads take up work in this order: where it waits for other work, another thread is at that.
-    chains = {index: sketch_blends(problem, runs[index], check) for index in sketched}
+    chains = {index: sketch_blends(problem, runs[index], control) for index in sketched}
     sketches: dict[int, list[Future[Sketch]]] = {index: [] for index in sketched}
     for place in range(RUN_LENGTH):
         for index in sketched:
@@ -195,7 +193,7 @@ def _begun(
         executor.submit(problem.shape_connectivity, index) for index in range(len(problem.transport.volumes))
     ]
     frames = {
-        executor.submit(_solve_sketched, problem, run, check, spare, connectivity, sketches.get(index)): index
+        executor.submit(_solve_sketched, problem, run, control, spare, connectivity, sketches.get(index)): index
         for index, run in runs.items()
     }
     rounds = [own[place] for place in range(RUN_LENGTH) for own in sketches.values() if place < len(own)]
@@ -212,7 +210,7 @@ def _next_sketch(chain: Iterator[Sketch], before: Sequence[Future[Sketch]]) -> S
 def _solve_sketched(
     problem: MorphProblem,
     run: Run,
-    check: Callable[[], None],
+    control: Control,
     spare: SpareThreads,
     connectivity: Sequence[Future[Connectivity]],
     sketches: Sequence[Future[Sketch]] | None,
@@ -220,26 +218,19 @@ def _solve_sketched(
     known = None if sketches is None else [sketch.result() for sketch in sketches]
     whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity))
     spare.begin()
-    return solve_blends(whole, run, check, known, spare.hand_over)
+    return solve_blends(whole, run, control, known, spare.hand_over)
 
 
 @contextmanager
-def _threads(check: Callable[[], None] | None, workers: int) -> Iterator[tuple[Executor, Callable[[], None]]]:
-    """Provide threads, and what they are to call often: it raises once the context ends."""
-    abandoned = threading.Event()
-
-    def check_both() -> None:
-        if abandoned.is_set():
-            raise Cancelled("Cancelled.")
-        if check is not None:
-            check()
-
+def _threads(control: Control, workers: int) -> Iterator[tuple[Executor, Control]]:
+    """Provide threads and their control, which is cancelled once the context ends."""
+    own = Control(control)
     with frame_workers(workers) as executor:
         try:
-            yield executor, check_both
+            yield executor, own
         finally:
             # Before the threads are waited for.
-            abandoned.set()
+            own.cancel()
 
 
 @contextmanager
@@ -262,37 +253,36 @@ def solve_apart(problem: MorphProblem, run: Run) -> list[MorphFrame]:
         return solve_blends(problem, run)
 
 
-def as_solved(pending: Pending, check: Callable[[], None] | None) -> Iterator[SolvedRun]:
+def as_solved(pending: Pending, control: Control) -> Iterator[SolvedRun]:
     """Take runs out of `pending` as they are finished, in any order.
 
     Parameters
     ----------
     pending : dict
         What `runs_in_threads` or `runs_elsewhere` provided.
-    check : callable, optional
-        Called several times a second; what it raises ends the waiting.
+    control : Control
+        Ends the waiting when cancelled.
 
     Raises
     ------
     Exception
         What a run raised.
     """
-    for index, future in _as_completed(pending, check):
+    for index, future in _as_completed(pending, control):
         yield SolvedRun(index, future.result())
 
 
-def as_sketched(runs: SketchedRuns, check: Callable[[], None] | None) -> Iterator[MorphFrame]:
+def as_sketched(runs: SketchedRuns, control: Control) -> Iterator[MorphFrame]:
     """Take sketches out of `runs` as each is finished, and yield those that can be looked at."""
-    for _, future in _as_completed(runs.sketches, check):
+    for _, future in _as_completed(runs.sketches, control):
         frame = future.result().frame
         if frame.mesh is not None or frame.blend.source is not None:
             yield frame
 
 
-def _as_completed(pending: dict[Future, int], check: Callable[[], None] | None) -> Iterator[tuple[int, Future]]:
+def _as_completed(pending: dict[Future, int], control: Control) -> Iterator[tuple[int, Future]]:
     while pending:
         done, _ = wait(pending, _PATIENCE, FIRST_COMPLETED)
-        if check is not None:
-            check()
+        control.check()
         for future in sorted(done, key=pending.__getitem__):
             yield pending.pop(future), future

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.solid_volume import solid_volume
 from ...geometry.thicken import shell_occupancy
+from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid
 from ..memory import available_memory, check_memory
 
@@ -193,16 +194,16 @@ def voxelized(
     index: int,
     lattice: Lattice,
     thickness: float,
-    check: Callable[[], None] = lambda: None,
+    control: Control = UNINTERRUPTED,
 ) -> NDArray[np.float32]:
     """Return the occupancy of input `index` alone; see :func:`voxelize`.
 
-    `check` is called now and then; what it raises ends the work.
+    Cancelling `control` ends the work.
     """
     outward = orient_outward(shape)
-    check()
+    control.check()
     corners = lattice.to_cells(outward, index)
-    filled = occupancy(corners, lattice.shape, check)
+    filled = occupancy(corners, lattice.shape, control)
     if filled.sum() < _LEAST_CELLS and thickness > 0:
         cells = lattice.shell_cells(thickness)
         filled = shell_occupancy(corners, lattice.shape, cells)

@@ -128,7 +128,7 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     used[outward.faces[distinct_corners(outward.faces)]] = True
     seeds, blend = np.arange(len(rest.vertices)), None
     if used.sum() > _NEAR_ENOUGH * count:
-        found = coarsened(outward, outward.vertex_areas, count, kept, check=control.check)
+        found = coarsened(outward, outward.vertex_areas, count, kept, control=control)
         if found is not None and len(found.seeds) < _BEARABLE * count:
             outward, seeds, blend = found.mesh, found.seeds, _with_loose(found.prolongation, rest, found.mesh)
         elif used.sum() > _BEARABLE * count:

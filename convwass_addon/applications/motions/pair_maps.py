@@ -93,7 +93,7 @@ def _soft_map(
 ) -> Work[SurfaceMap]:
     sides = (MapSide(carrier.mesh, carrier.name) for carrier in (first, second))
     step = None
-    for step in soft_map_steps(*sides, pairs, settings, control.check):
+    for step in soft_map_steps(*sides, pairs, settings, control):
         yield Progress(step.fraction, step.message)
     return step.found
 

@@ -146,7 +146,7 @@ def split_deformation(
     """
     mesh, links = source.mesh, source.poisson.links
     control.check()
-    images = FacingPointFinder(target.mesh).find(points, vertex_normals(points, mesh.faces), check=control.check)
+    images = FacingPointFinder(target.mesh).find(points, vertex_normals(points, mesh.faces), control=control)
     shortest = rotation_vectors(_smooth_rotations(mesh, points))
     edges = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]], links.ends])
     edges = np.sort(edges, axis=1)

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid, barycenter, distance, transport_map
-from ..checks import Check, monitor_of
 from .interpolation import interpolated
 from .palette_statistics import BINS, REACH
 
@@ -56,13 +56,11 @@ def chroma_domain() -> Grid:
 
 
 def chroma_barycenter(
-    histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], check: Check | None = None
+    histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
     """Return the debiased barycenter of histograms, (BINS, BINS), of sum 1."""
     domain = chroma_domain()
-    found = barycenter(
-        np.array(histograms), weights, domain, sharpness=1.0, tolerance=_TOLERANCE, monitor=monitor_of(check)
-    )
+    found = barycenter(np.array(histograms), weights, domain, sharpness=1.0, tolerance=_TOLERANCE, control=control)
     return found.density / found.density.sum()
 
 
@@ -70,7 +68,7 @@ def chroma_map(
     source: NDArray[np.float64],
     target: NDArray[np.float64],
     smoothing: float = 1.0,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> ChromaMap:
     """Solve for the map from one histogram to another.
 
@@ -83,8 +81,8 @@ def chroma_map(
         Not negative, not zero everywhere.
     smoothing : float
         Standard deviation in bins over which the map is averaged, weighted by the source.
-    check : callable, optional
-        Called in every round; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Returns
     -------
@@ -93,7 +91,7 @@ def chroma_map(
     """
     domain = chroma_domain()
     plans = [
-        distance(source, other, domain, debias=False, tolerance=_TOLERANCE, monitor=monitor_of(check))
+        distance(source, other, domain, debias=False, tolerance=_TOLERANCE, control=control)
         for other in (target, source)
     ]
     images = [transport_map(plan.log_w, domain) for plan in plans]

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ..desk import Desk
 from .palette_settings import RecolorSettings
@@ -60,7 +61,7 @@ def clip_steps(
     palettes: Sequence[Picture],
     weights: Sequence[float],
     settings: RecolorSettings,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
     *,
     only_map: bool = False,
 ) -> Iterator[ClipStep]:
@@ -72,7 +73,7 @@ def clip_steps(
         Frames.
     desk : FrameDesk
         Where the frames come from; each is asked for twice, and no more than one is held.
-    palettes, weights, settings, check, only_map
+    palettes, weights, settings, control, only_map
         See :func:`.recolor_job.recolor_steps`.
 
     Raises
@@ -84,17 +85,17 @@ def clip_steps(
     for place in range(count):
         message = Sentence("Measuring frame {done} of {total}", {"done": place + 1, "total": count})
         yield ClipStep(share * place / count, message, wanted=place)
-        measured.append(desk.take(check).palette())
+        measured.append(desk.take(control).palette())
     yield ClipStep(share, Sentence("Matching palettes"))
-    change = matched(pooled_palette(measured), palettes, weights, settings, check)
+    change = matched(pooled_palette(measured), palettes, weights, settings, control)
     if only_map:
         yield ClipStep(1.0, Sentence("The map is there"), change=change)
         return
     for place in range(count):
         message = Sentence("Recoloring frame {done} of {total}", {"done": place + 1, "total": count})
         yield ClipStep(share + (1.0 - share) * place / count, message, wanted=place)
-        frame = desk.take(check)
+        frame = desk.take(control)
         out = np.empty_like(frame.pixels)
-        for _ in recolored_blocks(frame.pixels, frame.pixel_format, change, frame.mask, out, check):
+        for _ in recolored_blocks(frame.pixels, frame.pixel_format, change, frame.mask, out, control):
             pass
         yield ClipStep(share + (1.0 - share) * (place + 1) / count, message, place=place, pixels=out, change=change)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...drafts import written_whole
 from ...errors import InputError
-from ..checks import Check
+from ...progress import UNINTERRUPTED, Control
 from .interpolation import interpolated
 from .lab_colors import linear_of_srgb, srgb_of_linear
 from .recoloring import Recoloring
@@ -84,7 +84,7 @@ def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
     return LookupTable(np.ascontiguousarray(np.moveaxis(found, 0, -1)), np.zeros(3), np.ones(3))
 
 
-def write_cube(table: LookupTable, path: Path, title: str = "Convwass", check: Check | None = None) -> None:
+def write_cube(table: LookupTable, path: Path, title: str = "Convwass", control: Control = UNINTERRUPTED) -> None:
     """Write a table as a .cube file, red fastest; the file is there whole or not at all.
 
     Parameters
@@ -95,8 +95,8 @@ def write_cube(table: LookupTable, path: Path, title: str = "Convwass", check: C
         Where to.
     title : str
         What other programs call it.
-    check : callable, optional
-        Called between layers; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Raises
     ------
@@ -111,8 +111,7 @@ def write_cube(table: LookupTable, path: Path, title: str = "Convwass", check: C
     with written_whole(path) as draft, open(draft, "w", encoding="utf-8", newline="\n") as file:
         file.write("\n".join(head) + "\n")
         for layer in table.colors.transpose(2, 1, 0, 3):
-            if check is not None:
-                check()
+            control.check()
             np.savetxt(file, layer.reshape(-1, 3), fmt="%.6f")
 
 

@@ -14,7 +14,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import Check
+from ...progress import UNINTERRUPTED, Control
 from ..workers import frame_workers
 from .distinct_colors import LEVELS, color_keys, distinct_colors, present_flags
 from .lookup_table import LookupTable
@@ -56,7 +56,7 @@ def recolored_blocks(
     change: Recoloring | LookupTable,
     mask: NDArray[np.float32] | None,
     out: NDArray[np.float32],
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
     workers: int | None = None,
 ) -> Iterator[float]:
     """Recolor an image, and yield the share that is done.
@@ -73,8 +73,8 @@ def recolored_blocks(
         From 0 to 1: how much of the change is made.
     out : (height, width, 4) float32
         Where to; may be `pixels` unless the edge-aware filter is on.
-    check : callable, optional
-        Called at every block; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
     workers : int, optional
         Threads; by default one per processor.
     """
@@ -83,7 +83,7 @@ def recolored_blocks(
     way = _by_distinct_colors if pixel_format.levels == LEVELS and is_the_same_everywhere else _by_pixels
     threads = workers or os.cpu_count() or 1
     with frame_workers(threads) as executor:
-        crew = _Crew(executor, threads, check)
+        crew = _Crew(executor, threads, control)
         yield from way(_Task(pixels, pixel_format, change, mask, out), crew)
 
 
@@ -104,7 +104,7 @@ class _Crew:
 
     executor: Executor
     threads: int
-    check: Check | None
+    control: Control
 
     def run(
         self, work: Callable[[Block], None], blocks: Sequence[Block], begun: float, ended: float
@@ -115,8 +115,7 @@ class _Crew:
         done = 0
         while running:
             running.popleft().result()
-            if self.check is not None:
-                self.check()
+            self.control.check()
             running.extend(self.executor.submit(work, block) for block in islice(waiting, 1))
             done += 1
             yield begun + (ended - begun) * done / len(blocks)

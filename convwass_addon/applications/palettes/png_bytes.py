@@ -10,7 +10,7 @@ import zlib
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import Check
+from ...progress import UNINTERRUPTED, Control
 
 # The quickest that still compresses; with differences of rows it comes out smaller than what Blender writes.
 _LEVEL = 1
@@ -19,23 +19,22 @@ _RGB, _RGBA = 2, 6
 _ROWS_AT_ONCE = 64
 
 
-def png_bytes(pixels: NDArray[np.float32], check: Check | None = None) -> bytes:
+def png_bytes(pixels: NDArray[np.float32], control: Control = UNINTERRUPTED) -> bytes:
     """Return a PNG file of 8 bits a channel; with an alpha where a pixel is not opaque.
 
     Parameters
     ----------
     pixels : (height, width, 4) float32
         From 0 to 1, from the bottom up; alpha is not multiplied in.
-    check : callable, optional
-        Called often; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
     """
     height, width = pixels.shape[:2]
     channels = 4 if (pixels[..., 3] < 1.0).any() else 3
     packer, parts = zlib.compressobj(_LEVEL), []
     above = np.zeros((1, width * channels), dtype=np.uint8)
     for start in range(0, height, _ROWS_AT_ONCE):
-        if check is not None:
-            check()
+        control.check()
         # Files go from the top down.
         last = height - start
         rows = pixels[max(last - _ROWS_AT_ONCE, 0) : last, :, :channels][::-1]

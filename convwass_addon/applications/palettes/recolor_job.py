@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from .palette_settings import RecolorSettings
 from .palette_statistics import Palette
@@ -80,7 +81,7 @@ def recolor_steps(
     palettes: Sequence[Picture],
     weights: Sequence[float],
     settings: RecolorSettings,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
     *,
     only_map: bool = False,
 ) -> Iterator[RecolorStep]:
@@ -96,8 +97,8 @@ def recolor_steps(
         One for each; those without weight are not read.
     settings : RecolorSettings
         How.
-    check : callable, optional
-        Called often; what it raises ends the job.
+    control : Control
+        Ends the job when cancelled.
     only_map : bool
         End with the map, and leave the pixels: for a table that other programs apply.
 
@@ -109,13 +110,13 @@ def recolor_steps(
     yield RecolorStep(0.0, Sentence("Measuring palettes"))
     own = source.palette()
     yield RecolorStep(_MEASURED, Sentence("Matching palettes"))
-    change = matched(own, palettes, weights, settings, check)
+    change = matched(own, palettes, weights, settings, control)
     if only_map:
         yield RecolorStep(1.0, Sentence("The map is there"), change)
         return
     yield RecolorStep(_SOLVED, Sentence("Recoloring"))
     out = np.empty_like(source.pixels)
-    for share in recolored_blocks(source.pixels, source.pixel_format, change, source.mask, out, check):
+    for share in recolored_blocks(source.pixels, source.pixel_format, change, source.mask, out, control):
         yield RecolorStep(_SOLVED + (0.99 - _SOLVED) * share, Sentence("Recoloring"))
     yield RecolorStep(1.0, Sentence("The image is there"), change, out)
 
@@ -125,7 +126,7 @@ def matched(
     palettes: Sequence[Picture],
     weights: Sequence[float],
     settings: RecolorSettings,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Recoloring:
     """Measure palettes, those that have a weight, and return the map to their barycenter.
 
@@ -139,10 +140,9 @@ def matched(
         raise InputError("Weights must be 0 or more, and not all of them 0.")
     measured = []
     for place in used:
-        if check is not None:
-            check()
+        control.check()
         measured.append(palettes[place].palette())
-    return solved_map(source, measured, [weights[place] for place in used], settings, check)
+    return solved_map(source, measured, [weights[place] for place in used], settings, control)
 
 
 def solved_map(
@@ -150,7 +150,7 @@ def solved_map(
     palettes: Sequence[Palette],
     weights: Sequence[float] | None,
     settings: RecolorSettings,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Recoloring:
     """Return the map to the barycenter of palettes, as :func:`.recoloring.recoloring` does, if it is good for anything.
 
@@ -159,7 +159,7 @@ def solved_map(
     InputError
         Weights that do not fit, or palettes that could not be matched.
     """
-    change = recoloring(source, palettes, weights, settings, check)
+    change = recoloring(source, palettes, weights, settings, control)
     if not change.chroma.marginal_error < _LARGEST_ERROR:
         raise InputError(
             "The palettes could not be matched (marginal error {error:.0%}); blur or mask what has stray colors.",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..checks import Check
+from ...progress import UNINTERRUPTED, Control
 from .chroma_map import ChromaMap, chroma_barycenter, chroma_map
 from .lab_colors import lab_of_linear, linear_of_lab
 from .lightness_curve import LightnessCurve, lightness_curve
@@ -92,7 +92,7 @@ def recoloring(
     targets: Sequence[Palette],
     weights: Sequence[float] | None = None,
     settings: RecolorSettings | None = None,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Recoloring:
     """Solve for the map that carries a palette to another one, or to the barycenter of several.
 
@@ -106,8 +106,8 @@ def recoloring(
         Their weights in the barycenter, not negative; by default all alike.
     settings : RecolorSettings, optional
         How.
-    check : callable, optional
-        Called in every round; what it raises ends the solve.
+    control : Control
+        Ends the solve when cancelled.
 
     Raises
     ------
@@ -115,20 +115,20 @@ def recoloring(
         No palette, or weights that do not fit.
     """
     settings = settings or RecolorSettings()
-    target = palette_barycenter(targets, weights, check)
+    target = palette_barycenter(targets, weights, control)
     own = source.lightness
     if target.lightness[-1] <= _WHITE:
         # Lamps of a scene stay as much brighter than white as they are, where the palette knows nothing above it.
         own = np.minimum(own, _WHITE)
     return Recoloring(
         lightness_curve(own, target.lightness, settings.smoothing, settings.steepest),
-        chroma_map(source.chroma, target.chroma, settings.smoothing, check),
+        chroma_map(source.chroma, target.chroma, settings.smoothing, control),
         settings,
     )
 
 
 def palette_barycenter(
-    palettes: Sequence[Palette], weights: Sequence[float] | None = None, check: Check | None = None
+    palettes: Sequence[Palette], weights: Sequence[float] | None = None, control: Control = UNINTERRUPTED
 ) -> Palette:
     """Return the barycenter of palettes: debiased in a and b, in closed form in L.
 
@@ -142,7 +142,7 @@ def palette_barycenter(
     alphas = alphas[alphas > 0]
     if len(chosen) == 1:
         return chosen[0]
-    chroma = chroma_barycenter([palette.chroma for palette in chosen], alphas, check)
+    chroma = chroma_barycenter([palette.chroma for palette in chosen], alphas, control)
     lightness = alphas @ np.array([palette.lightness for palette in chosen])
     return Palette(chroma, lightness, float(alphas @ [palette.mass for palette in chosen]))
 

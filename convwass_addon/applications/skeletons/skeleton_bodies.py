@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -24,6 +24,7 @@ from ...geometry.orientation import orient_outward
 from ...geometry.solid_angles import Inside, winding_numbers
 from ...geometry.thicken import shell_occupancy
 from ...geometry.welding import welded
+from ...progress import UNINTERRUPTED, Control
 from ..morphs.volumes import Lattice, voxelized
 
 # The kernel needs vertices that are closer together than its blur; more than enough of them only take time.
@@ -75,7 +76,7 @@ def skeleton_body(
     pins: NDArray[np.float64],
     names: Sequence[str],
     thickness: float = 0.0,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> SkeletonBody:
     """Return the body that a mesh is, for a skeleton with some pins in it.
 
@@ -90,8 +91,8 @@ def skeleton_body(
         What messages call the pins.
     thickness : float
         Given to surfaces that enclose nothing, and across gaps between parts; 0 for none.
-    check : callable, optional
-        Called every few seconds even where the mesh has millions of triangles; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Raises
     ------
@@ -100,26 +101,21 @@ def skeleton_body(
     ResourceError
         It does not fit in memory.
     """
-    check = check or _go_on
     joined = welded(mesh)
-    check()
+    control.check()
     if not len(joined.faces):
         raise InputError("The body has no faces; choose a mesh with a surface.")
     use = edge_use(joined.faces)
     outward = orient_outward(joined, use)
-    check()
+    control.check()
     found = topology(outward, use if outward is joined else None)
-    check()
+    control.check()
     if found.closed and _hangs_together(outward, use) and not thickness > 0 and outward.volume > 0:
-        sized = _sized(outward, check)
+        sized = _sized(outward, control)
         if sized is not None:
             surface, made = sized
             return SkeletonBody(surface, Inside(outward if len(outward.faces) <= _MOST_FACES else surface), made)
-    return _solid_body(outward, pins, names, thickness, check)
-
-
-def _go_on() -> None:
-    """Check nothing."""
+    return _solid_body(outward, pins, names, thickness, control)
 
 
 def _hangs_together(mesh: TriangleMesh, use: EdgeUse) -> bool:
@@ -140,39 +136,39 @@ def _solid_body(
     pins: NDArray[np.float64],
     names: Sequence[str],
     thickness: float,
-    check: Callable[[], None],
+    control: Control,
 ) -> SkeletonBody:
     resolution = _THICK_RESOLUTION if thickness > 0 else _RESOLUTION
-    piece = _piece_around(_solid(mesh, resolution, thickness, check), pins, names)
-    check()
+    piece = _piece_around(_solid(mesh, resolution, thickness, control), pins, names)
+    control.check()
     if topology(piece).euler < 2 - 2 * _MOST_HANDLES:
         # Where larger cells lose what holds the pins together, it takes the time that it takes.
         with suppress(InputError):
-            piece = _piece_around(_solid(mesh, resolution // 2, thickness, check), pins, names)
-    sized = _sized(piece, check)
+            piece = _piece_around(_solid(mesh, resolution // 2, thickness, control), pins, names)
+    sized = _sized(piece, control)
     surface = piece if sized is None else sized[0]
     own = piece if thickness > 0 or len(mesh.faces) > _MOST_FACES else mesh
     return SkeletonBody(surface, Inside(own), "solid")
 
 
-def _solid(mesh: TriangleMesh, resolution: int, thickness: float, check: Callable[[], None]) -> TriangleMesh:
+def _solid(mesh: TriangleMesh, resolution: int, thickness: float, control: Control) -> TriangleMesh:
     """Return the surface of what a mesh, or a shell of some thickness around it, fills."""
     lattice = Lattice.around([mesh], resolution, _SIGMA)
     if thickness > 0:
         corners = lattice.to_cells(mesh, 0)
         cells = lattice.shell_cells(thickness)
-        inner = occupancy(corners, lattice.shape, check)
+        inner = occupancy(corners, lattice.shape, control)
         filled = np.maximum(inner, shell_occupancy(corners, lattice.shape, cells))
     else:
-        filled = _enclosed(mesh, lattice, check)
-    check()
+        filled = _enclosed(mesh, lattice, control)
+    control.check()
     return lattice.to_scene(surface_at_level(filled, 0.5).mesh, np.ones(1))
 
 
-def _enclosed(mesh: TriangleMesh, lattice: Lattice, check: Callable[[], None]) -> NDArray[np.float32]:
+def _enclosed(mesh: TriangleMesh, lattice: Lattice, control: Control) -> NDArray[np.float32]:
     """Return which share of every cell the mesh encloses."""
     try:
-        return voxelized(mesh, "", 0, lattice, 0.0, check)
+        return voxelized(mesh, "", 0, lattice, 0.0, control)
     except InputError as error:
         raise InputError(
             "The body encloses no volume: it is open, or thinner than the eye can see. Close it, or give it thickness "
@@ -203,12 +199,12 @@ def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequenc
     return pieces[owners[0]]
 
 
-def _sized(mesh: TriangleMesh, check: Callable[[], None]) -> tuple[TriangleMesh, str] | None:
+def _sized(mesh: TriangleMesh, control: Control) -> tuple[TriangleMesh, str] | None:
     """Bring a closed mesh to a moderate number of vertices; None where that would open it."""
     if len(mesh.vertices) > _MOST_VERTICES:
-        check()
+        control.check()
         areas = np.maximum(mesh.vertex_areas, _LEAST_AREA * mesh.vertex_areas.mean())
-        reduced = coarsened(mesh, areas, _REDUCED_VERTICES, check=check)
+        reduced = coarsened(mesh, areas, _REDUCED_VERTICES, control=control)
         if reduced is None or not topology(reduced.mesh).closed:
             return None
         return reduced.mesh, "reduced"

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ...geometry.inner_balls import inner_balls
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
-from ..checks import Check
 from ..far_meshes import refuse_far
 from .skeleton_bodies import SkeletonBody, skeleton_body
 from .skeleton_carrying import between_pins, carried
@@ -83,7 +83,7 @@ class FitStep:
 
 
 def fit_steps(
-    mesh: TriangleMesh, graph: JointGraph, settings: SkeletonSettings, check: Check | None = None
+    mesh: TriangleMesh, graph: JointGraph, settings: SkeletonSettings, control: Control = UNINTERRUPTED
 ) -> Iterator[FitStep]:
     """Lay out the free joints of a skeleton inside a body.
 
@@ -95,8 +95,8 @@ def fit_steps(
         The skeleton, with some joints pinned.
     settings : SkeletonSettings
         How.
-    check : callable, optional
-        Called between iterations; what it raises ends the job.
+    control : Control
+        Ends the job when cancelled.
 
     Yields
     ------
@@ -116,7 +116,7 @@ def fit_steps(
     check_loops(core)
     yield FitStep(0.0, Sentence("Preparing the body"))
     names = [name for name, is_pinned in zip(graph.names, graph.pinned, strict=True) if is_pinned]
-    body = skeleton_body(mesh, graph.positions[graph.pinned], names, settings.thickness, check)
+    body = skeleton_body(mesh, graph.positions[graph.pinned], names, settings.thickness, control)
     placed, notices = _with_pins_inside(graph, body, settings)
     core = placed.part(kept)
     balls = inner_balls(body.surface) if settings.placement == "centered" else None
@@ -124,7 +124,7 @@ def fit_steps(
     gamma, inner = settings.gamma, np.empty(0, bool)
     for attempt in range(_NOTCHES + 1):
         yield FitStep(0.1 + 0.2 * attempt, Sentence("Laying out {count} joints", {"count": int((~core.pinned).sum())}))
-        layout = problem.solved(gamma, check)
+        layout = problem.solved(gamma, control)
         laid = (
             layout.positions if balls is None else settled(core, layout.positions, problem.lengths, balls, body.inside)
         )

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mean_value import mean_value_coordinates, positive_coordinates
+from ...progress import UNINTERRUPTED, Control
 from ...transport import KernelTooNarrowError, Propagation, Surface, propagate
 from ...transport.sharpening import entropy
-from ..checks import Check, monitor_of
 from ..workers import one_blas_thread
 from .skeleton_bodies import SkeletonBody
 from .skeleton_graph import JointGraph
@@ -72,16 +72,16 @@ class LayoutProblem:
         areas = self._surface.weights
         self._given = dict(zip(self._pins.tolist(), shares / np.where(areas > 0, areas, 1.0), strict=True))
 
-    def solved(self, gamma: float, check: Check | None = None) -> Layout:
+    def solved(self, gamma: float, control: Control = UNINTERRUPTED) -> Layout:
         """Lay it out with a kernel, or with a wider one where that does not reach."""
         for _ in range(_WIDENINGS):
             try:
-                return self._solved(gamma, check)
+                return self._solved(gamma, control)
             except KernelTooNarrowError:
                 gamma *= _WIDER
-        return self._solved(gamma, check)
+        return self._solved(gamma, control)
 
-    def _solved(self, gamma: float, check: Check | None) -> Layout:
+    def _solved(self, gamma: float, control: Control) -> Layout:
         surface = self._surface.with_kernel(gamma)
         with one_blas_thread():
             solution = propagate(
@@ -93,7 +93,7 @@ class LayoutProblem:
                 entropy_limit=self._limit(surface),
                 tolerance=self._settings.tolerance,
                 max_iterations=self._settings.max_iterations,
-                monitor=monitor_of(check),
+                control=control,
             )
         means = (solution.densities * surface.weights) @ self._vertices
         means[self._pins] = self._graph.positions[self._pins]

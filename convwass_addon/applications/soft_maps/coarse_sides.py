@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,7 @@ from ...geometry.coarsening import coarsened
 from ...geometry.edges import distinct_corners
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals
+from ...progress import UNINTERRUPTED, Control
 from .map_sides import MapSide
 from .surface_maps import VertexInterpolation
 
@@ -60,12 +60,10 @@ class CoarseSide:
         return order[np.searchsorted(self.vertices[order], fine)]
 
 
-def coarse_side(
-    side: MapSide, count: int, kept: NDArray[np.int64], check: Callable[[], None] = lambda: None
-) -> CoarseSide:
+def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Control = UNINTERRUPTED) -> CoarseSide:
     """Return a coarser mesh of about `count` vertices, some of the finer one's, `kept` (k,), among them.
 
-    What `check` raises, now and then, ends the work.
+    Cancelling `control` ends the work.
 
     Raises
     ------
@@ -82,7 +80,7 @@ def coarse_side(
     if len(used) <= _NEAR_ENOUGH * count:
         return _as_it_is(side, used, areas)
     for wanted in (count, 2 * count, 4 * count):
-        found = coarsened(mesh, areas, min(wanted, int(_LARGEST_SHARE * len(used))), kept, check)
+        found = coarsened(mesh, areas, min(wanted, int(_LARGEST_SHARE * len(used))), kept, control)
         if found is not None and len(found.seeds) <= _MOST_VERTICES:
             return _of(side, found.mesh, found.seeds, _interpolation(found.prolongation), areas)
         if wanted > len(used):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from scipy.sparse import block_diag, csr_array
 
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import SoftMap
 from .coarse_sides import CoarseSide
@@ -72,7 +73,7 @@ class Parts:
         pairs: NDArray[np.int64],
         is_mirrored: bool,
         notices: tuple[Sentence, ...],
-        check: Callable[[], None] = lambda: None,
+        control: Control = UNINTERRUPTED,
     ) -> None:
         """Add the map of one couple of pieces.
 
@@ -92,8 +93,8 @@ class Parts:
             Whether the map turns the surface over, as to a mirror image.
         notices : tuple of Sentence
             What the user should look at.
-        check : callable
-            Called now and then; what it raises ends the work.
+        control : Control
+            Ends the work when cancelled.
         """
         rows = unit_rows(solved.densities, target.masses)
         ways = (
@@ -104,14 +105,14 @@ class Parts:
             whole = (self.target, self.source)[way]
             other_vertices = (match.target, match.source)[way]
             found = _extended(
-                own_rows, own, other, pairs if way == 0 else pairs[:, ::-1], whole, other_vertices, is_mirrored, check
+                own_rows, own, other, pairs if way == 0 else pairs[:, ::-1], whole, other_vertices, is_mirrored, control
             )
-            check()
+            control.check()
             _place(self._points[way], found, vertices)
             self._interpolations[way].columns[vertices] = own.interpolation.columns + self._counts[way]
             self._interpolations[way].shares[vertices] = own.interpolation.shares
         self._judge(0, match.source, source, target)
-        check()
+        control.check()
         self._judge(1, match.target, target, source)
         kept = np.where(rows < _NEXT_TO_NOTHING * rows.max(axis=1, keepdims=True), 0.0, rows)
         self._rows.append(_scaled_to_share(kept, target.masses, self._share(match.target)))
@@ -214,7 +215,7 @@ def _extended(
     whole: MapSide,
     vertices: NDArray[np.int64],
     is_mirrored: bool,
-    check: Callable[[], None],
+    control: Control,
 ) -> PointMap:
     """Return points of part of a whole mesh, that of some vertices, for all vertices of a coarse mesh's fine one."""
     shares = rows * other.masses
@@ -232,9 +233,9 @@ def _extended(
     images[pairs[:, 0]] = other.side.mesh.vertices[pairs[:, 1]]
     faces = faces_of(whole.mesh, vertices)
     part = replace(whole.mesh, faces=whole.mesh.faces[faces])
-    check()
+    control.check()
     finder = FacingPointFinder(part)
-    found = finder.find(own.interpolation.applied(images), own.interpolation.applied(normals), check)
+    found = finder.find(own.interpolation.applied(images), own.interpolation.applied(normals), control)
     return PointMap(
         faces[found.triangles].astype(np.int32),
         found.shares.astype(np.float32),

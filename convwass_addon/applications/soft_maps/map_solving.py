@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface
 from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
-from ..checks import Check, monitor_of
 from ..far_meshes import refuse_far
 from ..workers import one_blas_thread
 from .coarse_sides import CoarseSide, coarse_side
@@ -61,7 +61,7 @@ def soft_map_steps(
     target: MapSide,
     pairs: ArrayLike,
     settings: SoftMapSettings | None = None,
-    check: Check | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[SoftMapStep]:
     """Compute the soft map between two meshes, step by step.
 
@@ -73,8 +73,8 @@ def soft_map_steps(
         Vertices of the source and of the target that belong together; none are allowed, and rarely enough.
     settings : SoftMapSettings, optional
         How.
-    check : callable, optional
-        Called now and then; what it raises (:class:`.errors.Cancelled`) ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Yields
     ------
@@ -91,8 +91,7 @@ def soft_map_steps(
     yield SoftMapStep(0.0, Sentence("Reading the meshes"))
     for side in (source, target):
         _check_side(side)
-        if check is not None:
-            check()
+        control.check()
     couples_of = checked_pairs(pairs, source, target)
     matches = matched_pieces(source, target, couples_of)
     if not matches:
@@ -108,7 +107,7 @@ def soft_map_steps(
         low, width = ends[number], ends[number + 1] - ends[number]
         if not len(match.pairs):
             match = replace(match, pairs=guessed_pairs(source, target, match, parts.forward), is_guessed=True)
-        for step in _match_steps(source, target, match, settings, check, parts):
+        for step in _match_steps(source, target, match, settings, control, parts):
             yield SoftMapStep(low + width * step.fraction, step.message)
     record = {"settings": settings.as_dict(), "pairs": len(couples_of), "seconds": time.perf_counter() - begun}
     yield SoftMapStep(1.0, Sentence("The map is there"), joined_map(parts, record))
@@ -128,7 +127,7 @@ def _match_steps(
     target: MapSide,
     match: PieceMatch,
     settings: SoftMapSettings,
-    check: Check | None,
+    control: Control,
     parts: Parts,
 ) -> Iterator[SoftMapStep]:
     """Solve one couple of pieces and add what is found to the parts of the whole map."""
@@ -139,26 +138,21 @@ def _match_steps(
         kept = np.searchsorted(vertices, match.pairs[:, column])
         count = _vertex_count(side, part, settings)
         with one_blas_thread():
-            sides.append(coarse_side(part, count, kept, check or _go_on))
+            sides.append(coarse_side(part, count, kept, control))
         places.append(sides[-1].places(kept))
-        if check is not None:
-            check()
+        control.check()
     pairs = np.stack(places, axis=1)
     yield SoftMapStep(_COARSE, Sentence("Comparing the shapes"))
     with one_blas_thread():
         compared = comparison(sides[0].side, sides[1].side, pairs, settings)
     yield SoftMapStep(_TOLD_APART, Sentence("Solving the map"))
     with one_blas_thread():
-        rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, check)
+        rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, control)
     yield SoftMapStep(_SOLVED, Sentence("Taking the map to all vertices"))
     judged = pairs[:0] if match.is_guessed else pairs
     notices = tuple(pair_notices(judged, sides[0].side.mesh, sides[1].side.mesh, match.pairs))
     with one_blas_thread():
-        parts.add(match, *sides, rows, back, pairs, compared.overlay.is_mirrored, notices, check or _go_on)
-
-
-def _go_on() -> None:
-    """Check nothing."""
+        parts.add(match, *sides, rows, back, pairs, compared.overlay.is_mirrored, notices, control)
 
 
 def _vertex_count(side: MapSide, part: MapSide, settings: SoftMapSettings) -> int:
@@ -173,16 +167,15 @@ def _solved(
     costs: NDArray[np.float32],
     pairs: NDArray[np.int64],
     settings: SoftMapSettings,
-    check: Check | None,
+    control: Control,
 ) -> tuple[SoftMap, NDArray[np.float32]]:
     """Return the map of two coarse meshes, and the densities of the way back, (n1, n0)."""
     here, there = (Surface(side.side.mesh.vertices, side.side.mesh.faces) for side in (source, target))
     sweeps = SoftMapSweeps(
         tau=settings.tau, sharpness=settings.sharpness, gamma_scale=settings.gamma_scale, fine=settings.sweeps
     )
-    monitor = monitor_of(check)
     if settings.symmetric:
-        both = symmetric_soft_map(costs, here, there, pairs=pairs, sweeps=sweeps, monitor=monitor)
+        both = symmetric_soft_map(costs, here, there, pairs=pairs, sweeps=sweeps, control=control)
         return both.forward, both.backward.densities
-    found = soft_map_between(costs, here, there, pairs=pairs, sweeps=sweeps, monitor=monitor)
+    found = soft_map_between(costs, here, there, pairs=pairs, sweeps=sweeps, control=control)
     return found, found.densities.T

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ..checks import Check
+from ...progress import UNINTERRUPTED, Control
 from .map_pairs import checked_pairs
 from .map_sides import MapSide
 from .map_solving import SoftMapStep, soft_map_steps
@@ -21,7 +21,7 @@ from .surface_maps import PointMap, SurfaceMap
 
 
 def mirror_map_steps(
-    side: MapSide, pairs: ArrayLike, settings: SoftMapSettings | None = None, check: Check | None = None
+    side: MapSide, pairs: ArrayLike, settings: SoftMapSettings | None = None, control: Control = UNINTERRUPTED
 ) -> Iterator[SoftMapStep]:
     """Compute the map of a mesh to its mirror image, step by step.
 
@@ -33,8 +33,8 @@ def mirror_map_steps(
         Vertices that mirror each other, in either order, and vertices in the middle with themselves.
     settings : SoftMapSettings, optional
         How.
-    check : callable, optional
-        Called now and then; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
 
     Yields
     ------
@@ -49,7 +49,7 @@ def mirror_map_steps(
     mirrored = mirrored_pairs(pairs, side)
     reflected = _reflected(side.mesh, mirrored)
     plain = replace(side, groups={})
-    for step in soft_map_steps(plain, replace(plain, mesh=reflected), mirrored, settings, check):
+    for step in soft_map_steps(plain, replace(plain, mesh=reflected), mirrored, settings, control):
         yield step if step.found is None else replace(step, found=_both_ways(step.found))
 
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from ...applications.checks import Check
 from ...applications.flat.flat_frames import FlatStep
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
@@ -18,6 +17,7 @@ from ...applications.flat.gray_pictures import PictureMaker
 from ...applications.morphs.computation import Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from .flat_writing import WritesFlatFrames
 from .gray_inputs import gray_inputs
@@ -69,7 +69,7 @@ class PictureJob(WritesFlatFrames):
         stored = {**settings.as_dict(), **options, "flat": True}
         self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs, replaces)
 
-    def steps(self, check: Check | None = None, how: Computation | None = None) -> Iterator[FlatStep]:
+    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Iterator[FlatStep]:
         """Compute, and touch nothing of Blender; see :meth:`.flat_job.FlatJob.steps`."""
         how = how or Computation()
         shapes = [own.shape for own in self._inputs]
@@ -77,13 +77,13 @@ class PictureJob(WritesFlatFrames):
         alone = [Blend(tuple(float(other == own) for other in range(count))) for own in range(count)]
         ends = [
             step.frame.density
-            for step in flat_morph(shapes, self._names, alone, self._settings, check)
+            for step in flat_morph(shapes, self._names, alone, self._settings, control)
             if step.frame is not None
         ]
         grounds = np.array([own.ground for own in self._inputs])
         maker = PictureMaker(shapes, grounds, ends, self._grays)
         for step in flat_morph(
-            shapes, self._names, self._blends, self._settings, check, workers=how.workers, wanted=how.wanted
+            shapes, self._names, self._blends, self._settings, control, workers=how.workers, wanted=how.wanted
         ):
             if step.frame is None:
                 yield step

@@ -9,7 +9,6 @@ from concurrent.futures import Executor
 
 import bpy
 
-from ...applications.checks import Check
 from ...applications.morphs.between_frames import between_frames
 from ...applications.morphs.computation import Computation
 from ...applications.morphs.frame_cache import FrameCache
@@ -19,6 +18,7 @@ from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import FaceLabels, matched, part_notices
 from ...errors import InputError
 from ...geometry.alignment import aligned
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ..objects import MESHED, labeled_mesh, triangle_mesh
 from .bake import MorphBake
@@ -85,7 +85,7 @@ class MorphJob:
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, moves)
         self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
 
-    def steps(self, check: Check | None = None, how: Computation | None = None) -> Iterator[MorphStep]:
+    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Iterator[MorphStep]:
         """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
         how = how or Computation()
         steps = morph(
@@ -93,7 +93,7 @@ class MorphJob:
             self._names,
             self._blends,
             self._settings,
-            check,
+            control,
             labels=self._labels,
             workers=how.workers,
             executor=how.executor,
@@ -109,7 +109,7 @@ class MorphJob:
         path: Sequence[Blend],
         numbers: Sequence[float],
         cache: FrameCache,
-        check: Check | None = None,
+        control: Control = UNINTERRUPTED,
         *,
         workers: int | None = None,
         executor: Executor | None = None,
@@ -125,7 +125,7 @@ class MorphJob:
             numbers,
             self._settings,
             cache,
-            check,
+            control,
             labels=self._labels,
             workers=workers,
             executor=executor,

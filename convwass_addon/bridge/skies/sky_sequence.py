@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
 from ...drafts import DraftFiles
 from ...errors import ConvwassError, InputError
+from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ..files import checked_folder
 from ..numbered_files import numbered_paths
@@ -43,7 +44,7 @@ def sky_steps(
     ends: Sequence[NDArray[np.float64]],
     count: int,
     settings: SkySettings,
-    check: Callable[[], None] | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Iterator[SkyStep]:
     """Interpolate through two skies or more at `count` even times, the first and the last among them.
 
@@ -54,8 +55,7 @@ def sky_steps(
     """
     leg, skies = -1, None
     for place, time in enumerate(np.linspace(0.0, len(ends) - 1.0, count)):
-        if check is not None:
-            check()
+        control.check()
         before, share = (_PREPARING + (1.0 - _PREPARING) * done / count for done in (place, place + 1))
         if leg != min(int(time), len(ends) - 2):
             leg = min(int(time), len(ends) - 2)

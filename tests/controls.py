@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Controls that stop long work where a test wants it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from convwass_addon.progress import Control
+
+
+class CountingControl(Control):
+    """Counts its checks, of all threads together.
+
+    Parameters
+    ----------
+    last : int, optional
+        The number of the check that ends the work.
+    """
+
+    def __init__(self, last: int | None = None) -> None:
+        super().__init__()
+        self.count, self._last, self._lock = 0, last, threading.Lock()
+
+    def check(self) -> None:
+        with self._lock:
+            self.count += 1
+            if self.count == self._last:
+                self.cancel()
+        super().check()
+
+
+class ConditionalControl(Control):
+    """Ends the work at the first check at which a condition holds."""
+
+    def __init__(self, ends: Callable[[], object]) -> None:
+        super().__init__()
+        self._ends = ends
+
+    def check(self) -> None:
+        if self._ends():
+            self.cancel()
+        super().check()
+
+
+def cancelled_control() -> Control:
+    """Return a control that ends work at its first check."""
+    control = Control()
+    control.cancel()
+    return control
