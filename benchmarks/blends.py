@@ -120,4 +120,4 @@ def baked_frames(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSet
     """Bake a path from the first shape to the second; return all frames, in the space of the shapes."""
     names = [f"shape {index}" for index in range(len(shapes))]
     steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
-    return [step.frame for step in steps if step.frame is not None]
+    return [step.payload for step in steps if step.payload is not None]

@@ -61,7 +61,7 @@ def frames(name: str, cells: int, count: int) -> dict[str, object]:
     clock = Clock()
     # One more, since the two ends are the shapes themselves.
     steps = flat_morph(PAIRS[name], name.split(" to "), path_blends(2, count + 1), settings, workers=2)
-    made = [step.frame for step in steps if step.frame is not None and step.frame.outline is not None]
+    made = [step.payload for step in steps if step.payload is not None and step.payload.outline is not None]
     used = clock.read()
     clock = Clock()
     curves = [fitted_beziers(frame.outline, settings.fit_error * frame.record["cell"]) for frame in made]

@@ -164,7 +164,7 @@ def _sdf_mix(
 def transported(ends: Ends) -> list[TriangleMesh]:
     """Morph at default settings."""
     steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), ends.settings, workers=1)
-    frames = [step.frame for step in steps if step.frame is not None]
+    frames = [step.payload for step in steps if step.payload is not None]
     return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 
 

@@ -14,7 +14,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Generator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
@@ -132,6 +132,13 @@ def drained(work: Generator[Any, None, Result]) -> Result:
             next(work)
         except StopIteration as end:
             return end.value
+
+
+def payloads(work: Iterable[Progress[Any]], kind: type[Payload]) -> Iterator[Payload]:
+    """Do the work and yield its payloads of one kind as they come."""
+    for report in work:
+        if isinstance(report.payload, kind):
+            yield report.payload
 
 
 def within(work: Work[Result], begin: float, end: float, message: Sentence | None = None) -> Work[Result]:

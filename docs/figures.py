@@ -264,7 +264,7 @@ def parts() -> Figure:
     canvas = Canvas(_WIDTH, 760)
     for row, chosen in enumerate((None, labels)):
         steps = morph(meshes, names, path_blends(2, 4), settings, labels=chosen)
-        for column, frame in enumerate(step.frame for step in steps if step.frame):
+        for column, frame in enumerate(step.payload for step in steps if step.payload):
             mesh = meshes[frame.blend.source] if frame.mesh is None else frame.mesh
             own = labels[frame.blend.source].faces if frame.mesh is None and chosen else np.full(len(mesh.faces), -1)
             place = (160 + column * 320, 570 - row * 375)

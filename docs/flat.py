@@ -108,7 +108,7 @@ def tinted(shape: FlatShape, ink: tuple[float, float, float]) -> FlatShape:
 def frames_of(shapes: Sequence[FlatShape], blends: Sequence[Blend], settings: FlatSettings) -> list[FlatFrame]:
     """Make all blends."""
     names = [str(index) for index in range(len(shapes))]
-    return [step.frame for step in flat_morph(shapes, names, blends, settings) if step.frame is not None]
+    return [step.payload for step in flat_morph(shapes, names, blends, settings) if step.payload is not None]
 
 
 def pixels(rings: Sequence[NDArray[np.float64]], rule: str) -> NDArray[np.float64]:

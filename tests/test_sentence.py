@@ -9,8 +9,8 @@ import pickle
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.applications.morphs.morph import MorphStep
 from convwass_addon.errors import Cancelled, ConvwassError, InputError, ResourceError
+from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 
 VALUES = st.one_of(st.text(), st.integers(), st.floats(allow_nan=False))
@@ -54,6 +54,6 @@ def test_an_error_about_an_error_comes_back_too():
 
 
 def test_steps_come_back_with_their_messages():
-    step = MorphStep(0.5, Sentence("Blend {done} of {total}", {"done": 1, "total": 2}))
+    step = Progress(0.5, Sentence("Blend {done} of {total}", {"done": 1, "total": 2}))
     assert pickle.loads(pickle.dumps(step)) == step
     assert str(step.message) == "Blend 1 of 2"

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 APPLICATIONS = {
     "morphs": {
-        "morph": ("morph", "MorphStep"),
+        "morph": ("morph", "MorphPreview"),
+        "morph_problem": ("MorphFrame",),
         "morph_settings": ("MorphSettings",),
         "layouts": ("Blend", "path_blends", "grid_blends", "triangle_blends", "single_blend"),
         "frame_cache": ("FrameCache",),
@@ -19,7 +20,7 @@ APPLICATIONS = {
     },
     "flat": {
         "flat_morph": ("flat_morph",),
-        "flat_frames": ("FlatStep", "FlatFrame"),
+        "flat_frames": ("FlatFrame",),
         "flat_settings": ("FlatSettings",),
         "flat_shapes": ("FlatShape", "FlatImage"),
     },

@@ -8,15 +8,14 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 from .. import extension_id
-from ..applications.flat.flat_frames import FlatStep
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.computation import Computation
 from ..applications.morphs.layouts import Blend
-from ..applications.morphs.morph import MorphStep
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_job import FlatJob
 from ..bridge.flat.picture_job import PictureJob
@@ -25,6 +24,7 @@ from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
 from ..console import ProgressBar
 from ..errors import InputError
+from ..progress import Progress
 from .answer import Answer
 from .morph_choices import Computing
 from .reports import note
@@ -69,10 +69,8 @@ def prepared_job(
     return kind(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
 
 
-def run_job(
-    job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Callable[[MorphStep | FlatStep], None]
-) -> None:
-    """Do all steps of a job, wherever its frames are computed, and hand them on.
+def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Callable[[Progress[Any]], None]) -> None:
+    """Do all the work of a job, wherever its frames are computed, and hand them on.
 
     Raises
     ------
@@ -83,12 +81,12 @@ def run_job(
     with cluster as executor, ProgressBar("Morphing") as bar:
         where = {"workers": computing.workers, "executor": executor}
         if computing.between is None:
-            steps = job.steps(how=Computation(cache=computing.cache, wanted=computing.wanted, **where))
+            work = job.steps(how=Computation(cache=computing.cache, wanted=computing.wanted, **where))
         else:
-            steps = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
-        for step in steps:
-            take(step)
-            bar.show(step.fraction, str(step.message))
+            work = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
+        for report in work:
+            take(report)
+            bar.show(report.fraction, str(report.message))
     for notice in computing.cache.notices if computing.cache else ():
         note(notice)
 

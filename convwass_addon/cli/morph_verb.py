@@ -11,7 +11,8 @@ import bpy
 
 from ..applications.morphs.between_frames import places_at
 from ..applications.morphs.layouts import Blend
-from ..applications.morphs.morph import MorphStep
+from ..applications.morphs.morph import MorphPreview
+from ..applications.morphs.morph_problem import MorphFrame
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
@@ -20,6 +21,7 @@ from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.flat.picture_bake import pictures_of
 from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.outputs import save_as
+from ..progress import Progress
 from .answer import Answer
 from .morph_baking import baked, prepared_job, rendered, report, run_job
 from .morph_choices import (
@@ -84,10 +86,10 @@ def _cached(
     job = prepared_job(inputs, blends, settings, stored)
     frames, records = [], []
 
-    def note(step: MorphStep) -> None:
-        if step.frame is not None:
-            frames.append(step.frame.blend.frame)
-            records.append(step.frame.record)
+    def note(report: Progress[MorphFrame | MorphPreview]) -> None:
+        if isinstance(report.payload, MorphFrame):
+            frames.append(report.payload.blend.frame)
+            records.append(report.payload.record)
 
     try:
         run_job(job, computing, note)

@@ -76,6 +76,7 @@ class BackgroundOperator:
     _job: Job
     _background: BackgroundJob[Step]
     _running: _Running
+    _in_background: bool
     _began: float
     _ending: bool
     _scene: Handle
@@ -86,6 +87,7 @@ class BackgroundOperator:
             self._job = self._begin(context)
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
+        self._in_background = False
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
@@ -114,6 +116,7 @@ class BackgroundOperator:
             self._job = self._begin(context)
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
+        self._in_background = True
         self._background = BackgroundJob(self._steps())
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         self._running = _Running(self._background, self._job, timer)

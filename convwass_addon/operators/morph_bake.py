@@ -15,7 +15,6 @@ from bpy.props import StringProperty
 
 from ..applications.morphs.computation import Computation
 from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
-from ..applications.morphs.morph import MorphStep
 from ..bridge.files import absolute_folder
 from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
 from ..bridge.flat.flat_job import FlatJob
@@ -28,7 +27,7 @@ from ..bridge.morphs.stored import frame_objects
 from ..bridge.workshop import reason
 from ..errors import InputError
 from ..preferences import preferences
-from ..progress import UNINTERRUPTED, Control
+from ..progress import Control, Work
 from ..properties.morphs import MorphProperties
 from ..sentence import Sentence
 from ..translations import translated
@@ -134,8 +133,10 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
                 self.report({"WARNING"}, translated(error.sentence))
         return Computation(workers=preferred.workers, cache=cache)
 
-    def _steps(self) -> Callable[[Control], Iterator[MorphStep]]:
-        return partial(_steps_of, self._job, self._computing)
+    def _steps(self) -> Callable[[Control], Work[None]]:
+        # Previews are for those who can look at them and stop the bake.
+        how = replace(self._computing, previews=self._in_background)
+        return lambda control: self._job.steps(control, how)
 
     def _title(self) -> str:
         return rpt_("Baking morph")
@@ -212,13 +213,6 @@ def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[No
     nothing = {"object": None, "active_object": None, "selected_objects": []}
     with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=morph, **nothing):
         yield
-
-
-def _steps_of(job: MorphJob, computing: Computation, control: Control = UNINTERRUPTED) -> Iterator[MorphStep]:
-    """Return the steps of a bake; previews are for those who can look at them and stop it."""
-    return job.steps(
-        control, Computation(computing.workers, cache=computing.cache, previews=control is not UNINTERRUPTED)
-    )
 
 
 classes = (CONVWASS_OT_bake_morph,)

@@ -37,7 +37,7 @@ def at(cache, *numbers, options=QUICK, **others):
     fractions = [step.fraction for step in steps]
     assert fractions == sorted(fractions)
     assert fractions[-1] == pytest.approx(1.0)
-    return [step.frame for step in steps if step.frame]
+    return [step.payload for step in steps if step.payload]
 
 
 def solved(weights, options=QUICK, **others):
@@ -106,7 +106,7 @@ def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
 
 
 def test_numbers_of_frames_give_these_frames_and_compute_nothing(cache, monkeypatch):
-    stored = [step.frame for step in morph(SHAPES, NAMES, PATH, QUICK, cache=cache) if step.frame]
+    stored = [step.payload for step in morph(SHAPES, NAMES, PATH, QUICK, cache=cache) if step.payload]
     monkeypatch.setattr(between, "prepared_problem", None)
     found = at(cache, 12.0, 0, 7)
     assert [frame.blend.place for frame in found] == [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]

@@ -57,12 +57,12 @@ def counted(address):
 
 
 def steps(**where):
-    return (step for step in morph(SHAPES, ["a", "b"], BLENDS, QUICK, **where) if step.frame)
+    return (step for step in morph(SHAPES, ["a", "b"], BLENDS, QUICK, **where) if step.payload)
 
 
 @pytest.fixture(scope="module")
 def expected():
-    return [step.frame for step in steps(workers=2)]
+    return [step.payload for step in steps(workers=2)]
 
 
 def assert_same(found, expected):
@@ -92,7 +92,7 @@ def test_a_bake_survives_workers_that_are_killed(cluster, expected, victims):
                 assert len(futures) == RUNS
                 assert sum(not future.done() for future in futures) >= RUNS // 2
                 kill(sorted(before)[:victims])
-            frames.append(step.frame)
+            frames.append(step.payload)
         executor.client.wait_for_workers(2, timeout=60)
         assert len(before & set(executor.client.run(os.getpid).values())) == 2 - victims
     assert_same(frames, expected)
@@ -178,9 +178,9 @@ def test_a_bake_on_a_cluster_can_be_stopped_while_it_waits():
 
 def test_frames_from_a_cluster_go_into_the_cache(cluster, expected, tmp_path):
     with cluster_workers(cluster.scheduler_address) as executor:
-        wanted = [step.frame for step in steps(executor=executor, cache=FrameCache(tmp_path), wanted=range(8))]
+        wanted = [step.payload for step in steps(executor=executor, cache=FrameCache(tmp_path), wanted=range(8))]
     assert_same(wanted, expected[:8])
-    assert_same([step.frame for step in steps(cache=FrameCache(tmp_path), wanted=range(8))], expected[:8])
+    assert_same([step.payload for step in steps(cache=FrameCache(tmp_path), wanted=range(8))], expected[:8])
 
 
 def test_errors_of_a_run_arrive_as_they_are(cluster):

@@ -29,7 +29,7 @@ def shape(*rings, **options):
 
 def frames_of(shapes, blends, settings=SETTINGS, **options):
     names = [f"shape {index}" for index in range(len(shapes))]
-    return [step.frame for step in flat_morph(shapes, names, blends, settings, **options) if step.frame is not None]
+    return [step.payload for step in flat_morph(shapes, names, blends, settings, **options) if step.payload is not None]
 
 
 def overlap(outline, ring):

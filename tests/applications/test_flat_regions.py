@@ -24,7 +24,7 @@ def shape(*colored):
 
 def frames_of(shapes, blends, settings=SETTINGS):
     names = [f"shape {index}" for index in range(len(shapes))]
-    return [step.frame for step in flat_morph(shapes, names, blends, settings) if step.frame is not None]
+    return [step.payload for step in flat_morph(shapes, names, blends, settings) if step.payload is not None]
 
 
 def center(outline):

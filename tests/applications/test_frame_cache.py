@@ -50,7 +50,7 @@ def solved(monkeypatch):
 
 def bake(cache=None, wanted=None, **options):
     steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=cache, wanted=wanted, **{"workers": 2, **options})
-    return [step.frame for step in steps if step.frame]
+    return [step.payload for step in steps if step.payload]
 
 
 def assert_same(found, expected):
@@ -88,7 +88,7 @@ def test_what_is_all_there_needs_no_voxels(tmp_path, monkeypatch):
 
 def test_an_interrupted_bake_goes_on_where_it_stopped(tmp_path, solved):
     steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=FrameCache(tmp_path), workers=1)
-    assert next(step for step in steps if step.frame)
+    assert next(step for step in steps if step.payload)
     steps.close()
     kept = len(list(tmp_path.iterdir()))
     assert RUN_LENGTH <= kept < len(BLENDS)
@@ -396,7 +396,7 @@ def test_spare_frames_take_a_bake_up_again_and_are_smaller(tmp_path, solved):
     """Blender was closed in the middle: nothing was asked for, and what was finished is there all the same."""
     spare, asked = tmp_path / "spare", tmp_path / "asked"
     steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=SpareFrameCache(spare, 1 << 30), workers=1)
-    assert next(step for step in steps if step.frame)
+    assert next(step for step in steps if step.payload)
     steps.close()
     solved.clear()
     cache = SpareFrameCache(spare, 1 << 30)

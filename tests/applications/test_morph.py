@@ -28,7 +28,7 @@ QUICK = MorphSettings(resolution=32)
 
 def frames_of(shapes, blends, settings=QUICK):
     names = [f"shape {i}" for i in range(len(shapes))]
-    return [step.frame for step in morph(shapes, names, blends, settings) if step.frame]
+    return [step.payload for step in morph(shapes, names, blends, settings) if step.payload]
 
 
 def test_every_blend_is_closed_outward_of_the_right_volume_and_solved():
@@ -156,7 +156,7 @@ def test_frames_are_the_same_wherever_they_are_computed():
 
     def vertices(**where):
         steps = morph(shapes, ["a", "b"], blends, QUICK, **where)
-        return [step.frame.mesh.vertices for step in steps if step.frame and step.frame.mesh is not None]
+        return [step.payload.mesh.vertices for step in steps if step.payload and step.payload.mesh is not None]
 
     expected = vertices(workers=1)
     assert len(expected) == 5
@@ -189,7 +189,7 @@ def test_a_background_job_delivers_and_can_be_cancelled():
     job = BackgroundJob(lambda control: morph(shapes, ["a", "b"], blends, QUICK, control))
     steps = []
     deadline = time.monotonic() + 60
-    while sum(step.frame is not None for step in steps) < 3 and time.monotonic() < deadline:
+    while sum(step.payload is not None for step in steps) < 3 and time.monotonic() < deadline:
         steps += job.poll()
         time.sleep(0.02)
     assert not job.done

@@ -18,14 +18,15 @@ from convwass_addon.applications import memory
 from convwass_addon.applications.morphs import blend_solver, blending, morph_problem, runs
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
-from convwass_addon.applications.morphs.morph import morph, prepared_problem
+from convwass_addon.applications.morphs.morph import MorphPreview, morph, prepared_problem
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, unparted
 from convwass_addon.applications.morphs.reading import connectivity_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import voxelize
 from convwass_addon.errors import Cancelled
-from convwass_addon.progress import Control
+from convwass_addon.progress import Control, payloads
 from convwass_addon.transport import Grid
 from tests.shapes import ball, box, joined, torus
 
@@ -40,7 +41,7 @@ def steps_of(shapes=SHAPES, blends=None, settings=QUICK, previews=True, **option
 
 
 def frames_of(steps):
-    return [step.frame for step in steps if step.frame]
+    return [step.payload for step in steps if isinstance(step.payload, MorphFrame)]
 
 
 def assert_same(some, others):
@@ -55,9 +56,9 @@ def assert_same(some, others):
 def test_every_blend_is_previewed_before_any_is_finished():
     blends = path_blends(3, 3)
     steps = steps_of(blends=blends)
-    kinds = [("preview" if step.preview else "frame") for step in steps if step.preview or step.frame]
+    kinds = [("preview" if isinstance(step.payload, MorphPreview) else "frame") for step in steps if step.payload]
     assert kinds == ["preview"] * len(blends) + ["frame"] * len(blends)
-    seen = [step.preview.blend for step in steps if step.preview]
+    seen = [step.payload.frame.blend for step in steps if isinstance(step.payload, MorphPreview)]
     assert sorted(seen, key=blends.index) == blends
     fractions = [step.fraction for step in steps]
     assert fractions == sorted(fractions)
@@ -66,7 +67,7 @@ def test_every_blend_is_previewed_before_any_is_finished():
 
 def test_previews_have_about_the_volume_and_the_place_of_the_frames():
     steps = steps_of(settings=MorphSettings(resolution=48))
-    previews = {step.preview.blend: step.preview.mesh for step in steps if step.preview}
+    previews = {preview.frame.blend: preview.frame.mesh for preview in payloads(steps, MorphPreview)}
     compared = 0
     for frame in frames_of(steps):
         preview = previews[frame.blend]
@@ -114,7 +115,7 @@ def test_and_so_they_are_in_parts():
     labels = [FaceLabels(("left", "right"), halves), FaceLabels(("left", "right"), 1 - halves)]
     options = {"shapes": [two, two], "blends": single_blend([1, 2], 2), "labels": labels}
     assert_same(frames_of(steps_of(**options)), frames_of(steps_of(**options, previews=False)))
-    assert sum(step.preview is not None for step in steps_of(**options)) == 1
+    assert sum(isinstance(step.payload, MorphPreview) for step in steps_of(**options)) == 1
 
 
 def problem_of(shapes, settings, labels=None):
@@ -161,7 +162,7 @@ def test_a_grid_that_cannot_be_halved_has_no_previews():
     settings, shapes = MorphSettings(resolution=16, blur=0.5), [box((1.0, 0.9, 0.15)), box((0.9, 1.0, 0.15))]
     assert min(problem_of(shapes, settings).lattice.shape) < 16
     steps = steps_of(shapes, path_blends(2, 2), settings)
-    assert not any(step.preview for step in steps)
+    assert not any(isinstance(step.payload, MorphPreview) for step in steps)
     assert len(frames_of(steps)) == 3
 
 
@@ -185,7 +186,7 @@ def test_nothing_waits_for_the_connectivity_of_the_shapes(monkeypatch):
         seen.clear()
         blends, previews = path_blends(2, 5), 0
         for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, previews=True, workers=workers):
-            previews += step.preview is not None
+            previews += isinstance(step.payload, MorphPreview)
             if previews == len(blends):
                 seen.set()
     assert read == [True] * 4
@@ -205,7 +206,7 @@ def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
     real = blending._sketched_frame
     monkeypatch.setattr(blending, "_sketched_frame", patient)
     for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 6), QUICK, previews=True, workers=1):
-        if step.preview is not None and step.preview.mesh is not None:
+        if isinstance(step.payload, MorphPreview) and step.payload.frame.mesh is not None:
             seen.release()
     assert waited == [True] * 5
 
@@ -213,7 +214,7 @@ def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
 def test_previews_come_from_everywhere_the_nearest_run_first():
     blends = path_blends(2, 11)
     steps = steps_of(SHAPES[:2], blends, workers=1, looked_at=9)
-    order = [blends.index(step.preview.blend) for step in steps if step.preview]
+    order = [blends.index(step.payload.frame.blend) for step in steps if isinstance(step.payload, MorphPreview)]
     assert order == [8, 4, 0, 9, 5, 1, 10, 6, 2, 11, 7, 3]
     assert [frame.blend for frame in frames_of(steps)] == blends
 
@@ -226,7 +227,7 @@ def test_no_more_is_sketched_than_there_is_memory_for(monkeypatch):
         free = problem.lattice.memory(shapes, 1, 1) + fitting * problem.transport.sketch_bytes
         monkeypatch.setattr(memory, "available_memory", lambda free=free: free)
         steps = steps_of(shapes, blends, workers=1)
-        assert sum(step.preview is not None for step in steps) == previews
+        assert sum(isinstance(step.payload, MorphPreview) for step in steps) == previews
         assert_same(frames_of(steps), frames)
 
 
@@ -263,7 +264,7 @@ def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
 
     most = 0
     for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 11), QUICK, previews=True, workers=1):
-        if step.preview is not None:
+        if isinstance(step.payload, MorphPreview):
             most = max(most, alive())
         if step.fraction == 1.0:
             # The last frame waits to be taken, and the thread that solved it may be about to let go.
@@ -286,8 +287,8 @@ def test_frames_of_the_cache_need_no_previews(tmp_path):
     cache = FrameCache(tmp_path)
     first = steps_of(cache=cache, wanted=range(4))
     again = steps_of(cache=cache)
-    assert sum(step.preview is not None for step in first) == runs.RUN_LENGTH
-    assert sum(step.preview is not None for step in again) == 7 - runs.RUN_LENGTH
+    assert sum(isinstance(step.payload, MorphPreview) for step in first) == runs.RUN_LENGTH
+    assert sum(isinstance(step.payload, MorphPreview) for step in again) == 7 - runs.RUN_LENGTH
     assert_same(frames_of(again)[:4], frames_of(first))
 
 
@@ -304,7 +305,7 @@ def test_a_job_can_be_stopped_among_its_previews(monkeypatch):
     control = Control()
     steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, control, previews=True)
     for step in steps:
-        if step.preview is not None:
+        if isinstance(step.payload, MorphPreview):
             break
     control.cancel()
     with pytest.raises(Cancelled):
@@ -318,17 +319,17 @@ def test_a_glance_comes_before_everything_else():
     first = next(steps)
     steps.close()
     assert first.fraction == 0.0
-    assert blends.index(first.preview.blend) == 7
+    assert blends.index(first.payload.frame.blend) == 7
     share = 7 / 11
     volume = (1 - share) * SHAPES[0].volume + share * SHAPES[1].volume
-    assert abs(first.preview.mesh.volume) == pytest.approx(volume, rel=0.1)
+    assert abs(first.payload.frame.mesh.volume) == pytest.approx(volume, rel=0.1)
 
 
 @pytest.mark.parametrize(("looked_at", "expected"), [(0, 1), (11, 10), (5, 5)])
 def test_a_glance_is_at_the_nearest_blend_that_is_not_known_already(looked_at, expected):
     blends = path_blends(2, 11)
     steps = morph(SHAPES[:2], NAMES[:2], blends, MorphSettings(resolution=96), previews=True, looked_at=looked_at)
-    assert blends.index(next(steps).preview.blend) == expected
+    assert blends.index(next(steps).payload.frame.blend) == expected
     steps.close()
 
 
@@ -336,5 +337,5 @@ def test_where_there_is_nothing_to_glance_at_the_morph_just_begins():
     thin, beside = box((2.0, 0.01, 0.01)), box((2.0, 0.01, 0.01), center=(0, 1, 0))
     for shapes, resolution in ((SHAPES[:2], 64), ((thin, beside), 96)):
         steps = morph(shapes, NAMES[:2], path_blends(2, 3), MorphSettings(resolution=resolution), previews=True)
-        assert next(steps).preview is None
+        assert next(steps).payload is None
         steps.close()

@@ -34,7 +34,7 @@ def animals():
 
 def frames_of(shapes, count, settings):
     steps = morph(shapes, [f"shape {i}" for i in range(len(shapes))], path_blends(len(shapes), count), settings)
-    return [step.frame for step in steps if step.frame and step.frame.mesh is not None]
+    return [step.payload for step in steps if step.payload and step.payload.mesh is not None]
 
 
 def filled(mesh, cells=40):

@@ -17,7 +17,7 @@ QUICK = MorphSettings(resolution=24)
 
 def frames_of(shapes, **options):
     steps = morph(shapes, ["a", "b"], path_blends(2, 10), QUICK, **options)
-    return [step.frame for step in steps if step.frame is not None]
+    return [step.payload for step in steps if step.payload is not None]
 
 
 def begun(monkeypatch, shapes):

@@ -41,7 +41,7 @@ def test_ten_of_a_hundred_frames_are_smooth(pair, start):
     shapes = PAIRS[pair]
     lattice = Lattice.around(shapes, SETTINGS.resolution, SETTINGS.sigma)
     blends = path_blends(2, FRAMES)[start : start + 10]
-    frames = [step.frame for step in morph(shapes, ("a", "b"), blends, SETTINGS) if step.frame]
+    frames = [step.payload for step in morph(shapes, ("a", "b"), blends, SETTINGS) if step.payload]
     cells = [(frame.mesh.corners - lattice.origin) / lattice.spacing for frame in frames]
     filled = [occupancy(corners, lattice.shape) for corners in cells]
     areas = [frame.mesh.area / lattice.spacing**2 for frame in frames]

@@ -137,8 +137,8 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
         job = job_of(bare_scene, depsgraph, objects, parts)
         for step in job.steps(how=Computation(workers=1)):
             job.write(step)
-            if step.frame and step.frame.mesh:
-                extents[parts] = np.ptp(step.frame.mesh.bounds, axis=0)[2]
+            if step.payload and step.payload.mesh:
+                extents[parts] = np.ptp(step.payload.mesh.bounds, axis=0)[2]
         assert job.notices == []
         job.discard()
     assert extents["none"] > 1.7

@@ -340,7 +340,7 @@ def test_a_job_that_is_stopped_keeps_what_is_finished():
     with pytest.raises(Cancelled):
         for step in job.steps(control, Computation(workers=1)):
             job.write(step)
-            frames += step.frame is not None
+            frames += step.payload is not None
             if frames == 3:
                 control.cancel()
     collection = job.finish(hide_inputs=False)

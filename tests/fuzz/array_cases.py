@@ -11,11 +11,13 @@ import numpy as np
 from convwass_addon.applications.densities.density_paths import interpolation_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.surface_densities import density_surface
+from convwass_addon.applications.flat.flat_frames import FlatFrame
 from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.applications.palettes.pixels import PixelFormat
@@ -30,7 +32,7 @@ from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.progress import UNINTERRUPTED, Control
+from convwass_addon.progress import UNINTERRUPTED, Control, payloads
 from tests.flat_shapes import ellipse
 from tests.shapes import ball
 
@@ -51,10 +53,11 @@ def outcome(run: Callable[[], object]) -> str:
 
 def morph_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED, settings: MorphSettings = _SOLID) -> None:
     """Morph a mesh into a ball."""
-    for step in morph([mesh, _BALL], ["broken", "ball"], path_blends(2, 3), settings, control, workers=1):
-        if step.frame is not None and step.frame.mesh is not None:
-            _sound(step.frame.mesh)
-            assert step.frame.origins is None or np.isfinite(step.frame.origins).all()
+    work = morph([mesh, _BALL], ["broken", "ball"], path_blends(2, 3), settings, control, workers=1)
+    for frame in payloads(work, MorphFrame):
+        if frame.mesh is not None:
+            _sound(frame.mesh)
+            assert frame.origins is None or np.isfinite(frame.origins).all()
 
 
 def density_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
@@ -132,9 +135,10 @@ ON_PIXELS = {"gray": gray_of, "recolor": palette_of, "sky": sky_of}
 
 
 def _flat(shapes: list[FlatShape | FlatImage], settings: FlatSettings, control: Control) -> None:
-    for step in flat_morph(shapes, ["broken", "ellipse"], path_blends(2, 2), settings, control, workers=1):
-        if step.frame is not None and step.frame.outline is not None:
-            assert np.isfinite(step.frame.outline.points).all()
+    work = flat_morph(shapes, ["broken", "ellipse"], path_blends(2, 2), settings, control, workers=1)
+    for frame in payloads(work, FlatFrame):
+        if frame.outline is not None:
+            assert np.isfinite(frame.outline.points).all()
 
 
 def _sound(mesh: TriangleMesh) -> None:

@@ -21,7 +21,7 @@ def bake(cache: FrameCache | None) -> list[MorphFrame]:
     """Return all frames."""
     settings = MorphSettings(resolution=16)
     steps = morph([ball(points=200), box()], ["a", "b"], path_blends(2, FRAMES), settings, cache=cache, workers=1)
-    return [step.frame for step in steps if step.frame]
+    return [step.payload for step in steps if step.payload]
 
 
 if __name__ == "__main__":

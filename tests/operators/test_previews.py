@@ -13,6 +13,8 @@ import pytest
 
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
+from convwass_addon.applications.morphs.morph import MorphPreview
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph
@@ -122,7 +124,7 @@ def held_back(pressed, frames):
     write = pressed._job.write
 
     def writing(step):
-        if step.frame is None or len(pressed._job.records) < frames:
+        if not isinstance(step.payload, MorphFrame) or len(pressed._job.records) < frames:
             write(step)
 
     pressed._job.write = writing
@@ -267,7 +269,7 @@ def test_without_a_window_nothing_is_previewed(monkeypatch):
 
 def noting(write, previews):
     def writing(job, step):
-        previews.append(step.preview is not None)
+        previews.append(isinstance(step.payload, MorphPreview))
         write(job, step)
 
     return writing

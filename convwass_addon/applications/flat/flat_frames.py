@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.outlines import Outline
-from ...sentence import Sentence
 from ..morphs.layouts import Blend
 from .flat_origins import FlatOrigins
 
@@ -81,22 +80,3 @@ class FlatFrame:
     density: FlatDensity | None = None
     origins: FlatOrigins | None = None
     regions: tuple[ColoredOutline, ...] = ()
-
-
-@dataclass(frozen=True)
-class FlatStep:
-    """One step of the job.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    frame : FlatFrame or None
-        A frame that has just been finished.
-    """
-
-    fraction: float
-    message: Sentence
-    frame: FlatFrame | None = None

@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
 from ..morphs.runs import as_solved, runs_of, solved_in_threads
 from .flat_blending import solve_flat_blends
-from .flat_frames import FlatStep
 from .flat_problem import flat_problem
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatInput
@@ -33,7 +32,7 @@ def flat_morph(
     *,
     workers: int | None = None,
     wanted: range | None = None,
-) -> Iterator[FlatStep]:
+) -> Work[None]:
     """Make the blends of flat shapes, one after the other.
 
     Parameters
@@ -56,8 +55,8 @@ def flat_morph(
 
     Yields
     ------
-    FlatStep
-        Progress, and every finished frame once, in the order of the blends.
+    Progress
+        The payloads are every finished :class:`.flat_frames.FlatFrame`, once and in the order of the blends.
 
     Raises
     ------
@@ -69,10 +68,10 @@ def flat_morph(
     if not shapes or len(shapes) != len(names):
         raise InputError("A morph needs at least two shapes; select or name one more.")
     runs = dict(enumerate(runs_of(blends, wanted)))
-    yield FlatStep(0.0, Sentence("Laying out the grid"))
+    yield Progress(0.0, Sentence("Laying out the grid"))
     control.check()
     problem = flat_problem(shapes, names, settings)
-    yield FlatStep(_BEGUN, Sentence("Drew the shapes on the grid"))
+    yield Progress(_BEGUN, Sentence("Drew the shapes on the grid"))
     threads = min(workers or os.cpu_count() or 1, len(runs))
     fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
@@ -81,4 +80,4 @@ def flat_morph(
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
         for done, frame in enumerate(frames, start=1):
             fraction = _BEGUN + (1.0 - _BEGUN) * done / total
-            yield FlatStep(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
+            yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)

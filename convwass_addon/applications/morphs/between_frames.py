@@ -19,7 +19,7 @@ from typing import Literal
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
 from ..workers import frame_workers
@@ -27,7 +27,7 @@ from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
-from .morph import VOXEL_SHARE, MorphStep, prepared_problem
+from .morph import VOXEL_SHARE, prepared_problem
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
@@ -108,7 +108,7 @@ def between_frames(
     labels: Sequence[FaceLabels] | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
-) -> Iterator[MorphStep]:
+) -> Work[None]:
     """Make the blends at some places of a path, from the frames about them.
 
     Frames that the cache does not hold are computed and put there first. A place that is a frame gets that frame.
@@ -126,8 +126,8 @@ def between_frames(
 
     Yields
     ------
-    MorphStep
-        Progress, and every blend once, in the order of the numbers.
+    Progress
+        The payloads are every :class:`.morph_problem.MorphFrame` once, in the order of the numbers.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def between_frames(
     missing = {index: run for index, run in enumerate(runs) if not store.holds(run)}
     if not missing and all(len(place.about) == 1 for place in places):
         frames = _stored_frames(store, runs)
-        yield from _steps(0.0, len(places), (_frame_itself(place, frames) for place in places))
+        yield from _reported(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return
     side_by_side = min(workers or 1, max(len(missing), len(places)))
     problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, control=control)
@@ -153,7 +153,7 @@ def between_frames(
     with frame_workers(most) as threads:
         pending = [threads.submit(_frame_at, problem, place, frames, control) for place in places]
         start = _ABOUT_SHARE if missing else VOXEL_SHARE
-        yield from _steps(start, len(places), (future.result() for future in pending))
+        yield from _reported(start, len(places), (future.result() for future in pending))
 
 
 def _runs_about(places: Sequence[Place], path: Sequence[Blend]) -> list[Run]:
@@ -169,7 +169,7 @@ def _complete(
     control: Control,
     workers: int,
     executor: Executor | None,
-) -> Iterator[MorphStep]:
+) -> Work[None]:
     """Compute the runs that the cache does not hold."""
     if not missing:
         return
@@ -183,17 +183,17 @@ def _complete(
             store.save(missing[run.index], run.frames)
             fraction = VOXEL_SHARE + (_ABOUT_SHARE - VOXEL_SHARE) * done / len(missing)
             counts = {"done": done, "total": len(missing)}
-            yield MorphStep(fraction, Sentence("Frames to start from, {done} of {total} runs", counts))
+            yield Progress(fraction, Sentence("Frames to start from, {done} of {total} runs", counts))
 
 
 def _stored_frames(store: BakeCache, runs: Sequence[Run]) -> dict[int, MorphFrame]:
     return {frame.blend.frame: frame for run in runs for frame in store.load(run)}
 
 
-def _steps(start: float, total: int, frames: Iterator[MorphFrame]) -> Iterator[MorphStep]:
+def _reported(start: float, total: int, frames: Iterator[MorphFrame]) -> Work[None]:
     for done, frame in enumerate(frames, start=1):
         message = Sentence("Blend {done} of {total}", {"done": done, "total": total})
-        yield MorphStep(start + (1.0 - start) * done / total, message, frame)
+        yield Progress(start + (1.0 - start) * done / total, message, frame)
 
 
 def _frame_itself(place: Place, frames: dict[int, MorphFrame]) -> MorphFrame:

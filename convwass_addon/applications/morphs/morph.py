@@ -9,7 +9,7 @@ are barycenters, and a level set of each barycenter is the blended shape.
 from __future__ import annotations
 
 import os
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from ..memory import fitting_beside
@@ -27,7 +27,6 @@ from ..workers import frame_workers
 from .frame_cache import BakeCache, FrameCache
 from .glance import glance
 from .layouts import Blend
-from .looks import Carried
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, Matching, matched, unparted
@@ -54,28 +53,16 @@ _PREVIEW_SHARE = 0.12
 
 
 @dataclass(frozen=True)
-class MorphStep:
-    """One step of the job.
+class MorphPreview:
+    """What a frame that is not finished yet will look like.
 
     Attributes
     ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    frame : MorphFrame or None
-        A frame that has just been finished.
-    preview : MorphFrame or None
-        What a frame that is not finished yet will look like, coarsely.
-    carried : Carried or None
-        What the frame brings along from the inputs, once that has been looked up.
+    frame : MorphFrame
+        Its blend, with a coarse mesh.
     """
 
-    fraction: float
-    message: Sentence
-    frame: MorphFrame | None = None
-    preview: MorphFrame | None = None
-    carried: Carried | None = None
+    frame: MorphFrame
 
 
 def morph(
@@ -92,7 +79,7 @@ def morph(
     wanted: range | None = None,
     previews: bool = False,
     looked_at: int = 0,
-) -> Iterator[MorphStep]:
+) -> Work[None]:
     """Make the blends of the shapes, one after the other.
 
     Parameters
@@ -129,8 +116,9 @@ def morph(
 
     Yields
     ------
-    MorphStep
-        Progress, previews, and every finished frame once.
+    Progress
+        The payloads are every finished :class:`.morph_problem.MorphFrame`, once and in the order of the blends, and
+        every :class:`MorphPreview`.
 
     Raises
     ------
@@ -177,7 +165,7 @@ def morph(
         total = sum(map(len, runs))
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
             fraction = begun + (1.0 - begun) * done / total
-            yield MorphStep(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
+            yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
 
 
 def _looked_at(runs: dict[int, Run], number: int) -> Blend | None:
@@ -194,11 +182,11 @@ def _glanced(
     settings: MorphSettings,
     matching: Matching,
     control: Control,
-) -> Iterator[MorphStep]:
+) -> Work[None]:
     """Show one blend at once, more coarsely than the other previews."""
     seen = None if blend is None else glance(shapes, names, blend, settings, matching, control)
     if seen is not None:
-        yield MorphStep(0.0, Sentence("First glance"), preview=seen)
+        yield Progress(0.0, Sentence("First glance"), MorphPreview(seen))
 
 
 def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: int) -> list[int]:
@@ -208,11 +196,11 @@ def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: in
     return nearest[: np.searchsorted(np.cumsum([len(runs[index]) for index in nearest]), fitting, side="right")]
 
 
-def _previews(runs: SketchedRuns, control: Control) -> Iterator[MorphStep]:
+def _previews(runs: SketchedRuns, control: Control) -> Work[None]:
     total = len(runs.sketches)
     for done, frame in enumerate(as_sketched(runs, control), start=1):
         message = Sentence("Preview {done} of {total}", {"done": done, "total": total})
-        yield MorphStep(VOXEL_SHARE + _PREVIEW_SHARE * done / total, message, preview=frame)
+        yield Progress(VOXEL_SHARE + _PREVIEW_SHARE * done / total, message, MorphPreview(frame))
 
 
 def prepared_problem(
@@ -223,8 +211,8 @@ def prepared_problem(
     workers: int,
     threads: int = 1,
     control: Control = UNINTERRUPTED,
-) -> Generator[MorphStep, None, MorphProblem]:
-    """Yield the steps of voxelizing the shapes, and return what all runs have in common.
+) -> Work[MorphProblem]:
+    """Report the voxelizing of the shapes, and return what all runs have in common.
 
     Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
     """
@@ -240,9 +228,9 @@ def sketchable_problem(
     workers: int,
     threads: int = 1,
     control: Control = UNINTERRUPTED,
-) -> Generator[MorphStep, None, MorphProblem]:
+) -> Work[MorphProblem]:
     """Do the same, and leave out what only finished blends need."""
-    yield MorphStep(0.0, Sentence("Laying out the grid"))
+    yield Progress(0.0, Sentence("Laying out the grid"))
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
     control.check()
 
@@ -254,7 +242,7 @@ def sketchable_problem(
         for index, own in enumerate(executor.map(volumes_of, range(len(shapes)))):
             volumes.append(own)
             message = Sentence("Voxelized {name}", {"name": names[index]})
-            yield MorphStep(VOXEL_SHARE * (index + 1) / len(shapes), message)
+            yield Progress(VOXEL_SHARE * (index + 1) / len(shapes), message)
     return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings)
 
 

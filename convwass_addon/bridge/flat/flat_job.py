@@ -4,19 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import get_args
 
 import bpy
 
-from ...applications.flat.flat_frames import FlatStep
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
 from ...applications.morphs.computation import Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Work
 from ...sentence import Sentence
 from .flat_bake import FlatBake, FlatKind
 from .flat_curves import FittedFrame
@@ -69,16 +68,16 @@ class FlatJob(WritesFlatFrames):
         bake = PencilBake if self.kind == "DRAWING" else FlatBake
         self._bake = bake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Iterator[FlatStep]:
+    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
         """Compute, and touch nothing of Blender; see :func:`.flat_morph.flat_morph`."""
         how = how or Computation()
-        steps = flat_morph(
+        work = flat_morph(
             self._shapes, self._names, self._blends, self._settings, control, workers=how.workers, wanted=how.wanted
         )
         # Curves are fitted here, not while the window waits for objects to be made.
-        for step in steps:
-            fitted = step.frame and FittedFrame.of(step.frame, self._settings.fit_error)
-            yield replace(step, frame=fitted)
+        for report in work:
+            frame = report.payload
+            yield report if frame is None else replace(report, payload=FittedFrame.of(frame, self._settings.fit_error))
 
     @property
     def notices(self) -> list[Sentence]:

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from ...applications.flat.flat_frames import FlatStep
+from ...applications.flat.flat_frames import FlatFrame
+from ...progress import Progress
 from ..morphs.bake import MorphBake
 
 
@@ -23,11 +24,11 @@ class WritesFlatFrames:
 
     _bake: MorphBake
 
-    def write(self, step: FlatStep) -> None:
+    def write(self, report: Progress[FlatFrame]) -> None:
         """Put a finished frame into the scene."""
-        if step.frame is not None:
-            self._bake.add(step.frame)
-            self.records.append(step.frame.record)
+        if report.payload is not None:
+            self._bake.add(report.payload)
+            self.records.append(report.payload.record)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""

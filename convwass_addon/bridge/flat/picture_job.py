@@ -4,20 +4,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
-from ...applications.flat.flat_frames import FlatStep
+from ...applications.flat.flat_frames import FlatFrame
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
 from ...applications.flat.gray_pictures import PictureMaker
 from ...applications.morphs.computation import Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Work, payloads
 from ...sentence import Sentence
 from .flat_writing import WritesFlatFrames
 from .gray_inputs import gray_inputs
@@ -69,23 +69,21 @@ class PictureJob(WritesFlatFrames):
         stored = {**settings.as_dict(), **options, "flat": True}
         self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs, replaces)
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Iterator[FlatStep]:
+    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
         """Compute, and touch nothing of Blender; see :meth:`.flat_job.FlatJob.steps`."""
         how = how or Computation()
         shapes = [own.shape for own in self._inputs]
         count = len(shapes)
         alone = [Blend(tuple(float(other == own) for other in range(count))) for own in range(count)]
-        ends = [
-            step.frame.density
-            for step in flat_morph(shapes, self._names, alone, self._settings, control)
-            if step.frame is not None
-        ]
+        given = payloads(flat_morph(shapes, self._names, alone, self._settings, control), FlatFrame)
+        ends = [frame.density for frame in given]
         grounds = np.array([own.ground for own in self._inputs])
         maker = PictureMaker(shapes, grounds, ends, self._grays)
-        for step in flat_morph(
+        for report in flat_morph(
             shapes, self._names, self._blends, self._settings, control, workers=how.workers, wanted=how.wanted
         ):
-            if step.frame is None:
-                yield step
+            frame = report.payload
+            if frame is None:
+                yield report
             else:
-                yield replace(step, frame=PictureFrame(**vars(step.frame), pixels=maker.picture(step.frame)))
+                yield replace(report, payload=PictureFrame(**vars(frame), pixels=maker.picture(frame)))

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import bpy
@@ -12,13 +12,20 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...applications.morphs.layouts import Blend
-from ...applications.morphs.looks import carried
-from ...applications.morphs.morph import MorphStep
+from ...applications.morphs.looks import Carried, carried
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.origins import velocities
+from ...progress import Work
 from ..handles import Handle, found
 from .looks import COLOR, SOURCE_WEIGHT, read_look, write_carried, write_own_look, write_velocity
 from .materials import carrying_material
+
+
+@dataclass(frozen=True)
+class CarriedFrame(MorphFrame):
+    """A finished frame with what it brings along from the inputs."""
+
+    carried: Carried | None = None
 
 
 class Carrying:
@@ -62,18 +69,17 @@ class Carrying:
                 mesh.materials.clear()
                 mesh.materials.append(material)
 
-    def looked_up(self, steps: Iterator[MorphStep]) -> Iterator[MorphStep]:
-        """Hand steps on, with what their frames look like; in any thread."""
-        for step in steps:
-            frame = step.frame
-            if frame is None or frame.origins is None:
-                yield step
-            else:
-                yield replace(step, carried=carried(frame.origins, frame.mesh.faces, self._looks, frame.blend.weights))
+    def looked_up(self, work: Work[None]) -> Work[None]:
+        """Report the work of a morph, with finished frames as :class:`CarriedFrame`; in any thread."""
+        for report in work:
+            frame = report.payload
+            if isinstance(frame, MorphFrame) and frame.origins is not None:
+                look = carried(frame.origins, frame.mesh.faces, self._looks, frame.blend.weights)
+                report = replace(report, payload=CarriedFrame(**vars(frame), carried=look))
+            yield report
 
-    def write(self, mesh: bpy.types.Mesh, step: MorphStep) -> None:
+    def write(self, mesh: bpy.types.Mesh, frame: MorphFrame) -> None:
         """Write what a finished frame carries to its mesh, and give it the material that shows it."""
-        frame: MorphFrame = step.frame
         if frame.mesh is None or frame.origins is None:
             return
         if frame.blend in self._rates:
@@ -82,8 +88,8 @@ class Carrying:
             for shape in self._beside.get(frame.blend, ()):
                 self._pass(shape, _Passing(frame.origins[shape.source], velocity))
         material = self._material.find()
-        if step.carried is not None and material is not None:
-            write_carried(mesh, step.carried)
+        if isinstance(frame, CarriedFrame) and material is not None:
+            write_carried(mesh, frame.carried)
             mesh.materials.clear()
             mesh.materials.append(material)
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 
 import bpy
@@ -13,12 +13,13 @@ from ...applications.morphs.between_frames import between_frames
 from ...applications.morphs.computation import Computation
 from ...applications.morphs.frame_cache import FrameCache
 from ...applications.morphs.layouts import Blend
-from ...applications.morphs.morph import MorphStep, morph
+from ...applications.morphs.morph import MorphPreview, morph
+from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import FaceLabels, matched, part_notices
 from ...errors import InputError
 from ...geometry.alignment import aligned
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..objects import MESHED, labeled_mesh, triangle_mesh
 from .bake import MorphBake
@@ -85,10 +86,10 @@ class MorphJob:
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, moves)
         self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Iterator[MorphStep]:
-        """Return the generator that computes; it touches nothing of Blender. See :func:`.morph.morph`."""
+    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
+        """Return the work of computing; it touches nothing of Blender. See :func:`.morph.morph`."""
         how = how or Computation()
-        steps = morph(
+        work = morph(
             self._shapes,
             self._names,
             self._blends,
@@ -102,7 +103,7 @@ class MorphJob:
             previews=how.previews,
             looked_at=self._looked_at,
         )
-        return steps if self._carrying is None else self._carrying.looked_up(steps)
+        return work if self._carrying is None else self._carrying.looked_up(work)
 
     def steps_between(
         self,
@@ -113,12 +114,12 @@ class MorphJob:
         *,
         workers: int | None = None,
         executor: Executor | None = None,
-    ) -> Iterator[MorphStep]:
+    ) -> Work[None]:
         """Return the same for a job whose blends lie between the frames of a path.
 
         See :func:`.between_frames.between_frames`.
         """
-        steps = between_frames(
+        work = between_frames(
             self._shapes,
             self._names,
             path,
@@ -130,7 +131,7 @@ class MorphJob:
             workers=workers,
             executor=executor,
         )
-        return steps if self._carrying is None else self._carrying.looked_up(steps)
+        return work if self._carrying is None else self._carrying.looked_up(work)
 
     @property
     def notices(self) -> list[Sentence]:
@@ -138,15 +139,16 @@ class MorphJob:
         found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
         return [notice.sentence for notice in found]
 
-    def write(self, step: MorphStep) -> None:
+    def write(self, report: Progress[MorphFrame | MorphPreview]) -> None:
         """Put a finished frame into the scene, or a preview until there is one."""
-        if step.preview is not None:
-            self._bake.preview(step.preview)
-        if step.frame is not None:
-            obj = self._bake.add(step.frame)
+        found = report.payload
+        if isinstance(found, MorphPreview):
+            self._bake.preview(found.frame)
+        elif found is not None:
+            obj = self._bake.add(found)
             if self._carrying is not None:
-                self._carrying.write(obj.data, step)
-            self.records.append(step.frame.record)
+                self._carrying.write(obj.data, found)
+            self.records.append(found.record)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
