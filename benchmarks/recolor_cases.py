@@ -26,6 +26,7 @@ from convwass_addon.applications.palettes.palette_settings import RecolorSetting
 from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
 from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
 from convwass_addon.applications.palettes.recoloring import Recoloring, recoloring
+from convwass_addon.progress import drained
 
 from .clock import Clock
 
@@ -107,8 +108,7 @@ def ours(smoothing: float, edge_radius: int = 0) -> Way:
         pixels = [opaque(own) for own in (source, target)]
         change = _solved(*pixels, settings)
         out = np.empty_like(pixels[0])
-        for _ in recolored_blocks(pixels[0], PixelFormat(), change, None, out, workers=1):
-            pass
+        drained(recolored_blocks(pixels[0], PixelFormat(), change, None, out, workers=1))
         return lab(np.round(out[..., :3].astype(np.float64) * 255) / 255)
 
     return way
@@ -214,8 +214,7 @@ def table_error(source: str, target: str, size: int) -> dict[str, float]:
     change, found = _solved(pixels, opaque(photograph(target)), RecolorSettings()), []
     for own in (change, lookup_table(change, size)):
         out = np.empty_like(pixels)
-        for _ in recolored_blocks(pixels, PixelFormat(), own, None, out, workers=1):
-            pass
+        drained(recolored_blocks(pixels, PixelFormat(), own, None, out, workers=1))
         found.append(out)
     error = np.abs(found[0] - found[1])[..., :3] * 255
     return {"mean": float(error.mean()), "most": float(np.percentile(error, 99)), "worst": float(error.max())}

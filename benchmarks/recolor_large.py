@@ -19,6 +19,7 @@ from convwass_addon.applications.palettes.palette_settings import RecolorSetting
 from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
 from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
 from convwass_addon.applications.palettes.recoloring import recoloring
+from convwass_addon.progress import drained
 
 from .clock import Clock
 from .processes import peak_megabytes
@@ -69,8 +70,7 @@ def arrays(source: str, target: str, kind: str, workers: int) -> dict[str, objec
     out = np.empty_like(pixels)
     for name, own in (("exact", change), ("table", lookup_table(change))):
         clock = Clock()
-        for _ in recolored_blocks(pixels, form, own, None, out, workers=workers):
-            pass
+        drained(recolored_blocks(pixels, form, own, None, out, workers=workers))
         found[name] = clock.read()
     return found | {"more": peak_megabytes() - base}
 

@@ -28,6 +28,7 @@ from convwass_addon.geometry.edges import vertex_components
 from convwass_addon.geometry.inner_balls import inner_balls
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.solid_angles import winding_numbers
+from convwass_addon.progress import drained
 
 from .meshes import blob
 
@@ -77,8 +78,7 @@ def large(vertices: int, joints: int) -> dict[str, object]:
 
 
 def _fitted(mesh: TriangleMesh, graph: JointGraph, settings: SkeletonSettings) -> FittedSkeleton:
-    *_, last = fit_steps(mesh, graph, settings)
-    return last.found
+    return drained(fit_steps(mesh, graph, settings))
 
 
 def _means(mesh: TriangleMesh, graph: JointGraph) -> NDArray[np.float64]:

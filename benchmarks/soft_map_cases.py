@@ -24,6 +24,7 @@ from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.laplacian import laplacian
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import vertex_normals
+from convwass_addon.progress import drained
 
 from .deformed_pairs import PAIRS, DeformedPair, Geodesics, deformed_pair
 from .processes import peak_megabytes
@@ -90,9 +91,9 @@ def ours(path: str, landmarks: int) -> dict[str, object]:
     pair = read(path)
     sides = [MapSide(pair.source, "source"), MapSide(pair.target, "target")]
     begun = time.process_time()
-    *_, last = soft_map_steps(*sides, pair.landmarks[:landmarks])
+    found = drained(soft_map_steps(*sides, pair.landmarks[:landmarks]))
     seconds = time.process_time() - begun
-    points = last.found.forward.positions(pair.target)
+    points = found.forward.positions(pair.target)
     return {**judged(pair, points), "seconds": seconds, "peak": peak_megabytes()}
 
 

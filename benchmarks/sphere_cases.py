@@ -21,6 +21,7 @@ from convwass_addon.applications.reflectance.reflectance_settings import Reflect
 from convwass_addon.applications.skies.lamps import SUN_RADIUS
 from convwass_addon.applications.skies.sky_frames import Skies
 from convwass_addon.applications.skies.sky_images import LUMINANCE, add_disc, great_circle, light_of
+from convwass_addon.progress import drained
 from convwass_addon.transport import Sphere, barycenter
 from convwass_addon.transport.sphere import directions, solid_angles
 
@@ -67,15 +68,15 @@ def lobes(pair: str, entropy: str) -> dict[str, object]:
     blend = LobeBlend.of(_PAIRS[pair], ReflectanceSettings(entropy=entropy, **turns))
     prepared = time.process_time() - start
     start = time.process_time()
-    *_, last = blend.steps([0.5, 0.5])
+    found = drained(blend.steps([0.5, 0.5]))
     seconds = time.process_time() - start
-    fit = fit_ggx(last.found.table)
-    own = float(np.mean(last.found.record["entropies"]))
+    fit = fit_ggx(found.table)
+    own = float(np.mean(found.record["entropies"]))
     return {
         "directions": len(blend),
         "prepared": prepared,
         "seconds": seconds,
-        "error": last.found.record["marginal_error"],
+        "error": found.record["marginal_error"],
         "entropy": own,
         "fit": fit.record(),
     }

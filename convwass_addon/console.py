@@ -12,7 +12,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from types import TracebackType
-from typing import TextIO
+from typing import TextIO, TypeVar
+
+from .progress import Work, drained, watched
+
+Result = TypeVar("Result")
 
 _WIDTH = 30
 # Between lines where the output is a file or a pipe.
@@ -52,6 +56,14 @@ class ProgressBar:
         elif now - self._last > _SECONDS_PER_LINE:
             self._last = now
             print(f"{self._title} {fraction:4.0%}  {message}{self._left(fraction, now)}", file=sys.stderr, flush=True)
+
+    def result_of(self, work: Work[Result]) -> Result:
+        """Do the work while the bar shows its progress, and return its result."""
+        return drained(self.shown(work))
+
+    def shown(self, work: Work[Result]) -> Work[Result]:
+        """Hand reports on once the bar has shown them, and return the result of the work."""
+        return watched(work, lambda report: self.show(report.fraction, str(report.message)))
 
     def _left(self, fraction: float, now: float) -> str:
         """Time left at the mean pace so far; nothing before there is a pace."""

@@ -14,7 +14,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
@@ -139,6 +139,17 @@ def payloads(work: Iterable[Progress[Any]], kind: type[Payload]) -> Iterator[Pay
     for report in work:
         if isinstance(report.payload, kind):
             yield report.payload
+
+
+def watched(work: Work[Result], watch: Callable[[Progress[Any]], None]) -> Work[Result]:
+    """Hand reports on once `watch` has been called with them, and return the result of the work."""
+    while True:
+        try:
+            report = next(work)
+        except StopIteration as done:
+            return done.value
+        watch(report)
+        yield report
 
 
 def within(work: Work[Result], begin: float, end: float, message: Sentence | None = None) -> Work[Result]:

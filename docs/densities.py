@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 from photographs import color_material, finer, sample_shape, save_jpeg
 
-from convwass_addon.applications.densities.density_frames import joined_frames
 from convwass_addon.applications.densities.density_paths import blend_steps, interpolation_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.density_tools import diffused, unit_mass
@@ -28,6 +27,7 @@ from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.studio import Studio
 from convwass_addon.bridge.surfaces import surface_mesh
+from convwass_addon.progress import drained
 from convwass_addon.transport import Surface
 
 _STEP = (2.5, 2.2)
@@ -55,7 +55,7 @@ def _first_row(surface: Surface) -> list[NDArray[np.float64]]:
     for bound in (None, limit + 0.6, limit, limit - 0.6):
         settings = DensitySettings(entropy_limit=bound, blend_sharpness=0.0)
         steps = blend_steps(ends, ("A", "B"), (0.5, 0.5), surface, settings)
-        pictures.append(_heat(joined_frames(steps).densities[0]))
+        pictures.append(_heat(drained(steps).densities[0]))
     return pictures
 
 
@@ -63,7 +63,7 @@ def _travelling(surface: Surface, entropy_limit: str | None) -> list[NDArray[np.
     first = _bump(surface, (0.5, -0.2, 0.5), 0.1) + _bump(surface, (-0.6, -0.2, 0.1), 0.1)
     second = _bump(surface, (0.6, -0.1, 1.5), 0.1) + _bump(surface, (-0.9, -0.1, 0.8), 0.1)
     steps = interpolation_steps(first, second, surface, DensitySettings(steps=4, entropy_limit=entropy_limit))
-    return [_heat(density) for density in joined_frames(steps).densities]
+    return [_heat(density) for density in drained(steps).densities]
 
 
 def _nearest(surface: Surface, place: tuple[float, float, float]) -> int:

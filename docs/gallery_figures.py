@@ -132,7 +132,7 @@ FIGURES = (
         "Skeletons laid out in bodies: green joints are given, blue ones are found.",
         "In a horse, a bird, an octopus and a double torus, whose skeleton has two loops; then the octopus bound "
         "to its skeleton and posed.",
-        "*_, last = fit_steps(mesh, graph, SkeletonSettings())\njoints = last.found.positions",
+        "skeleton = drained(fit_steps(mesh, graph, SkeletonSettings()))\njoints = skeleton.positions",
     ),
     Figure(
         10,
@@ -143,7 +143,7 @@ FIGURES = (
         "by a few fixed points, which are black.",
         "A cow's points on a horse. In the middle, left belongs to left; at the right the same fixed points are paired "
         "crosswise. [soft_maps.jpg](pictures/soft_maps.jpg) shows what such maps are good for.",
-        "*_, last = soft_map_steps(cow, horse, pairs)\nrow = distribution_of(last.found, 17)",
+        "found = drained(soft_map_steps(cow, horse, pairs))\nrow = distribution_of(found, 17)",
     ),
     Figure(
         11,

@@ -15,6 +15,7 @@ from photographs import color_material, finer, sample_shape, save_jpeg
 
 import convwass_addon
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.progress import drained
 
 _SPOTS = 26
 
@@ -28,7 +29,7 @@ def main() -> None:
     bpy.ops.convwass.bake_morph(frames=4, resolution=128, reverse=True)
     morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
     with TemporaryDirectory() as folder:
-        save_jpeg(render_contact_sheet(morph, Path(folder) / "looks.png"), "looks")
+        save_jpeg(drained(render_contact_sheet(morph, Path(folder) / "looks.png")), "looks")
 
 
 def _paint(obj: bpy.types.Object, paint: Callable[[NDArray[np.float32]], NDArray[np.float64]]) -> None:

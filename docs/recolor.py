@@ -26,6 +26,7 @@ from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
 from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
 from convwass_addon.applications.palettes.recoloring import Recoloring, palette_barycenter, recoloring
 from convwass_addon.bridge.palettes.image_files import save_pixels
+from convwass_addon.progress import drained
 
 PICTURE = Path(__file__).resolve().parent / "pictures" / "recolor.jpg"
 _TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -83,8 +84,7 @@ def _between(
 def _recolored(pixels: NDArray[np.float32], change: Recoloring, strength: float) -> NDArray[np.float32]:
     own = replace(change, settings=replace(change.settings, strength=strength))
     out = np.empty_like(pixels)
-    for _ in recolored_blocks(pixels, _FORM, own, None, out):
-        pass
+    drained(recolored_blocks(pixels, _FORM, own, None, out))
     return out
 
 

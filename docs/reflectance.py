@@ -25,6 +25,7 @@ from convwass_addon.applications.reflectance.lobe_interpolation import LobeBlend
 from convwass_addon.applications.reflectance.lobe_table import LobeTable
 from convwass_addon.applications.reflectance.materials import Color, Ggx
 from convwass_addon.applications.reflectance.reflectance_settings import ReflectanceSettings
+from convwass_addon.progress import drained
 
 PICTURE = Path(__file__).resolve().parent / "pictures" / "reflectance.png"
 SETTINGS = ReflectanceSettings(rows=48, incoming=9, turns=12, tolerance=2e-2)
@@ -100,8 +101,7 @@ def _moved(blends: list[LobeBlend]) -> Iterator[list[LobeTable]]:
     for place, weights in enumerate(_weights()):
         tables = []
         for blend in blends:
-            for step in blend.steps(weights, before):
-                before = step.found or before
+            before = drained(blend.steps(weights, before))
             tables.append(before.table)
         print(f"{place + 1} of {_SIDE**2}", [str(notice) for notice in before.notices], flush=True)
         yield tables

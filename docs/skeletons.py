@@ -25,6 +25,7 @@ from convwass_addon.applications.skeletons.skeleton_fit import fit_steps
 from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.progress import drained
 
 _BODIES = ("horse", "bird", "octopus", "double_torus")
 _STEP = 2.15
@@ -83,8 +84,7 @@ def _graph(known: dict) -> JointGraph:
 
 def _fitted(body: bpy.types.Object, graph: JointGraph) -> NDArray[np.float64]:
     mesh = triangle_mesh(body, bpy.context.evaluated_depsgraph_get())
-    *_, last = fit_steps(mesh, graph, SkeletonSettings())
-    return last.found.positions
+    return drained(fit_steps(mesh, graph, SkeletonSettings())).positions
 
 
 def _draw(joints: NDArray[np.float64], graph: JointGraph, colors: dict[str, bpy.types.Material]) -> None:

@@ -19,6 +19,7 @@ from PIL import Image
 import convwass_addon
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.progress import drained
 
 PROJECT = Path(__file__).resolve().parents[1]
 PICTURES = PROJECT / "docs" / "pictures"
@@ -75,7 +76,7 @@ def _draw(sheet: Sheet, resolution: int, target: Path) -> None:
         morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
         with TemporaryDirectory() as folder:
             png = Path(folder) / "sheet.png"
-            render_contact_sheet(morph, png, columns=sheet.columns, width=sheet.width)
+            drained(render_contact_sheet(morph, png, columns=sheet.columns, width=sheet.width))
             with Image.open(png) as picture:
                 picture.convert("RGB").save(target, quality=87, optimize=True, progressive=True)
     finally:

@@ -21,6 +21,7 @@ from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.applications.soft_maps.surface_maps import SurfaceMap, distribution_of
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 
 PROJECT = Path(__file__).resolve().parents[1]
 PICTURE = PROJECT / "docs" / "pictures" / "two_maps.png"
@@ -78,9 +79,9 @@ def main() -> None:
 
 
 def _solved(source: TriangleMesh, target: TriangleMesh, pairs: NDArray[np.int64]) -> SurfaceMap:
-    *_, last = soft_map_steps(MapSide(source, "cow"), MapSide(target, "horse"), pairs, _SETTINGS)
-    print([str(notice) for notice in last.found.notices])
-    return last.found
+    found = drained(soft_map_steps(MapSide(source, "cow"), MapSide(target, "horse"), pairs, _SETTINGS))
+    print([str(notice) for notice in found.notices])
+    return found
 
 
 def _shown(density: NDArray[np.float64]) -> NDArray[np.float64]:

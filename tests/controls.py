@@ -1,13 +1,17 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Controls that stop long work where a test wants it."""
+"""Long work in tests: controls that stop it where a test wants it, and all that it reports."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
-from convwass_addon.progress import Control
+from convwass_addon.progress import Control, Progress, Work
+
+Result = TypeVar("Result")
 
 
 class CountingControl(Control):
@@ -49,3 +53,21 @@ def cancelled_control() -> Control:
     control = Control()
     control.cancel()
     return control
+
+
+@dataclass(frozen=True)
+class Recorded(Generic[Result]):
+    """What long work has reported, and its result."""
+
+    reports: list[Progress[Any]]
+    result: Result
+
+
+def recorded(work: Work[Result]) -> Recorded[Result]:
+    """Do the work and return all of its reports with its result."""
+    reports = []
+    while True:
+        try:
+            reports.append(next(work))
+        except StopIteration as end:
+            return Recorded(reports, end.value)

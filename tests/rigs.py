@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from convwass_addon.applications.skeletons.skeleton_fit import FitStep, FittedSkeleton
-from convwass_addon.progress import UNINTERRUPTED
+from convwass_addon.applications.skeletons.skeleton_fit import FittedSkeleton
+from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.sentence import Sentence
 
 
@@ -101,9 +101,10 @@ def select_joints(obj, *ends):
 
 def harmonic_steps(mesh, graph, settings, control=UNINTERRUPTED):
     """Lay out free joints as the means of their neighbors, weighted by one over the lengths of bones."""
-    yield FitStep(0.0, Sentence("Starting"))
+    yield Progress(0.0, Sentence("Starting"))
     control.check()
-    yield FitStep(1.0, Sentence("Writing"), harmonic(graph))
+    yield Progress(1.0, Sentence("Writing"))
+    return harmonic(graph)
 
 
 def harmonic(graph, notices=()):

@@ -33,7 +33,7 @@ def asked(monkeypatch):
 
     def steps(mesh, graph, settings, control=UNINTERRUPTED):
         calls.append((mesh, graph, settings))
-        yield from harmonic_steps(mesh, graph, settings, control)
+        return harmonic_steps(mesh, graph, settings, control)
 
     monkeypatch.setattr(armature_verb, "fit_steps", steps)
     return calls

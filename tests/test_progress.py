@@ -1,9 +1,21 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
+import pickle
+
 import pytest
 
 from convwass_addon.errors import Cancelled
-from convwass_addon.progress import Control, Progress, Work, drained, within
+from convwass_addon.progress import (
+    UNINTERRUPTED,
+    Control,
+    Progress,
+    Request,
+    Work,
+    drained,
+    payloads,
+    watched,
+    within,
+)
 from convwass_addon.sentence import Sentence
 
 
@@ -48,3 +60,58 @@ def test_control_follows_its_parents_but_not_its_children():
     other = Control(user)
     other.cancel()
     user.check()
+
+
+def test_within_can_replace_messages():
+    reports = list(within(counting(2), 0.0, 1.0, Sentence("Preparing")))
+    assert [str(report.message) for report in reports] == ["Preparing", "Preparing"]
+
+
+def test_payloads_are_told_apart_by_their_kind():
+    def mixed() -> Work[None]:
+        for payload in (1, "a", None, 2):
+            yield Progress(0.0, Sentence("Mixing"), payload)
+
+    assert list(payloads(mixed(), int)) == [1, 2]
+
+
+def test_watched_work_reports_and_returns_the_same():
+    seen, results = [], []
+
+    def outer() -> Work[None]:
+        results.append((yield from watched(counting(2), seen.append)))
+
+    assert list(outer()) == seen
+    assert [report.payload for report in seen] == [0, 1]
+    assert results == ["done"]
+
+
+def test_what_nobody_controls_cannot_be_cancelled():
+    UNINTERRUPTED.check()
+    assert not UNINTERRUPTED.cancelled
+    with pytest.raises(RuntimeError, match="cannot be cancelled"):
+        UNINTERRUPTED.cancel()
+    UNINTERRUPTED.check()
+    assert pickle.loads(pickle.dumps(UNINTERRUPTED)) is UNINTERRUPTED
+
+
+def doubled() -> Work[int]:
+    request = Request()
+    yield Progress(0.5, Sentence("Asking"), request)
+    return 2 * request.value
+
+
+def test_a_request_is_answered_by_the_caller():
+    assert drained(watched(doubled(), lambda report: report.payload.answer(21))) == 42
+
+
+def test_a_request_that_nobody_answers_is_an_error():
+    with pytest.raises(RuntimeError, match="has not been answered"):
+        drained(doubled())
+
+
+def test_nobody_waits_for_an_answer_after_cancelling():
+    control = Control()
+    control.cancel()
+    with pytest.raises(Cancelled):
+        Request().wait(control)

@@ -36,7 +36,7 @@ For those who write scripts. The same work can be asked for in four ways, from t
 - [The command line](api/command_line.md): `blender --command convwass VERB` or `python -m convwass_addon VERB`.
 - [Operators](api/operators.md): `bpy.ops.convwass.…` in Blender's Python, the same that the buttons call. In a script
   they do all of their work before they return; in the window they work in the background.
-- [Applications](api/applications.md): what the operators do, on arrays, as jobs of steps; no Blender is needed.
+- [Applications](api/applications.md): what the operators do, on arrays; no Blender is needed.
 - [Transport](api/transport.md): the functions of the paper on arrays.
 
 The [scripts](scripts/README.md) show all four. Names that do not stand here may change without notice.
@@ -53,14 +53,21 @@ several have the distribution first.
 
 _APPLICATIONS = """# Applications
 
-What a user does, on arrays and without Blender. Functions whose names end in `_steps`, and `morph` and
-`flat_morph`, are jobs: generators that yield steps with a `fraction` and a `message`, and what is finished with it. A
-loop drives them:
+What a user does, on arrays and without Blender. Functions whose names end in `_steps`, and `morph`, `flat_morph` and
+`lobe_frames`, do long work: generators that yield `Progress` with a `fraction`, a `message` and, where something is
+finished on the way, a `payload`, and that return their result. A loop drives them, or `drained` where only the result
+counts:
 
 ```python
-for step in interpolation_steps(first, second, surface, DensitySettings()):
-    print(f"{step.fraction:.0%} {step.message}")
+from convwass_addon.progress import drained
+
+for progress in morph(shapes, names, blends, MorphSettings()):
+    print(f"{progress.fraction:.0%} {progress.message}")
+frames = drained(interpolation_steps(first, second, surface, DensitySettings()))
 ```
+
+All of them take a `Control` of the same module, whose `cancel` ends them from any thread with
+`convwass_addon.errors.Cancelled`.
 
 Errors that a user can mend are `convwass_addon.errors.InputError`; their text says what to do.
 

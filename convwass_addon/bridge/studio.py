@@ -272,10 +272,6 @@ def world_matrix(obj: bpy.types.Object) -> Matrix:
     return world_matrix(obj.parent) @ obj.matrix_parent_inverse @ obj.matrix_basis
 
 
-def silent(fraction: float, message: str) -> None:
-    """Take a report of progress and do nothing with it."""
-
-
 def opening(resolution: tuple[int, int]) -> tuple[float, float]:
     """Return the tangents of half the angle that shapes may fill, across and upright, for a picture of that size."""
     width, height = resolution

@@ -70,9 +70,7 @@ def _fitted(options: Namespace, settings: SkeletonSettings) -> dict[str, object]
     if not rig.graph.pinned.any():
         raise InputError("No joint is pinned; name some with --pin, such as {example}.", example=rig.graph.names[0])
     with ProgressBar("Fitting the armature") as bar:
-        for step in fit_steps(mesh, rig.graph, settings):
-            bar.show(step.fraction, str(step.message))
-    found = step.found
+        found = bar.result_of(fit_steps(mesh, rig.graph, settings))
     # Before they are moved, for the lengths of their bones.
     pin_joints(pair.rig, rig, np.flatnonzero(rig.graph.pinned).tolist())
     short = move_joints(pair.rig, rig, found.positions)

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..applications.densities.density_frames import DensityFrames, joined_frames
+from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_paths import interpolation_steps
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import density_surface
@@ -21,6 +21,7 @@ from ..bridge.imports import import_objects
 from ..bridge.photograph import set_up_photograph
 from ..bridge.surfaces import surface_mesh
 from ..bridge.vertex_groups import write_group
+from ..progress import drained
 
 _NAME = "Moss"
 _SETTINGS = DensitySettings(steps=24, entropy_limit=None)
@@ -46,8 +47,8 @@ def save_moss(shape: Path, target: Path) -> Path:
     groups = {"Hooves": (height < _HOOVES * height.max()).astype(float), "Body": np.ones(len(height))}
     for name, weights in groups.items():
         write_group(obj, name, weights)
-    steps = interpolation_steps(*groups.values(), density_surface(mesh), _SETTINGS, tuple(groups))
-    _play(obj, joined_frames(steps), list(groups))
+    work = interpolation_steps(*groups.values(), density_surface(mesh), _SETTINGS, tuple(groups))
+    _play(obj, drained(work), list(groups))
     set_up_photograph(bpy.context.scene, obj)
     return save_blend(target)
 

@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 
-from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
+from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_graphs import propagation_steps
 from ..applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
 from ..applications.densities.density_paths import blend_steps, path_steps
@@ -27,6 +26,7 @@ from ..bridge.files import checked_target, save_blend
 from ..bridge.vertex_groups import group_names, write_group
 from ..console import ProgressBar
 from ..errors import InputError
+from ..progress import Work
 from .answer import Answer
 from .density_inputs import DensityScene, open_mesh
 from .reports import note
@@ -198,21 +198,15 @@ def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> 
     return Answer(record, (line, *written))
 
 
-def _frames(steps: Iterable[DensityStep]) -> DensityFrames:
+def _frames(work: Work[DensityFrames]) -> DensityFrames:
     with ProgressBar("Moving the density") as bar:
-        frames = joined_frames(_shown(steps, bar))
+        frames = bar.result_of(work)
     slack = sum(not record["converged"] for record in frames.records)
     if slack:
         note(
             f"frames that are less exact than asked for: {slack}; more --blur helps, or --entropy-limit with more nats"
         )
     return frames
-
-
-def _shown(steps: Iterable[DensityStep], bar: ProgressBar) -> Iterator[DensityStep]:
-    for step in steps:
-        bar.show(step.fraction, str(step.message))
-        yield step
 
 
 def _plain(values: np.ndarray) -> list[object]:

@@ -24,7 +24,7 @@ from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
 from ..console import ProgressBar
 from ..errors import InputError
-from ..progress import Progress
+from ..progress import Progress, watched
 from .answer import Answer
 from .morph_choices import Computing
 from .reports import note
@@ -84,9 +84,7 @@ def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Ca
             work = job.steps(how=Computation(cache=computing.cache, wanted=computing.wanted, **where))
         else:
             work = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
-        for report in work:
-            take(report)
-            bar.show(report.fraction, str(report.message))
+        bar.result_of(watched(work, take))
     for notice in computing.cache.notices if computing.cache else ():
         note(notice)
 
@@ -108,10 +106,10 @@ def _machines(scheduler: str) -> AbstractContextManager[Executor]:
 def rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> list[Path]:
     """Render a picture of a morph and, where it is `animated`, a movie, beside the file `target`."""
     with ProgressBar("Rendering the picture") as bar:
-        pictures = [render_contact_sheet(collection, target.with_suffix(".png"), progress=bar.show)]
+        pictures = [bar.result_of(render_contact_sheet(collection, target.with_suffix(".png")))]
     if animated:
         with ProgressBar("Rendering the movie") as bar:
-            pictures.append(render_animation(collection, target.with_suffix(".mp4"), progress=bar.show))
+            pictures.append(bar.result_of(render_animation(collection, target.with_suffix(".mp4"))))
     return [Path(picture) for picture in pictures]
 
 

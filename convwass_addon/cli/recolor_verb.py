@@ -27,6 +27,7 @@ from ..bridge.palettes.image_files import require_format, save_pixels
 from ..console import ProgressBar
 from ..drafts import DraftFiles
 from ..errors import InputError
+from ..progress import drained
 from .answer import Answer
 from .recolor_frames import Frames, opened_frames, read_file
 
@@ -155,6 +156,5 @@ def _write_recolored(
 
 def _changed(picture: Picture, change: Recoloring | LookupTable, workers: int | None) -> NDArray[np.float32]:
     out = np.empty_like(picture.pixels)
-    for _ in recolored_blocks(picture.pixels, picture.pixel_format, change, picture.mask, out, workers=workers):
-        pass
+    drained(recolored_blocks(picture.pixels, picture.pixel_format, change, picture.mask, out, workers=workers))
     return out

@@ -25,6 +25,7 @@ from ..bridge.reflectance.lobe_images import write_lobe_exr
 from ..bridge.reflectance.lobe_scene import show_on_balls
 from ..console import ProgressBar
 from ..errors import InputError
+from ..progress import payloads
 from .answer import Answer
 
 # How many numbers every kind of material takes, and what makes it of them.
@@ -125,10 +126,5 @@ def _material(word: str) -> Material | LobeTable:
 
 
 def _solved(blend: LobeBlend, weights: NDArray[np.float64]) -> list[LobeFrame]:
-    frames = []
     with ProgressBar("Blending materials") as bar:
-        for step in blended_frames(blend, weights):
-            bar.show(step.fraction, str(step.message))
-            if step.frame is not None:
-                frames.append(step.frame)
-    return frames
+        return list(payloads(bar.shown(blended_frames(blend, weights)), LobeFrame))

@@ -8,9 +8,10 @@ from argparse import Namespace
 
 from ..applications.skies.sky_settings import SkySettings
 from ..bridge.skies.sky_pixels import read_sky_file, resized
-from ..bridge.skies.sky_sequence import SkyFiles, fitting_height, sky_steps
+from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
 from ..console import ProgressBar
 from ..errors import InputError
+from ..progress import payloads
 from .answer import Answer
 
 
@@ -35,11 +36,10 @@ def run_sky(options: Namespace) -> Answer:
     records = []
     try:
         with ProgressBar("Blending skies") as bar:
-            for step in sky_steps([resized(sky, height) for sky in skies], options.steps, settings):
-                bar.show(step.fraction, str(step.message))
-                files.write(step)
-                if step.frame is not None:
-                    records.append(step.frame.record)
+            work = bar.shown(sky_steps([resized(sky, height) for sky in skies], options.steps, settings))
+            for made in payloads(work, PlacedSky):
+                files.write(made)
+                records.append(made.frame.record)
         files.finish()
     except BaseException:
         files.discard()

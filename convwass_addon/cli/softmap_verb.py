@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import bpy
@@ -14,7 +13,7 @@ import numpy as np
 from ..applications.soft_maps.map_extension import DOUBTFUL
 from ..applications.soft_maps.map_repair import repaired_map
 from ..applications.soft_maps.map_sides import MapSide
-from ..applications.soft_maps.map_solving import SoftMapStep, soft_map_steps
+from ..applications.soft_maps.map_solving import soft_map_steps
 from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
@@ -24,7 +23,7 @@ from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
-from ..bridge.soft_maps.map_transfer import TransferEnds
+from ..bridge.soft_maps.map_transfer import TransferEnds, all_carried
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
@@ -149,16 +148,9 @@ def _pairs(options: Namespace, ends: _Ends) -> np.ndarray:
 def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMapSettings) -> SurfaceMap:
     shared = [name for name in group_names(ends.source) if name in ends.target.vertex_groups] if options.groups else []
     sides = ends.sides(shared)
-    if options.mirror:
-        return _last(mirror_map_steps(sides[0], pairs, settings))
-    return _last(soft_map_steps(*sides, pairs, settings))
-
-
-def _last(steps: Iterable[SoftMapStep]) -> SurfaceMap:
+    work = mirror_map_steps(sides[0], pairs, settings) if options.mirror else soft_map_steps(*sides, pairs, settings)
     with ProgressBar("Computing the map") as bar:
-        for step in steps:
-            bar.show(step.fraction, str(step.message))
-    return step.found
+        return bar.result_of(work)
 
 
 def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str, list[str]]:
@@ -173,9 +165,7 @@ def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str
     parts = {kind: makers[kind]() for kind in dict.fromkeys(options.transfer)}
     if parts:
         with ProgressBar("Transferring") as bar:
-            for place, part in enumerate(parts.values()):
-                for message in part.steps():
-                    bar.show(place / len(parts), str(message))
+            bar.result_of(all_carried(parts.values()))
     names = {}
     for kind, part in parts.items():
         done = part.write(way.receiver)

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..progress import Control
+from ..progress import UNINTERRUPTED, Control
 from .mesh import TriangleMesh
 from .subdivision import with_short_edges
 from .winding import lattice_winding
@@ -32,7 +32,7 @@ def signed_distance(
     shape: tuple[int, int, int],
     reach: float,
     inside: NDArray[np.bool_] | None = None,
-    control: Control | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> NDArray[np.float32]:
     """Return distances of the voxel centers from a surface, negative inside.
 
@@ -47,7 +47,7 @@ def signed_distance(
         Distances up to this, in cells, are exact; beyond, they are `reach` or minus `reach`.
     inside : bool, shape `shape`, optional
         Which voxel centers lie inside. By default those with a winding number above one half.
-    control : Control, optional
+    control : Control
         Stops the work.
 
     Returns
@@ -55,9 +55,8 @@ def signed_distance(
     ndarray of float32, shape `shape`
         In cells.
     """
-    control = control or Control()
     if inside is None:
-        inside = lattice_winding(corners, shape, control.check) > 0.5
+        inside = lattice_winding(corners, shape, control) > 0.5
     squares = np.full(int(np.prod(shape)), np.float32(reach) ** 2, np.float32)
     mesh = TriangleMesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
     small = with_short_edges(mesh, _LONGEST_EDGE, np.iinfo(np.int64).max).mesh.corners

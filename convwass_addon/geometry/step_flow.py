@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..progress import Control
+from ..progress import UNINTERRUPTED, Control
 from .grid_sampling import sampled
 
 # Neighboring cells differ by no more than this in a step, in cells. The derivative of the interpolated step then stays
@@ -51,19 +51,17 @@ class StepFlow:
         before = _undone(step, centers, _CLOSE_ON_GRIDS)
         self._back = (before - centers + sampled(self._back, before)).reshape(self._back.shape)
 
-    def moved(self, points: NDArray[np.float64], control: Control | None = None) -> NDArray[np.float64]:
+    def moved(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
         """Return where points, (n, 3) in cells, are taken to."""
         for step in self.steps:
-            if control is not None:
-                control.check()
+            control.check()
             points = points + sampled(step, points)
         return points
 
-    def moved_back(self, points: NDArray[np.float64], control: Control | None = None) -> NDArray[np.float64]:
+    def moved_back(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
         """Return which points are taken to these, (n, 3) in cells: the exact inverse of :meth:`moved`."""
         for step in reversed(self.steps):
-            if control is not None:
-                control.check()
+            control.check()
             points = _undone(step, points, _CLOSE)
         return points
 

@@ -4,12 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..applications.skeletons.skeleton_fit import FitStep, FittedSkeleton, fit_steps
+from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..bridge.armatures.auto_weights import bind_with_weights
 from ..bridge.armatures.fit_notices import posed_notice, short_notice, unweighted_notice
@@ -18,7 +16,7 @@ from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, 
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.armatures import FitProperties, chosen_rig
 from ..sentence import Sentence
 from .armature_targets import OnBody
@@ -59,13 +57,12 @@ class FitJob:
         self._mesh, self._settings = resting_body(body, rig, context.evaluated_depsgraph_get()), settings
         self.found: FittedSkeleton | None = None
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[FitStep]:
-        """Yield the steps of the work."""
-        yield from fit_steps(self._mesh, self.graph.graph, self._settings, control)
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Do the work, and keep what it finds."""
+        self.found = yield from fit_steps(self._mesh, self.graph.graph, self._settings, control)
 
-    def write(self, step: FitStep) -> None:
-        """Take what a step has brought; the file stays as it is until the end."""
-        self.found = step.found or self.found
+    def write(self, report: Progress[object]) -> None:
+        """Leave the file as it is until the end."""
 
     def discard(self) -> None:
         """Forget it."""

@@ -6,17 +6,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..applications.background import BackgroundJob
+from ..applications.background import BackgroundJob, InlineJob
 from ..bridge.handles import Handle
 from ..errors import Cancelled, ConvwassError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Request, Work
 from ..sentence import Sentence
 from ..translations import translated
 from .reporting import refuse_if_known
@@ -33,26 +33,11 @@ _PATIENCE = 0.5
 _SOONEST, _LEAST_FRACTION = 2.0, 0.15
 
 
-class Step(Protocol):
-    """What a job has done last.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    """
-
-    fraction: float
-    message: Sentence
-
-
 class Job(Protocol):
-    """Work whose steps are computed on a thread and written on the main one."""
+    """Work that is computed on a thread and written on the main one."""
 
-    def write(self, step: Step) -> None:
-        """Take what a step has brought."""
+    def write(self, report: Progress[Any]) -> None:
+        """Write what a report has brought, or answer its request."""
 
     def discard(self) -> None:
         """Remove everything that has been written."""
@@ -62,7 +47,7 @@ class Job(Protocol):
 class _Running:
     """What has to be ended where an operator cannot do it itself any more."""
 
-    background: BackgroundJob[Step]
+    background: BackgroundJob[None] | InlineJob[None]
     job: Job
     timer: bpy.types.Timer
 
@@ -73,8 +58,11 @@ _RUNNING: set[_Running] = set()
 class BackgroundOperator:
     """What operators of long work have in common; they fill in the hooks at the end."""
 
+    _in_turn = False
+    """Whether the work touches Blender's data, and so has to be done on the main thread, a piece at a time."""
+
     _job: Job
-    _background: BackgroundJob[Step]
+    _background: BackgroundJob[None] | InlineJob[None]
     _running: _Running
     _in_background: bool
     _began: float
@@ -91,9 +79,9 @@ class BackgroundOperator:
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
-            for step in self._steps()(UNINTERRUPTED):
-                self._job.write(step)
-                manager.progress_update(int(100 * step.fraction))
+            for report in self._steps()(UNINTERRUPTED):
+                self._job.write(report)
+                manager.progress_update(int(100 * report.fraction))
             return self._finish(context, self._job)
         except BaseException as error:
             self._job.discard()
@@ -117,7 +105,7 @@ class BackgroundOperator:
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
         self._in_background = True
-        self._background = BackgroundJob(self._steps())
+        self._background = (InlineJob if self._in_turn else BackgroundJob)(self._steps())
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         self._running = _Running(self._background, self._job, timer)
         _RUNNING.add(self._running)
@@ -160,16 +148,16 @@ class BackgroundOperator:
 
     def _write(self, context: bpy.types.Context, seconds: float) -> bool:
         """Write what has been done, for so long; return whether nothing more will come."""
-        done, until, step = self._background.done, time.monotonic() + seconds, None
-        for step in self._background.poll():
-            # A job that has been stopped waits for nothing any more.
-            if not self._background.cancelled or getattr(step, "wanted", None) is None:
-                self._job.write(step)
+        done, until, report = self._background.done, time.monotonic() + seconds, None
+        for report in self._background.poll():
+            # A job that has been stopped waits for no answer any more.
+            if not (self._background.cancelled and isinstance(report.payload, Request)):
+                self._job.write(report)
             if time.monotonic() > until:
                 done = False
                 break
-        if step is not None:
-            self._show(context, step.fraction, step.message)
+        if report is not None:
+            self._show(context, report.fraction, report.message)
         return done
 
     def _end(self, context: bpy.types.Context, stopping: bool) -> set[str]:
@@ -220,11 +208,11 @@ class BackgroundOperator:
     # What an operator fills in.
 
     def _begin(self, context: bpy.types.Context) -> Job:
-        """Read the inputs; everything that can be refused is refused here or before the first step."""
+        """Read the inputs; everything that can be refused is refused here or before the first report."""
         raise NotImplementedError
 
-    def _steps(self) -> Callable[[Control], Iterator[Step]]:
-        """Return what makes the steps of the job and touches nothing of Blender; without a window nobody stops it."""
+    def _steps(self) -> Callable[[Control], Work[None]]:
+        """Return what does the work of the job, and touches nothing of Blender unless it is done in turn."""
         raise NotImplementedError
 
     def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:

@@ -4,42 +4,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import Generic, TypeVar
 
 import bpy
 
-from ..applications.densities.density_frames import DensityFrames, DensityStep, joined_frames
+from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import Surface, blur_notice, density_surface
 from ..bridge.mesh_checks import other_vertices
 from ..bridge.surfaces import read_surface
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .mesh_writing import MeshWritingOperator
 from .object_job import ObjectJob
 
+Result = TypeVar("Result")
+
 # Share of a job that making the surface takes, as the progress tells it.
 _SURFACE_SHARE = 0.1
 
 
-@dataclass(frozen=True)
-class FoundStep(DensityStep):
-    """A step that ends with something else than frames.
+class DensityJob(ObjectJob, Generic[Result]):
+    """One piece of long work. Everything but :meth:`steps` belongs on the main thread.
 
     Attributes
     ----------
-    found : object
-        What has been found out.
-    """
-
-    found: object = None
-
-
-class DensityJob(ObjectJob):
-    """One piece of long work. Everything but :meth:`steps` belongs on the main thread.
+    found : Result or None
+        What the work has returned, once it has.
 
     Parameters
     ----------
@@ -50,7 +44,7 @@ class DensityJob(ObjectJob):
     settings : DensitySettings
         For the blur and the substeps.
     solve : callable
-        ``solve(surface, control)`` yields the steps; it touches nothing of Blender.
+        ``solve(surface, control)`` returns the work; it touches nothing of Blender.
 
     Raises
     ------
@@ -63,7 +57,7 @@ class DensityJob(ObjectJob):
         context: bpy.types.Context,
         obj: bpy.types.Object,
         settings: DensitySettings,
-        solve: Callable[[Surface, Control], Iterator[DensityStep]],
+        solve: Callable[[Surface, Control], Work[Result]],
     ) -> None:
         gone = InputError("The object was deleted, or undone, while its densities were computed; start again.")
         super().__init__(obj, gone)
@@ -72,35 +66,22 @@ class DensityJob(ObjectJob):
         self.warnings: list[Sentence] = []
         self._mesh, self._settings, self._solve = reading.mesh, settings, solve
         self._count = len(obj.data.vertices)
-        self._steps: list[DensityStep] = []
+        self.found: Result | None = None
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[DensityStep]:
-        """Yield the steps of the work, the first one of which is to make the surface."""
-        yield DensityStep(0.0, Sentence("Measuring the surface"))
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Do the work, the first part of which is to make the surface, and keep what it finds."""
+        yield Progress(0.0, Sentence("Measuring the surface"))
         surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps, control)
         notice = blur_notice(surface)
         self.warnings += [] if notice is None else [notice]
-        for step in self._solve(surface, control):
-            share = _SURFACE_SHARE + (1.0 - _SURFACE_SHARE) * step.fraction
-            yield FoundStep(share, step.message, step.frames, getattr(step, "found", None))
+        self.found = yield from within(self._solve(surface, control), _SURFACE_SHARE, 1.0)
 
-    def write(self, step: DensityStep) -> None:
-        """Take what a step has brought; the file stays as it is until the end."""
-        self._steps.append(step)
+    def write(self, report: Progress[object]) -> None:
+        """Leave the file as it is until the end."""
 
     def discard(self) -> None:
-        """Forget it."""
-        self._steps.clear()
-
-    @property
-    def frames(self) -> DensityFrames:
-        """The frames that have been made."""
-        return joined_frames(self._steps)
-
-    @property
-    def found(self) -> object:
-        """What has been found out."""
-        return self._steps[-1].found
+        """Forget what has been found."""
+        self.found = None
 
     def target(self) -> bpy.types.Object:
         """Return the object; raises InputError where it is gone or has other vertices than it had."""

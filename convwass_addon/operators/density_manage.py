@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -24,7 +23,7 @@ from ..bridge.densities.density_store import StoredDensity, store_density, store
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.workshop import reason
 from ..errors import ConvwassError, InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.densities import LIMITS, OutputProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
@@ -33,43 +32,30 @@ from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
 from .reporting import refuse
 
-# Seconds between two looks at whether the user wants to stop.
-_PATIENCE = 0.05
 # What is stored with a density and is an argument of Interpolate Density under the same name.
 _SAME_NAME = ("steps", "pieces", "blend_sharpness", "tolerance", "max_iterations", "easing", "trail")
 
 
-@dataclass(frozen=True)
-class _BakeStep:
-    """One piece that is about to be written."""
-
-    fraction: float
-    message: Sentence
-
-
 class _BakeJob(ObjectJob):
-    """Writes piece after piece on the main thread; the other one only says when, so that it can be stopped between."""
+    """Writes piece after piece on the main thread, and can be stopped between them."""
 
     def __init__(self, obj: bpy.types.Object, writer: Iterator[str], total: int) -> None:
         gone = ConvwassError("The object was deleted, or undone, while its density was baked; start again.")
         super().__init__(obj, gone)
         self._writer, self._total = writer, total
-        self._next = threading.Semaphore(0)
         self.made: list[str] = []
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[_BakeStep]:
-        """Yield a step for every piece, once the one before has been written."""
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Write all pieces; raises ConvwassError where the object is gone."""
         for number in range(1, self._total + 1):
             message = Sentence("Writing {done} of {total}", {"done": number, "total": self._total})
-            yield _BakeStep(number / self._total, message)
-            while not self._next.acquire(timeout=_PATIENCE):
-                control.check()
+            yield Progress((number - 1) / self._total, message)
+            control.check()
+            self.target()
+            self.made.append(next(self._writer))
 
-    def write(self, step: _BakeStep) -> None:
-        """Write the next piece; raises ConvwassError where the object is gone."""
-        self.target()
-        self.made.append(next(self._writer))
-        self._next.release()
+    def write(self, report: Progress[object]) -> None:
+        """Do nothing: the work itself writes."""
 
     def discard(self) -> None:
         """Leave what has been written: every file is whole."""
@@ -80,6 +66,8 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
 
     bl_idname = "convwass.bake_density"
     bl_label = "Bake Density"
+
+    _in_turn = True
 
     density: density_property()
     uv_map: StringProperty(name="UV Map", description="Name of the UV map for images; empty for that of renders")

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
 
 import bpy
@@ -22,15 +21,15 @@ from ..applications.densities.density_measures import (
 )
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import Surface
-from ..applications.densities.vertex_distances import distances_from
+from ..applications.densities.vertex_distances import VertexDistances, distances_from
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..errors import InputError
-from ..progress import Control
+from ..progress import Control, Progress, Work
 from ..properties.densities import SurfaceProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
-from .density_job import DensityJob, DensityOperator, FoundStep, WritingDensityOperator
+from .density_job import DensityJob, DensityOperator, WritingDensityOperator
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_pair
 from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
@@ -81,7 +80,7 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
         return rpt_("Measuring")
 
     def _finish(self, context, job):
-        result: DensityDistance = job.found
+        result = job.found
         found = job.target().convwass_density_findings
         (found.first, found.second), found.distance = self._names, result.length
         length = length_text(context.scene, result.length)
@@ -99,10 +98,9 @@ def _distance_steps(
     settings: DensitySettings,
     surface: Surface,
     control: Control,
-) -> Iterator[FoundStep]:
+) -> Work[DensityDistance]:
     match = settings.pieces == "match"
-    for step in measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, control=control):
-        yield FoundStep(step.fraction, step.message, found=step.found)
+    return measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, control=control)
 
 
 def _inexact(converged: bool) -> list[Sentence]:
@@ -139,7 +137,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         return rpt_("Measuring")
 
     def _finish(self, context, job):
-        table: DistanceTable = job.found
+        table = job.found
         obj = job.target()
         text = bpy.data.texts.new(f"{obj.name} Distances")
         text.write(_written(table))
@@ -153,11 +151,8 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
 
 def _table_steps(
     weights: NDArray[np.float64], names: list[str], surface: Surface, control: Control
-) -> Iterator[FoundStep]:
-    message = Sentence("Between {count} groups", {"count": len(names)})
-    yield FoundStep(0.0, message)
-    for step in distance_table_steps(weights, names, surface, control=control):
-        yield FoundStep(step.fraction, message, found=step.found)
+) -> Work[DistanceTable]:
+    return distance_table_steps(weights, names, surface, control=control)
 
 
 def _written(table: DistanceTable) -> str:
@@ -204,10 +199,9 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
         return {"FINISHED"}
 
 
-def _distances_steps(vertices: list[int], surface: Surface, control: Control) -> Iterator[FoundStep]:
-    message = Sentence("Measuring from {count} vertices", {"count": len(vertices)})
-    yield FoundStep(0.0, message)
-    yield FoundStep(1.0, message, found=distances_from(vertices, surface, control))
+def _distances_steps(vertices: list[int], surface: Surface, control: Control) -> Work[VertexDistances]:
+    yield Progress(0.0, Sentence("Measuring from {count} vertices", {"count": len(vertices)}))
+    return distances_from(vertices, surface, control)
 
 
 classes = (CONVWASS_OT_measure_distance, CONVWASS_OT_measure_groups, CONVWASS_OT_distance_from_vertices)

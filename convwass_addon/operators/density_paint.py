@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -19,10 +19,10 @@ from ..applications.densities.density_tools import diffused, sharpened, sharpene
 from ..applications.densities.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
-from ..progress import Control
+from ..progress import Control, Progress, Work
 from ..properties.densities import length_property, radius_property, share_property
 from ..sentence import Sentence
-from .density_job import DensityJob, FoundStep, WritingDensityOperator
+from .density_job import DensityJob, WritingDensityOperator
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_group, group_property
 from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
@@ -87,15 +87,15 @@ class _PaintDensity(WritingDensityOperator):
 
 def _steps(
     name: str, change: Callable[[Surface, Control], NDArray[np.float64]], surface: Surface, control: Control
-) -> Iterator[FoundStep]:
+) -> Work[_Painted]:
     message = Sentence("Changing {name}", {"name": name})
-    yield FoundStep(0.0, message)
+    yield Progress(0.0, message)
     density = change(surface, control)
     figures = density_figures(density, surface, name)
     # Heat is everywhere at once, though nobody sees it.
     visible = np.where(density >= _VISIBLE * density.max(), density, 0.0)
     covered = density_figures(visible, surface, name).covered
-    yield FoundStep(1.0, message, found=_Painted(density, covered, figures.radius, figures.entropy))
+    return _Painted(density, covered, figures.radius, figures.entropy)
 
 
 class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator):

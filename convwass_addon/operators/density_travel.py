@@ -75,7 +75,7 @@ class CONVWASS_OT_interpolate_density(
         return rpt_("Interpolating density")
 
     def _finish(self, context, job):
-        frames, obj, stops = job.frames, job.target(), self._stops
+        frames, obj, stops = job.found, job.target(), self._stops
         known = stored_or_new(obj, self.density)
         description = StoredDensity(stops.names, self._stored, frames.records, outputs=known.outputs)
         times = (np.array(stops.frames) - stops.frames[0]) / (stops.frames[-1] - stops.frames[0])
@@ -129,7 +129,7 @@ class CONVWASS_OT_blend_densities(
         return rpt_("Blending groups")
 
     def _finish(self, context, job):
-        frames, obj = job.frames, job.target()
+        frames, obj = job.found, job.target()
         group = write_group(obj, self.group or "Blend", heat_map(frames.densities[0]).weights)
         obj.vertex_groups.active_index = group.index
         text = rpt_("The blend is in the vertex group {:s}").format(group.name)
@@ -180,7 +180,7 @@ class CONVWASS_OT_propagate_densities(
         return rpt_("Filling in groups")
 
     def _finish(self, context, job):
-        frames, obj = job.frames, job.target()
+        frames, obj = job.found, job.target()
         # All or nothing.
         require_unlocked(obj, self._filled.values())
         for place, name in self._filled.items():

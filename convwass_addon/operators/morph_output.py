@@ -17,6 +17,7 @@ from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
 from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
+from ..progress import drained, watched
 from ..properties.from_schema import property_of
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse_if_known
@@ -58,7 +59,9 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
     def _written(self, context, morph):
         refuse_volumes("flat" in stored_settings(morph))
         with filled_folder(self.folder, morph) as folder:
-            return as_volume(morph, folder, lambda share: context.window_manager.progress_update(int(100 * share)))
+            work = as_volume(morph, folder)
+            manager = context.window_manager
+            return drained(watched(work, lambda report: manager.progress_update(int(100 * report.fraction))))
 
 
 class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):

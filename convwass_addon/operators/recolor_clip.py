@@ -4,13 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..applications.palettes.clip_job import ClipStep, FrameDesk, clip_steps
+from ..applications.palettes.clip_job import FrameRequest, RecoloredFrame, clip_map_steps, clip_steps
 from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.palettes.recolor_job import Picture
 from ..applications.palettes.recoloring import Recoloring
@@ -22,7 +22,7 @@ from ..bridge.palettes.image_files import save_pixels
 from ..bridge.palettes.image_kinds import is_clip
 from ..drafts import DraftFiles
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.recolor import RecolorProperties, clip_folder_property
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
@@ -54,22 +54,21 @@ class ClipJob:
     ) -> None:
         self._frames, self._targets = frames, list(targets)
         self._inputs = palettes, weights, settings
-        self._desk, self._drafts = FrameDesk(), DraftFiles()
+        self._drafts = DraftFiles()
         self.change: Recoloring | None = None
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[ClipStep]:
-        """Yield the steps of the work."""
-        yield from clip_steps(len(self._frames.numbers), self._desk, *self._inputs, control, only_map=not self._targets)
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Do the work, and keep the map."""
+        work = clip_steps if self._targets else clip_map_steps
+        self.change = yield from work(len(self._frames.numbers), *self._inputs, control)
 
-    def write(self, step: ClipStep) -> None:
-        """Read the frame that a step asks for, and write the one that it has brought."""
-        if step.wanted is not None:
-            self._desk.hand_over(self._frames.read(step.wanted))
-        if step.change is not None:
-            self.change = step.change
-        if step.pixels is not None:
-            draft = self._drafts.draft_of(self._targets[step.place])
-            save_pixels(step.pixels, self._frames.image, draft)
+    def write(self, report: Progress[FrameRequest | RecoloredFrame]) -> None:
+        """Read the frame that is asked for, or write the one that has been recolored."""
+        found = report.payload
+        if isinstance(found, FrameRequest):
+            found.answer(self._frames.read(found.place))
+        elif isinstance(found, RecoloredFrame):
+            save_pixels(found.pixels, self._frames.image, self._drafts.draft_of(self._targets[found.place]))
 
     def discard(self) -> None:
         """Leave everything as it was."""

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Literal
 
 import bpy
@@ -16,13 +15,13 @@ from numpy.typing import NDArray
 
 from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.palettes.png_bytes import png_bytes
-from ..applications.palettes.recolor_job import Picture, RecolorStep, recolor_steps
+from ..applications.palettes.recolor_job import Picture, map_steps, recolor_steps
 from ..applications.palettes.recoloring import Recoloring
 from ..bridge.handles import Handle
 from ..bridge.palettes.image_kinds import is_clip
 from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..properties.recolor import RecolorProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator
@@ -69,21 +68,20 @@ class RecolorJob:
         self.file: bytes | None = None
         self._pixels: NDArray[np.float32] | None = None
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[RecolorStep]:
-        """Yield the steps of the work."""
-        source = self._inputs[0]
-        for step in recolor_steps(*self._inputs, control, only_map=self._ends == "map"):
-            if step.pixels is None or self._ends != "file" or not source.pixel_format.levels:
-                yield step
-            else:
-                yield RecolorStep(_RECOLORED, Sentence("Packing the image"))
-                yield replace(step, file=png_bytes(step.pixels, control))
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Do the work, and keep what it finds."""
+        if self._ends == "map":
+            self.change = yield from map_steps(*self._inputs, control)
+            return
+        packs = self._ends == "file" and bool(self._inputs[0].pixel_format.levels)
+        found = yield from within(recolor_steps(*self._inputs, control), 0.0, _RECOLORED if packs else 1.0)
+        self.change, self._pixels = found.change, found.pixels
+        if packs:
+            yield Progress(_RECOLORED, Sentence("Packing the image"))
+            self.file = png_bytes(found.pixels, control)
 
-    def write(self, step: RecolorStep) -> None:
-        """Take what a step has brought; the file stays as it is until the end."""
-        self.change = step.change
-        if step.pixels is not None:
-            self._pixels, self.file = step.pixels, step.file
+    def write(self, report: Progress[object]) -> None:
+        """Leave the file as it is until the end."""
 
     def discard(self) -> None:
         """Forget it."""

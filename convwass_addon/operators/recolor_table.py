@@ -4,15 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-from ..applications.palettes.clip_job import ClipStep
 from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
-from ..applications.palettes.recolor_job import RecolorStep
 from ..drafts import DraftFiles
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..sentence import Sentence
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
@@ -27,15 +24,6 @@ class CubeFile:
 
     path: Path
     title: str
-
-
-@dataclass(frozen=True)
-class TableStep:
-    """One step after the map is there: the done share, what is being done, and in the end the table."""
-
-    fraction: float
-    message: Sentence
-    table: LookupTable | None = None
 
 
 class TableJob:
@@ -56,25 +44,19 @@ class TableJob:
         self._drafts = DraftFiles()
         self.table: LookupTable | None = None
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[RecolorStep | ClipStep | TableStep]:
-        """Yield the steps of the work."""
-        change = None
-        for step in self._job.steps(control):
-            change = step.change
-            yield replace(step, fraction=_MAPPED * step.fraction)
-        yield TableStep(_MAPPED, Sentence("Making the table"))
-        table = lookup_table(change, self._size)
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Find the map, and make and write its table."""
+        yield from within(self._job.steps(control), 0.0, _MAPPED)
+        yield Progress(_MAPPED, Sentence("Making the table"))
+        table = lookup_table(self._job.change, self._size)
         if self._target is not None:
-            yield TableStep(_TABULATED, Sentence("Writing the table"))
+            yield Progress(_TABULATED, Sentence("Writing the table"))
             write_cube(table, self._drafts.draft_of(self._target.path), self._target.title, control)
-        yield TableStep(1.0, Sentence("The table is there"), table)
+        self.table = table
 
-    def write(self, step: RecolorStep | ClipStep | TableStep) -> None:
-        """Take what a step has brought."""
-        if not isinstance(step, TableStep):
-            self._job.write(step)
-        elif step.table is not None:
-            self.table = step.table
+    def write(self, report: Progress[object]) -> None:
+        """Answer the requests of the job that finds the map."""
+        self._job.write(report)
 
     def keep(self) -> None:
         """Put the file into its place; raises ConvwassError where the system refuses."""

@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.reflectance.lobe_frames import LobeFrame, LobeFrameStep, lobe_frames
+from ..applications.reflectance.lobe_frames import LobeFrame, lobe_frames
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import spread_out
 from ..bridge.files import checked_target
@@ -23,7 +23,7 @@ from ..bridge.reflectance.lobe_materials import FittedLook, fitted_material, lob
 from ..bridge.reflectance.material_pad import material_pad
 from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.light import ReflectanceProperties, sun_of
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
@@ -59,16 +59,14 @@ class ReflectanceJob:
         self._sun = None if sun is None else Handle.of("objects", sun)
         self.found: list[LobeFrame] = []
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[LobeFrameStep]:
-        """Yield the steps of the work; whoever runs them checks between them."""
-        for step in lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings):
-            control.check()
-            yield step
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Make all blends."""
+        return lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings, control)
 
-    def write(self, step: LobeFrameStep) -> None:
-        """Take what a step has brought; the file stays as it is until the end."""
-        if step.frame is not None:
-            self.found.append(step.frame)
+    def write(self, report: Progress[LobeFrame]) -> None:
+        """Take a finished blend; the file stays as it is until the end."""
+        if report.payload is not None:
+            self.found.append(report.payload)
 
     def discard(self) -> None:
         """Forget it."""

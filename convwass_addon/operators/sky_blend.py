@@ -4,23 +4,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
-from ..applications.desk import Desk
 from ..applications.skies.sky_frames import SkyFrame
 from ..applications.skies.sky_settings import SkySettings
 from ..bridge.handles import Handle
-from ..bridge.skies.sky_sequence import SkyFiles, SkyStep, fitting_height, sky_steps
+from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
 from ..bridge.skies.world_skies import sequence_world, world_sky
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Request, Work, within
 from ..properties.light import SkyProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
@@ -31,23 +27,18 @@ from .reporting import tell
 _READING = 0.2
 
 
-@dataclass(frozen=True)
-class WorldStep:
-    """A world that the job waits for; whoever takes the step hands its sky over.
+class WorldRequest(Request[NDArray[np.float64]]):
+    """Asks for the sky of a world, which only the main thread can read.
 
-    Attributes
+    Parameters
     ----------
-    fraction : float
-        Done share of the whole job, once that is done.
-    message : Sentence
-        What is being done.
-    wanted : int
+    place : int
         Place of the world.
     """
 
-    fraction: float
-    message: Sentence
-    wanted: int
+    def __init__(self, place: int) -> None:
+        super().__init__()
+        self.place = place
 
 
 class SkyJob:
@@ -56,7 +47,7 @@ class SkyJob:
     Parameters
     ----------
     worlds : list of bpy.types.World
-        Two or more, in turn. Those that show no plain image are rendered, one for each step.
+        Two or more, in turn. Those that show no plain image are rendered, one for each request.
     height : int
         Of the skies, in pixels.
     files : SkyFiles
@@ -70,27 +61,27 @@ class SkyJob:
         self._worlds = [Handle.of("worlds", world) for world in worlds]
         self.files = files
         self._height, self._settings = height, settings
-        self._desk: Desk[NDArray[np.float64]] = Desk()
         self.ends: list[SkyFrame] = []
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[WorldStep | SkyStep]:
-        """Yield the steps of the work."""
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Ask for the skies of all worlds, then make those between them."""
         count, skies = len(self._worlds), []
         for place in range(count):
             message = Sentence("World {done} of {total}", {"done": place + 1, "total": count})
-            yield WorldStep(_READING * (place + 1) / count, message, place)
-            skies.append(self._desk.take(control))
-        for step in sky_steps(skies, len(self.files.paths), self._settings, control):
-            yield replace(step, fraction=_READING + (1.0 - _READING) * step.fraction)
+            request = WorldRequest(place)
+            yield Progress(_READING * (place + 1) / count, message, request)
+            skies.append(request.value)
+        yield from within(sky_steps(skies, len(self.files.paths), self._settings, control), _READING, 1.0)
 
-    def write(self, step: WorldStep | SkyStep) -> None:
-        """Read the world that a step asks for, or write the sky that it has brought."""
-        if isinstance(step, WorldStep):
-            self._desk.hand_over(self._sky(step.wanted))
-            return
-        self.files.write(step)
-        if step.frame is not None and step.place in (0, len(self.files.paths) - 1):
-            self.ends.append(step.frame)
+    def write(self, report: Progress[WorldRequest | PlacedSky]) -> None:
+        """Read the world that is asked for, or write the sky that has been made."""
+        found = report.payload
+        if isinstance(found, WorldRequest):
+            found.answer(self._sky(found.place))
+        elif isinstance(found, PlacedSky):
+            self.files.write(found)
+            if found.place in (0, len(self.files.paths) - 1):
+                self.ends.append(found.frame)
 
     def _sky(self, place: int) -> NDArray[np.float64]:
         world = self._worlds[place].find()

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import bpy
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from ..applications.soft_maps.map_extension import DOUBTFUL
 from ..applications.soft_maps.map_repair import repaired_map
 from ..applications.soft_maps.map_sides import MapSide
-from ..applications.soft_maps.map_solving import SoftMapStep, soft_map_steps
+from ..applications.soft_maps.map_solving import soft_map_steps
 from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map
 from ..errors import ConvwassError, InputError
-from ..progress import Control
+from ..progress import Control, Progress, Work
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from ..sentence import Sentence
 from .background import BackgroundOperator
@@ -34,7 +34,7 @@ from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_obj
 
 _WAYS = ("forward", "backward")
 
-_Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, Control], Iterator[SoftMapStep]]
+_Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, Control], Work[SurfaceMap]]
 
 
 class _ComputesMap(SoftMapProperties, BackgroundOperator):
@@ -109,7 +109,7 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
 
 def _computed(
     pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, control: Control
-) -> Iterator[SoftMapStep]:
+) -> Work[SurfaceMap]:
     """Put the arguments of the application in its order."""
     return soft_map_steps(source, target, pairs, settings, control)
 
@@ -186,7 +186,7 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
 
 def _mirrored(
     pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, control: Control
-) -> Iterator[SoftMapStep]:
+) -> Work[SurfaceMap]:
     """Put the arguments of the application in its order."""
     return mirror_map_steps(side, pairs, settings, control)
 
@@ -224,11 +224,11 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         return {"FINISHED"}
 
 
-def _repaired(mend: Callable[[], SurfaceMap], control: Control) -> Iterator[SoftMapStep]:
+def _repaired(mend: Callable[[], SurfaceMap], control: Control) -> Work[SurfaceMap]:
     """Mend a map in one step."""
-    yield SoftMapStep(0.0, Sentence("Repairing the map"))
+    yield Progress(0.0, Sentence("Repairing the map"))
     control.check()
-    yield SoftMapStep(1.0, Sentence("The map is there"), mend())
+    return mend()
 
 
 class CONVWASS_OT_remove_soft_map(OnStoredMap, bpy.types.Operator):

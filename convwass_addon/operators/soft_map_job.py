@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 import bpy
 
 from ..applications.soft_maps.map_sides import MapSide
-from ..applications.soft_maps.map_solving import SoftMapStep
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import other_vertices
@@ -18,10 +17,10 @@ from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, 
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work
 from .soft_map_targets import StoredWay
 
-Solve = Callable[[MapSide, MapSide, Control], Iterator[SoftMapStep]]
+Solve = Callable[[MapSide, MapSide, Control], Work[SurfaceMap]]
 
 
 class _MapJob:
@@ -31,9 +30,15 @@ class _MapJob:
     _mapped: tuple[MappedSide, MappedSide]
     _found: SurfaceMap | None = None
 
-    def write(self, step: SoftMapStep) -> None:
-        """Take what a step has brought; the file stays as it is until the end."""
-        self._found = step.found or self._found
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Do the work, and keep the map."""
+        self._found = yield from self._work(control)
+
+    def _work(self, control: Control) -> Work[SurfaceMap]:
+        raise NotImplementedError
+
+    def write(self, report: Progress[object]) -> None:
+        """Leave the file as it is until the end."""
 
     def discard(self) -> None:
         """Forget it."""
@@ -73,7 +78,7 @@ class SoftMapJob(_MapJob):
     groups : sequence of str
         Names of vertex groups that both have and that take part.
     solve : callable
-        ``solve(source, target, control)`` yields the steps; it touches nothing of Blender.
+        ``solve(source, target, control)`` returns the work; it touches nothing of Blender.
 
     Raises
     ------
@@ -101,9 +106,8 @@ class SoftMapJob(_MapJob):
             mapped.append(mapped_side(obj, reading.mesh.faces))
         self._mapped = tuple(mapped)
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[SoftMapStep]:
-        """Yield the steps of the work."""
-        yield from self._solve(*self._sides, control)
+    def _work(self, control: Control) -> Work[SurfaceMap]:
+        return self._solve(*self._sides, control)
 
 
 class RepairJob(_MapJob):
@@ -114,14 +118,17 @@ class RepairJob(_MapJob):
     way : StoredWay
         The map.
     mend : callable
-        ``mend(control)`` yields the steps; it touches nothing of Blender.
+        ``mend(control)`` returns the work; it touches nothing of Blender.
     """
 
-    def __init__(self, way: StoredWay, mend: Callable[[Control], Iterator[SoftMapStep]]) -> None:
-        self.before, self.steps = way.stored.found, mend
+    def __init__(self, way: StoredWay, mend: Callable[[Control], Work[SurfaceMap]]) -> None:
+        self.before, self._mend = way.stored.found, mend
         self.names = (way.source.name, way.target.name)
         self._objects = (Handle.of("objects", way.source), Handle.of("objects", way.target))
         self._mapped = (way.stored.source, way.stored.target)
+
+    def _work(self, control: Control) -> Work[SurfaceMap]:
+        return self._mend(control)
 
 
 def require_same_mesh(obj: bpy.types.Object, side: MappedSide) -> None:

@@ -4,10 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Protocol
-
 import bpy
 from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
 from bpy.props import StringProperty
@@ -16,11 +12,11 @@ from ..bridge.mesh_checks import writable_mesh
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
-from ..bridge.soft_maps.map_transfer import Carried, TransferEnds
+from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.soft_maps import TRANSFERRED, TransferProperties
 from ..sentence import Sentence
 from .chosen_inputs import split_names
@@ -29,24 +25,6 @@ from .object_job import ObjectJob
 from .reporting import listed, tell
 from .soft_map_job import require_same_mesh
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, reshaped_notices
-
-
-class _Part(Protocol):
-    """One kind of what is carried."""
-
-    def steps(self) -> Iterator[Sentence]:
-        """Compute, and say what comes next."""
-
-    def write(self, receiver: bpy.types.Object) -> Carried:
-        """Write what has been computed."""
-
-
-@dataclass(frozen=True)
-class _TransferStep:
-    """What is being done."""
-
-    fraction: float
-    message: Sentence
 
 
 class TransferJob(ObjectJob):
@@ -62,20 +40,17 @@ class TransferJob(ObjectJob):
         What is carried, by the identifiers of `TRANSFERRED`.
     """
 
-    def __init__(self, way: StoredWay, receiver: bpy.types.Object, parts: dict[str, _Part]) -> None:
+    def __init__(self, way: StoredWay, receiver: bpy.types.Object, parts: dict[str, CarriedPart]) -> None:
         gone = InputError("The object was deleted, or undone, while something was transferred to it; start again.")
         super().__init__(receiver, gone)
         self.parts, self._side = parts, way.side(receiver)
 
-    def steps(self, control: Control = UNINTERRUPTED) -> Iterator[_TransferStep]:
-        """Yield the steps of the work."""
-        for place, part in enumerate(self.parts.values()):
-            for message in part.steps():
-                yield _TransferStep(place / len(self.parts), message)
-                control.check()
-        yield _TransferStep(1.0, Sentence("Writing"))
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Compute everything."""
+        yield from all_carried(self.parts.values(), control)
+        yield Progress(1.0, Sentence("Writing"))
 
-    def write(self, step: _TransferStep) -> None:
+    def write(self, report: Progress[object]) -> None:
         """Leave the file as it is until the end."""
 
     def discard(self) -> None:
@@ -137,7 +112,7 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
             is_backward=self.direction == "BACKWARD",
         )
 
-    def _parts(self, ends: TransferEnds) -> dict[str, _Part]:
+    def _parts(self, ends: TransferEnds) -> dict[str, CarriedPart]:
         makers = {
             "GROUPS": lambda: CarriedGroups(ends, WeightRules(self.limit, self.normalize)),
             "KEYS": lambda: CarriedKeys(ends),

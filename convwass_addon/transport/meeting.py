@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..progress import Control
+from ..progress import Control, drained
 from .barycenter import Barycenter, barycenter
 from .checks import check_pair
 from .domain import Domain
 from .maps import transport_map
-from .sinkhorn import self_balance
+from .sinkhorn import self_balancing
 
 # The step that a registration takes is computed anew in every round: rough plans will do.
 _TOLERANCE, _MOST_ITERATIONS = 1e-2, 100
@@ -65,10 +65,6 @@ def meeting(
         `solved` of similar distributions on a domain of the same shape, to start from.
     """
     pair = check_pair(mu0, mu1, domain)
-
-    def monitor(*_: object) -> None:
-        control.check()
-
     half_way = barycenter(
         pair,
         (0.5, 0.5),
@@ -78,9 +74,10 @@ def meeting(
         initial=initial,
         tolerance=_TOLERANCE,
         max_iterations=_MOST_ITERATIONS,
-        monitor=monitor,
+        control=control,
     )
-    own = self_balance(pair, domain, tolerance=_SELF_TOLERANCE, max_iterations=_MOST_SELF_ITERATIONS, monitor=monitor)
+    limits = {"tolerance": _SELF_TOLERANCE, "max_iterations": _MOST_SELF_ITERATIONS, "control": control}
+    own = drained(self_balancing(pair, domain, **limits))
     there = [transport_map(log_v, domain) for log_v in half_way.log_v]
     here = [transport_map(log_v, domain) for log_v in own.log_v]
     return Meeting(np.stack(there) - np.stack(here), half_way)

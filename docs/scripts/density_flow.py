@@ -14,7 +14,6 @@ from pathlib import Path
 
 import bpy
 
-from convwass_addon.applications.densities.density_frames import joined_frames
 from convwass_addon.applications.densities.density_paths import interpolation_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.density_tools import diffused, unit_mass
@@ -22,6 +21,7 @@ from convwass_addon.applications.densities.surface_densities import density_surf
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.surfaces import read_surface
 from convwass_addon.bridge.vertex_groups import as_weights, write_group
+from convwass_addon.progress import drained
 
 
 def main() -> None:
@@ -43,7 +43,7 @@ def main() -> None:
     width = 0.05 * mesh.area**0.5
     ends = [diffused(unit_mass(vertex, surface), surface, width, "the spot") for vertex in (options.start, options.end)]
     steps = interpolation_steps(*ends, surface, DensitySettings(steps=options.steps))
-    frames = joined_frames(steps)
+    frames = drained(steps)
 
     for number, (density, record) in enumerate(zip(frames.densities, frames.records, strict=True)):
         write_group(obj, f"Flow {number:02d}", as_weights(density))

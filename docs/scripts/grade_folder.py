@@ -21,6 +21,7 @@ from convwass_addon.applications.palettes.recoloring import recoloring
 from convwass_addon.bridge.image_files import opened_image
 from convwass_addon.bridge.palettes.image_files import save_pixels
 from convwass_addon.bridge.palettes.image_pixels import read_picture
+from convwass_addon.progress import drained
 
 ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
@@ -43,8 +44,7 @@ def main() -> None:
             picture = read_picture(image)
             change = recoloring(picture.palette(), [wanted], settings=settings)
             pixels = np.empty_like(picture.pixels)
-            for _share in recolored_blocks(picture.pixels, picture.pixel_format, change, None, pixels):
-                pass
+            drained(recolored_blocks(picture.pixels, picture.pixel_format, change, None, pixels))
             save_pixels(pixels, image, options.out / path.name)
         write_cube(lookup_table(change, 33), options.out / f"{path.stem}.cube", path.stem)
         print(f"{path.name}: marginal error {change.chroma.marginal_error:.1e}")

@@ -12,13 +12,13 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from convwass_addon.applications.densities.density_frames import joined_frames
 from convwass_addon.applications.densities.density_measures import MEASURING_SUBSTEPS
 from convwass_addon.applications.densities.density_paths import interpolation_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.applications.densities.vertex_distances import distances_from
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 
 SHAPES = Path(__file__).parents[2] / "assets" / "shapes"
 
@@ -65,7 +65,7 @@ def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(entropy_limi
     whole = here[ends[1]]
     assert whole > 3 * np.linalg.norm(mesh.vertices[ends[0]] - mesh.vertices[ends[1]])
     paint = [np.where(way < 0.15 * whole, 1.0, 0.0) for way in (here, there)]
-    frames = joined_frames(interpolation_steps(*paint, surface, DensitySettings(steps=8, entropy_limit=entropy_limit)))
+    frames = drained(interpolation_steps(*paint, surface, DensitySettings(steps=8, entropy_limit=entropy_limit)))
     mass = frames.densities * surface.weights
     np.testing.assert_allclose(mass.sum(axis=1), 1.0)
     corridor = here + there < 1.3 * whole

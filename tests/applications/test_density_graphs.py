@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.densities.density_frames import joined_frames
 from convwass_addon.applications.densities.density_graphs import propagation_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.errors import Cancelled, InputError
+from convwass_addon.progress import drained
 from convwass_addon.transport import barycenter
 from tests.applications.test_density_paths import SPHERE, check_records
 from tests.applications.test_density_pieces import BALLS, on
-from tests.controls import cancelled_control
+from tests.controls import cancelled_control, recorded
 from tests.transport.spheres import cap, off_center
 
 LINE = [(0, 1), (1, 2), (2, 3), (3, 4)]
@@ -22,9 +22,9 @@ NAMES = ["Dawn", "Morning", "Noon", "Evening", "Night"]
 
 def test_moments_between_two_lie_between_them():
     """On a line the places are at equal distances; measured within 0.01 rad."""
-    found = list(propagation_steps(LINE, ENDS, SPHERE, DensitySettings(), NAMES))
-    assert str(found[0].message) == "Filling in 3 of 5 places"
-    frames = joined_frames(found)
+    found = recorded(propagation_steps(LINE, ENDS, SPHERE, DensitySettings(), NAMES))
+    assert str(found.reports[0].message) == "Filling in 3 of 5 places"
+    frames = found.result
     check_records(frames)
     np.testing.assert_array_equal(frames.times, np.arange(5))
     assert [figures["key"] for figures in frames.records] == ["Dawn", None, None, None, "Night"]
@@ -36,7 +36,7 @@ def test_moments_between_two_lie_between_them():
 def test_a_star_is_the_barycenter_of_its_tips():
     tips = [cap(SPHERE, angle) for angle in (0.0, 0.5, 1.2)]
     asked = DensitySettings(entropy_limit=None, tolerance=1e-6)
-    frames = joined_frames(
+    frames = drained(
         propagation_steps([(0, 3), (1, 3), (2, 3)], dict(enumerate(tips)), SPHERE, asked, edge_weights=[1, 2, 1])
     )
     expected = barycenter(tips, [1, 2, 1], SPHERE, tolerance=1e-6).density
@@ -44,9 +44,9 @@ def test_a_star_is_the_barycenter_of_its_tips():
 
 
 def test_all_places_known_need_no_work():
-    frames = joined_frames(propagation_steps([(0, 1)], {0: ENDS[0], 1: ENDS[4]}, SPHERE, DensitySettings()))
+    frames = drained(propagation_steps([(0, 1)], {0: ENDS[0], 1: ENDS[4]}, SPHERE, DensitySettings()))
     assert len(frames.times) == 2
-    alone = joined_frames(propagation_steps([], {0: ENDS[0]}, SPHERE, DensitySettings()))
+    alone = drained(propagation_steps([], {0: ENDS[0]}, SPHERE, DensitySettings()))
     np.testing.assert_allclose(alone.densities[0], ENDS[0])
 
 

@@ -10,15 +10,16 @@ from hypothesis import given, settings, strategies as st
 
 from convwass_addon.applications import memory
 from convwass_addon.applications.background import BackgroundJob
-from convwass_addon.applications.densities.density_frames import joined_frames
 from convwass_addon.applications.densities.density_paths import blend_steps, interpolation_steps, path_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 from convwass_addon.transport import bisect
 from convwass_addon.transport.sharpening import entropy
 from tests.applications.test_density_pieces import BALLS, on
+from tests.controls import recorded
 from tests.shapes import square, torus
 from tests.transport.sheets import sheet_mesh
 from tests.transport.spheres import angles, at, cap, off_center, sphere
@@ -48,7 +49,7 @@ def check_records(frames, tolerance=1e-2):
 def test_a_cap_stays_a_cap_on_the_great_circle(steps):
     """Centers measured within 0.0023 rad; radii 4 % less than the cap's, as a bump of the same entropy has them."""
     first, second = cap(FINE, 0.0), cap(FINE, FAR)
-    frames = joined_frames(interpolation_steps(first, second, FINE, DensitySettings(steps=steps)))
+    frames = drained(interpolation_steps(first, second, FINE, DensitySettings(steps=steps)))
     check_records(frames)
     np.testing.assert_allclose(frames.times, np.arange(steps + 1) / steps)
     np.testing.assert_allclose(frames.densities[[0, -1]], [first, second])
@@ -62,7 +63,7 @@ def test_a_cap_stays_a_cap_on_the_great_circle(steps):
 def test_without_a_bound_frames_spread_and_come_together_evenly():
     """No frame is sharper than both of its neighbors by more than the last digits: nothing flickers."""
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
-    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12, entropy_limit=None)))
+    frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12, entropy_limit=None)))
     check_records(frames)
     entropies = np.array([figures["entropy"] for figures in frames.records])
     assert (np.diff(entropies[:7]) > 0).all()
@@ -74,32 +75,32 @@ def test_without_a_bound_frames_spread_and_come_together_evenly():
 
 def test_a_bound_in_nats_holds():
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
-    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=4, entropy_limit=-2.5)))
+    frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=4, entropy_limit=-2.5)))
     assert max(figures["entropy"] for figures in frames.records) < -2.5 + 1e-3
 
 
 def test_a_path_is_at_its_keys_when_it_should_be():
     places, times = [0.0, 0.8, 0.2], [1.0, 3.0, 11.0]
     groups = [cap(SPHERE, place) for place in places]
-    found = list(path_steps(groups, "ABC", SPHERE, DensitySettings(steps=4), times))
-    frames = joined_frames(found)
+    found = recorded(path_steps(groups, "ABC", SPHERE, DensitySettings(steps=4), times))
+    frames = found.result
     check_records(frames)
     np.testing.assert_allclose(frames.times, [1, 1.5, 2, 2.5, 3, 5, 7, 9, 11])
     assert [figures["key"] for figures in frames.records] == ["A", None, None, None, "B", None, None, None, "C"]
     np.testing.assert_allclose(frames.densities[[0, 4, 8]], groups)
     for time, density in zip(frames.times, frames.densities, strict=True):
         assert off_center(SPHERE, density, np.interp(time, times, places)) < 0.02
-    fractions = [step.fraction for step in found]
+    fractions = [step.fraction for step in found.reports]
     assert fractions == sorted(fractions)
     assert fractions[0] == 0.0
     assert fractions[-1] == 1.0
-    assert str(found[0].message) == "From A to B"
+    assert str(found.reports[0].message) == "From A to B"
     assert str(found[-1].message) == "From B to C"
 
 
 def test_one_step_is_both_ends():
     groups = cap(SPHERE, 0.0), 5.0 * cap(SPHERE, 1.0)
-    frames = joined_frames(interpolation_steps(*groups, SPHERE, DensitySettings(steps=1), ("A", "B")))
+    frames = drained(interpolation_steps(*groups, SPHERE, DensitySettings(steps=1), ("A", "B")))
     check_records(frames)
     assert [figures["key"] for figures in frames.records] == ["A", "B"]
 
@@ -107,7 +108,7 @@ def test_one_step_is_both_ends():
 def test_iterations_are_those_of_the_solve_that_made_the_frame():
     """Midpoints of one level, and frames that are no midpoints, have a number each."""
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
-    frames = joined_frames(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12)))
+    frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12)))
     found = [figures["iterations"] for figures in frames.records]
     alike = [{6}, {3, 9}, {1, 2, 4, 5, 7, 8, 10, 11}]
     solve = bisect(*ends, SPHERE, times=np.arange(13) / 12)
@@ -118,7 +119,7 @@ def test_a_blend_lies_where_its_weights_say():
     """Measured 0.025 rad off between two, and nothing for three of the same weight."""
     groups = [cap(SPHERE, 0.0), cap(SPHERE, 0.8), cap(SPHERE, 0.4)]
     for shares, place in (([6.0, 2.0, 0.0], 0.2), ([1, 1, 1], 0.4), ([0, 1, 1], 0.6)):
-        frames = joined_frames(blend_steps(groups, "ABC", shares, SPHERE, DensitySettings()))
+        frames = drained(blend_steps(groups, "ABC", shares, SPHERE, DensitySettings()))
         (figures,) = frames.records
         assert figures["converged"]
         assert 0 < figures["marginal_error"] < 1e-2
@@ -130,21 +131,21 @@ def test_a_blend_lies_where_its_weights_say():
 def test_a_blend_of_one_is_that_one():
     groups = [cap(SPHERE, 0.0), cap(SPHERE, 0.8)]
     for shares, expected in (([2, 0], groups[0]), ([0, 1], groups[1])):
-        (density,) = joined_frames(blend_steps(groups, "AB", shares, SPHERE, DensitySettings())).densities
+        (density,) = drained(blend_steps(groups, "AB", shares, SPHERE, DensitySettings())).densities
         np.testing.assert_allclose(density, expected)
 
 
 def test_a_blend_without_a_bound_is_that_of_the_paper():
     groups = [cap(SPHERE, 0.0), cap(SPHERE, 0.8), cap(SPHERE, 0.4)]
     settings_ = DensitySettings(entropy_limit=None)
-    (density,) = joined_frames(blend_steps(groups, "ABC", [1, 1, 1], SPHERE, settings_)).densities
+    (density,) = drained(blend_steps(groups, "ABC", [1, 1, 1], SPHERE, settings_)).densities
     assert off_center(SPHERE, density, 0.4) < 0.01
     assert entropy(density, SPHERE.weights) > entropy(groups[0], SPHERE.weights) + 0.5
 
 
 def test_pieces_keep_their_mass_in_every_frame():
     pair = on(0.4, 0.6, 1), on(0.4, 0.6, 2)
-    frames = joined_frames(interpolation_steps(*pair, BALLS, DensitySettings(steps=4)))
+    frames = drained(interpolation_steps(*pair, BALLS, DensitySettings(steps=4)))
     own = BALLS.pieces == 0
     np.testing.assert_allclose((frames.densities * BALLS.weights)[:, own].sum(axis=1), 0.4, atol=1e-6)
 
@@ -156,7 +157,7 @@ def test_pieces_are_refused_by_name_or_matched():
     with pytest.raises(InputError, match="Head and Tail lie on different pieces"):
         next(interpolation_steps(on(1, 0), on(0, 1), BALLS, DensitySettings(), ("Head", "Tail")))
     matching = DensitySettings(steps=2, pieces="match")
-    assert len(joined_frames(interpolation_steps(*pair, BALLS, matching)).times) == 3
+    assert len(drained(interpolation_steps(*pair, BALLS, matching)).times) == 3
 
 
 def fins():
@@ -178,7 +179,7 @@ def test_edges_of_three_faces_and_loose_vertices_carry_and_hold_nothing_strange(
     to = np.linalg.norm(mesh.vertices - [12 * np.cos(2.1), 6, 12 * np.sin(2.1)], axis=1)
     first, second = np.where(away < 4, 1.0, 0.0), np.where(to < 4, 1.0, 0.0)
     first[-1] = 1.0
-    frames = joined_frames(interpolation_steps(first, second, surface, DensitySettings(steps=2)))
+    frames = drained(interpolation_steps(first, second, surface, DensitySettings(steps=2)))
     assert not frames.densities[:, -4:].any()
     middle = frames.densities[1] * surface.weights
     assert middle @ np.linalg.norm(mesh.vertices[:, [0, 2]], axis=1) < 4.0
@@ -189,7 +190,7 @@ def test_an_open_and_a_closed_mesh_of_few_triangles_work():
     for mesh in (square(), torus(segments=(6, 4))):
         surface = density_surface(mesh)
         first, second = np.eye(len(mesh.vertices))[[0, 2]]
-        frames = joined_frames(interpolation_steps(first, second, surface, DensitySettings(steps=4)))
+        frames = drained(interpolation_steps(first, second, surface, DensitySettings(steps=4)))
         np.testing.assert_allclose(frames.densities @ surface.weights, 1.0)
 
 
@@ -205,7 +206,7 @@ def test_any_paint_gives_as_many_honest_frames_as_asked_for(seed, steps, entropy
     groups = np.where(rng.random((2, *COARSE.shape)) < 0.2, rng.random((2, *COARSE.shape)), 0.0) * scale
     groups[:, 0] += scale
     asked = DensitySettings(steps=steps, entropy_limit=entropy_limit, max_iterations=40)
-    frames = joined_frames(interpolation_steps(*groups, COARSE, asked))
+    frames = drained(interpolation_steps(*groups, COARSE, asked))
     assert frames.densities.shape == (steps + 1, *COARSE.shape)
     check_records(frames)
 

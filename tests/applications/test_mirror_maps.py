@@ -12,6 +12,7 @@ from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSetti
 from convwass_addon.applications.soft_maps.transfer_shapes import ShapeCarrier
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 from tests.applications.maps import turn
 from tests.applications.test_soft_maps import ends
 from tests.shapes import ball, joined
@@ -39,8 +40,7 @@ def test_left_goes_right_and_shape_keys_with_it():
     # In any pose and place.
     rotation = turn()
     posed = TriangleMesh(mesh.vertices @ rotation.T + [1, 2, 3], mesh.faces)
-    *_, last = mirror_map_steps(MapSide(posed, "Pet"), pairs, SoftMapSettings(vertices=400, sweeps=6))
-    found = last.found
+    found = drained(mirror_map_steps(MapSide(posed, "Pet"), pairs, SoftMapSettings(vertices=400, sweeps=6)))
     assert found.backward is found.forward
     away = np.linalg.norm(found.forward.positions(posed) - (mirrored @ rotation.T + [1, 2, 3]), axis=1)
     assert away[:900].mean() < 0.03 * np.sqrt(mesh.area)

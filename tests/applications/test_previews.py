@@ -140,7 +140,7 @@ def test_what_was_sketched_is_not_solved_again(monkeypatch):
 
     real = blend_solver.barycenter
     monkeypatch.setattr(blend_solver, "barycenter", noting)
-    blending.solve_blends(problem, run, None, sketches)
+    blending.solve_blends(problem, run, sketches=sketches)
     assert [id(one) for one in begun] == [id(part.solved) for sketch in sketches for part in sketch.parts]
     assert len(begun) == 2
 

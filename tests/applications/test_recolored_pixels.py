@@ -17,10 +17,11 @@ from convwass_addon.applications.palettes.lookup_table import LookupTable, looku
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
 from convwass_addon.applications.palettes.pixels import PixelFormat, image_palette
-from convwass_addon.applications.palettes.recolor_job import Picture, recolor_steps
+from convwass_addon.applications.palettes.recolor_job import Picture, map_steps, recolor_steps
 from convwass_addon.applications.palettes.recoloring import recoloring
 from convwass_addon.errors import Cancelled, InputError
-from tests.controls import cancelled_control
+from convwass_addon.progress import drained
+from tests.controls import cancelled_control, recorded
 
 from .palettes import cloud, picture_of
 
@@ -46,7 +47,8 @@ def change_of(source, target, own=None, pixel_format=SRGB):
 
 def recolored(pixels, change, pixel_format=SRGB, mask=None, workers=1):
     out = np.full_like(pixels, 7.0)
-    shares = list(recolored_blocks(pixels, pixel_format, change, mask, out, workers=workers))
+    reports = recolored_blocks(pixels, pixel_format, change, mask, out, workers=workers)
+    shares = [report.fraction for report in reports]
     assert shares == sorted(shares) and shares[-1] == 1.0
     return out
 
@@ -219,8 +221,7 @@ def test_large_images_take_little_more_than_themselves(source, target):
     large[..., :3] = np.resize(source[..., :3], (2048, 2048, 3))
     out = np.empty_like(large)
     tracemalloc.start()
-    for _ in recolored_blocks(large, SRGB, change, None, out, workers=2):
-        pass
+    drained(recolored_blocks(large, SRGB, change, None, out, workers=2))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 0.7 * large.nbytes
@@ -293,11 +294,12 @@ def test_a_single_pixel_is_not_changed_in_place(source, target):
 
 def test_steps_of_a_job(source, target):
     pictures = [Picture(source, SRGB), Picture(target, SRGB)]
-    steps = list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings()))
-    assert [step.fraction for step in steps] == sorted(step.fraction for step in steps)
-    np.testing.assert_array_equal(steps[-1].pixels, recolored(source, change_of(source, target)))
-    ends = list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), only_map=True))
-    assert ends[-1].pixels is None and ends[-1].change is not None
+    found = recorded(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings()))
+    fractions = [step.fraction for step in found.reports]
+    assert fractions == sorted(fractions) and fractions[-1] == pytest.approx(1.0)
+    np.testing.assert_array_equal(found.result.pixels, recolored(source, change_of(source, target)))
+    change = drained(map_steps(pictures[0], pictures[1:], [1.0], RecolorSettings()))
+    np.testing.assert_array_equal(change.shifts(np.eye(3)), found.result.change.shifts(np.eye(3)))
     with pytest.raises(Cancelled):
         list(recolor_steps(pictures[0], pictures[1:], [1.0], RecolorSettings(), cancelled_control()))
 

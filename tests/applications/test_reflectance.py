@@ -20,6 +20,7 @@ from convwass_addon.applications.reflectance.lobe_table import (
 from convwass_addon.applications.reflectance.materials import AshikhminShirley, BlinnPhong, Ggx
 from convwass_addon.applications.reflectance.reflectance_settings import ReflectanceSettings
 from convwass_addon.errors import InputError
+from convwass_addon.progress import drained
 from convwass_addon.transport.sharpening import entropy
 
 ROWS = 32
@@ -33,8 +34,7 @@ MATERIALS = {
 
 
 def finished(blend, weights, before=None):
-    *_, last = blend.steps(weights, before)
-    return last.found
+    return drained(blend.steps(weights, before))
 
 
 @pytest.fixture(scope="module")

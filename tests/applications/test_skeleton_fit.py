@@ -18,6 +18,7 @@ from convwass_addon.applications.skeletons.skeleton_links import Links, chains
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
+from tests.controls import cancelled_control, recorded
 from tests.shapes import box, joined, square, torus, with_faces
 
 _SETTINGS = SkeletonSettings()
@@ -55,11 +56,10 @@ def chain(count, first, last):
 
 
 def fit(mesh, graph, settings=_SETTINGS) -> FittedSkeleton:
-    steps = list(fit_steps(mesh, graph, settings))
-    fractions = [step.fraction for step in steps]
+    found = recorded(fit_steps(mesh, graph, settings))
+    fractions = [step.fraction for step in found.reports]
     assert fractions == sorted(fractions) and fractions[-1] == 1.0
-    assert [step.found is not None for step in steps] == [False] * (len(steps) - 1) + [True]
-    return steps[-1].found
+    return found.result
 
 
 @pytest.fixture(scope="module")
@@ -217,11 +217,8 @@ def test_bones_that_leave_the_body_are_told(bent):
 
 
 def test_a_fit_can_be_cancelled(straight):
-    def stop():
-        raise Cancelled("Stopped.")
-
     with pytest.raises(Cancelled):
-        list(fit_steps(straight, chain(4, (0.1, 0, 0), (2.9, 0, 0)), _SETTINGS, stop))
+        list(fit_steps(straight, chain(4, (0.1, 0, 0), (2.9, 0, 0)), _SETTINGS, cancelled_control()))
 
 
 def test_records_are_ready_for_json(straight):

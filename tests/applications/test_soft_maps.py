@@ -20,20 +20,19 @@ from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import arm, shuffled, subdivided, tube, turn
 from tests.applications.test_densities_on_animals import horse
-from tests.controls import CountingControl
+from tests.controls import CountingControl, recorded
 from tests.shapes import ball, joined, torus, with_faces
 
 QUICK = SoftMapSettings(vertices=200, sweeps=4)
 
 
 def solved(source, target, pairs, settings=QUICK, **groups):
-    """Return the map, after a look at its steps."""
+    """Return the map, after a look at what is reported."""
     sides = (MapSide(source, "Fox", groups.get("here", {})), MapSide(target, "Dog", groups.get("there", {})))
-    steps = list(soft_map_steps(*sides, pairs, settings))
-    fractions = [step.fraction for step in steps]
+    solving = recorded(soft_map_steps(*sides, pairs, settings))
+    fractions = [step.fraction for step in solving.reports]
     assert fractions == sorted(fractions) and fractions[0] == 0.0 and fractions[-1] == 1.0
-    assert all(step.found is None for step in steps[:-1])
-    found = steps[-1].found
+    found = solving.result
     json.dumps(found.record)
     for points, own, other in ((found.forward, source, target), (found.backward, target, source)):
         assert len(points) == len(own.vertices)

@@ -21,6 +21,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.volume_output import as_volume
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import Cancelled, InputError
+from convwass_addon.progress import Control, drained
 
 CELL = 5.0 / 64
 
@@ -49,7 +50,7 @@ def shown_heights(obj, frame):
 
 
 OUTPUTS = {
-    "volume": (as_volume, 0.15),
+    "volume": (lambda collection, folder: drained(as_volume(collection, folder)), 0.15),
     "alembic": (lambda collection, folder: as_cache(collection, folder, "alembic"), 1e-5),
     "usd": (lambda collection, folder: as_cache(collection, folder, "usd"), 1e-5),
 }
@@ -74,14 +75,14 @@ def test_files_past_frame_9999_are_one_sequence(bare_scene, make_object, octahed
     made = MorphBake.begin(bare_scene, objects, blends, {"resolution": 64}, 9998)
     for number, blend in enumerate(blends):
         made.add(MorphFrame(blend, None if blend.source is not None else octahedron.moved((0, 0, number)), {}))
-    output = as_volume(made.finish(hide_inputs=True), tmp_path)
+    output = drained(as_volume(made.finish(hide_inputs=True), tmp_path))
     assert [file.stem[-6:] for file in output.files] == ["_09998", "_09999", "_10000", "_10001"]
     for frame, height in ((9998, 0), (9999, 1), (10000, 2)):
         assert shown_heights(output.shown, frame)[1] == pytest.approx(height + 1, abs=0.15), frame
 
 
 def test_the_level_of_a_volume_stays_editable(collection, tmp_path):
-    shown = as_volume(collection, tmp_path).shown
+    shown = drained(as_volume(collection, tmp_path)).shown
     volumes = []
     for level in (0.25, 0.5, 0.75):
         shown.modifiers["Volume to Mesh"].threshold = level
@@ -93,7 +94,7 @@ def test_the_level_of_a_volume_stays_editable(collection, tmp_path):
 
 
 def test_the_smoothing_of_a_volume_stays_editable(collection, tmp_path):
-    shown = as_volume(collection, tmp_path).shown
+    shown = drained(as_volume(collection, tmp_path)).shown
     reach = []
     for rounds in (0, 5, 20):
         shown.modifiers["Smooth"].iterations = rounds
@@ -105,7 +106,7 @@ def test_the_smoothing_of_a_volume_stays_editable(collection, tmp_path):
 
 def test_a_sheet_is_one_volume_of_all(bare_scene, make_object, octahedron, tmp_path):
     sheet = bake(bare_scene, make_object, octahedron, triangle_blends(3, 2), "ABC")
-    output = as_volume(sheet, tmp_path)
+    output = drained(as_volume(sheet, tmp_path))
     assert len(output.files) == 1
     mesh = triangle_mesh(output.shown, bpy.context.evaluated_depsgraph_get())
     assert mesh.volume == pytest.approx(3 * 4 / 3, rel=0.1)
@@ -153,13 +154,11 @@ def test_deleting_the_morph_leaves_nothing_but_the_files(
 
 def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_path, inventory):
     before = inventory()
-
-    def stop(share):
-        if share > 0.4:
-            raise Cancelled("Cancelled.")
-
+    control = Control()
     with pytest.raises(Cancelled):
-        as_volume(collection, tmp_path, stop)
+        for report in as_volume(collection, tmp_path, control):
+            if report.fraction > 0.4:
+                control.cancel()
     assert inventory() == before
     assert {file.name for file in tmp_path.iterdir()} == {"Morph_A_to_B_0003.vdb", "Morph_A_to_B_0004.vdb"}
 
@@ -172,7 +171,7 @@ def test_no_frames_and_no_folder_are_said(collection, tmp_path):
         output_folder(str(tmp_path / "file"), collection)
     remove_frames(collection)
     with pytest.raises(InputError, match="holds no frames"):
-        as_volume(collection, tmp_path)
+        drained(as_volume(collection, tmp_path))
     with pytest.raises(InputError, match="holds no frames"):
         as_cache(collection, tmp_path, "usd")
 
@@ -180,7 +179,7 @@ def test_no_frames_and_no_folder_are_said(collection, tmp_path):
 def test_a_blender_without_openvdb_is_said_to_be_one(collection, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "openvdb", None)
     with pytest.raises(InputError, match="this Blender was built without; use another Blender, or Make Cache"):
-        as_volume(collection, tmp_path / "volumes")
+        drained(as_volume(collection, tmp_path / "volumes"))
 
 
 def test_paths_are_relative_where_the_file_has_a_place(tmp_path):

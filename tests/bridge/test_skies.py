@@ -80,7 +80,7 @@ def test_every_frame_shows_its_file_and_the_ends_stay_on(tmp_path):
 
 def test_the_sun_of_the_middle_is_on_the_great_circle():
     steps = list(sky_steps([sky((1, 0, 0.4)), sky((0, 1, 0.4))], 3, SkySettings()))
-    frames = [step.frame for step in steps if step.frame is not None]
+    frames = [step.payload.frame for step in steps if step.payload is not None]
     assert [frame.time for frame in frames] == [0.0, 0.5, 1.0]
     first, middle, last = (frame.lamps[0].direction for frame in frames)
     expected = (first + last) / np.linalg.norm(first + last)
@@ -92,7 +92,7 @@ def test_the_sun_of_the_middle_is_on_the_great_circle():
 def test_the_way_leads_through_every_sky():
     ends = [sky((1, 0, 0.4)), sky((0, 1, 0.4)), sky((0, 1, 1.2))]
     steps = list(sky_steps(ends, 5, SkySettings(rows=32)))
-    frames = [step.frame for step in steps if step.frame is not None]
+    frames = [step.payload.frame for step in steps if step.payload is not None]
     assert [step.fraction for step in steps] == sorted(step.fraction for step in steps)
     for frame, end in zip(frames[::2], ends, strict=True):
         np.testing.assert_array_equal(frame.image, end)
@@ -214,7 +214,7 @@ def test_nothing_is_replaced_until_every_file_is_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(sky_sequence, "write_sky", cut)
     files = SkyFiles(tmp_path, 7, 2)
     for place, image in enumerate((whole, 2.0 * whole)):
-        files.write(sky_sequence.SkyStep(0.5, "", place, SimpleNamespace(image=image)))
+        files.write(sky_sequence.PlacedSky(place, SimpleNamespace(image=image)))
     with pytest.raises(ConvwassError, match=r"sky.0008.exr could not be written"):
         files.finish()
     files.discard()

@@ -18,6 +18,8 @@ from convwass_addon.bridge.morphs.materials import morph_material
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.bridge.studio import Studio, choose_cycles, opening, world_points
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from convwass_addon.progress import Control, drained
+from tests.controls import recorded
 
 RED, GREEN = (0.6, 0.02, 0.02, 1.0), (0.02, 0.5, 0.02, 1.0)
 SAMPLES = 2
@@ -117,7 +119,8 @@ def snapshot():
 
 def test_contact_sheet_shows_the_frames_in_reading_order(path_morph, tmp_path):
     before = snapshot()
-    path = render_contact_sheet(path_morph, tmp_path / "sheet.png", columns=3, count=5, width=96, samples=SAMPLES)
+    work = render_contact_sheet(path_morph, tmp_path / "sheet.png", columns=3, count=5, width=96, samples=SAMPLES)
+    path = drained(work)
     picture = pixels(path)
     height = picture.shape[0]
     assert picture.shape[1] == 96
@@ -130,15 +133,14 @@ def test_contact_sheet_shows_the_frames_in_reading_order(path_morph, tmp_path):
 
 
 def test_contact_sheet_of_few_frames_always_has_the_inputs(path_morph, tmp_path):
-    picture = pixels(
-        render_contact_sheet(path_morph, tmp_path / "sheet.png", columns=2, count=2, width=64, samples=SAMPLES)
-    )
+    work = render_contact_sheet(path_morph, tmp_path / "sheet.png", columns=2, count=2, width=64, samples=SAMPLES)
+    picture = pixels(drained(work))
     assert is_red(picture[:, :32]).sum() > 50
     assert is_green(picture[:, 32:]).sum() > 50
 
 
 def test_contact_sheet_keeps_the_places_of_a_sheet(sheet_morph, tmp_path):
-    picture = pixels(render_contact_sheet(sheet_morph, tmp_path / "sheet.png", width=64, samples=SAMPLES))
+    picture = pixels(drained(render_contact_sheet(sheet_morph, tmp_path / "sheet.png", width=64, samples=SAMPLES)))
     rows, columns = np.nonzero(is_red(picture))
     assert rows.max() < picture.shape[0] * 0.55
     assert abs(columns.mean() - 32) < 5
@@ -169,16 +171,16 @@ def test_what_has_a_far_hidden_parent_is_shown_where_it_is(collection, tmp_path)
 
 def test_animation_shows_all_frames(path_morph, tmp_path):
     before = snapshot()
-    reports = []
-    path = render_animation(
+    work = render_animation(
         path_morph,
         tmp_path / "morph {blend} #.mp4",
         resolution=(64, 48),
         samples=1,
         step=3,
         frames_per_second=5,
-        progress=lambda fraction, message: reports.append(fraction),
     )
+    found = recorded(work)
+    path, reports = found.result, [report.fraction for report in found.reports]
     assert snapshot() == before
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
     assert reports == sorted(reports)
@@ -192,13 +194,13 @@ def test_animation_shows_all_frames(path_morph, tmp_path):
 
 def test_animation_can_be_stopped(path_morph, tmp_path):
     before = snapshot()
-
-    def stop(fraction, message):
-        if fraction > 0.0:
-            raise Cancelled("Stopped.")
-
+    control = Control()
     with pytest.raises(Cancelled):
-        render_animation(path_morph, tmp_path / "morph.mp4", resolution=(16, 16), samples=1, progress=stop)
+        for report in render_animation(
+            path_morph, tmp_path / "morph.mp4", resolution=(16, 16), samples=1, control=control
+        ):
+            if report.fraction > 0.0:
+                control.cancel()
     assert snapshot() == before
     assert not list(tmp_path.iterdir())
 
@@ -209,25 +211,25 @@ def test_animation_can_be_stopped(path_morph, tmp_path):
 )
 def test_output_is_checked_before_rendering(path_morph, tmp_path, render, name):
     with pytest.raises(InputError, match="does not exist; make it first"):
-        render(path_morph, tmp_path / "missing" / name)
+        drained(render(path_morph, tmp_path / "missing" / name))
     with pytest.raises(InputError, match="file name that ends with"):
-        render(path_morph, tmp_path / "picture.xyz")
+        drained(render(path_morph, tmp_path / "picture.xyz"))
 
 
 def test_what_cannot_be_pictured_is_refused(collection, tmp_path):
     for render, name in ((render_contact_sheet, "a.png"), (render_animation, "a.mp4")):
         with pytest.raises(InputError):
-            render(collection, tmp_path / name)
+            drained(render(collection, tmp_path / name))
 
 
 def test_animation_of_a_sheet_is_refused(sheet_morph, tmp_path):
     with pytest.raises(InputError, match="contact sheet"):
-        render_animation(sheet_morph, tmp_path / "a.mp4")
+        drained(render_animation(sheet_morph, tmp_path / "a.mp4"))
 
 
 def test_odd_video_size_is_refused(path_morph, tmp_path):
     with pytest.raises(InputError, match="even"):
-        render_animation(path_morph, tmp_path / "a.mp4", resolution=(63, 48))
+        drained(render_animation(path_morph, tmp_path / "a.mp4", resolution=(63, 48)))
 
 
 def test_studio_vanishes_after_an_error(path_morph):

@@ -32,7 +32,7 @@ from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.progress import UNINTERRUPTED, Control, payloads
+from convwass_addon.progress import UNINTERRUPTED, Control, drained, payloads
 from tests.flat_shapes import ellipse
 from tests.shapes import ball
 
@@ -67,19 +67,17 @@ def density_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
     weights[0, : len(mesh.vertices) // 3 + 1] = 1.0
     weights[1, -1:] = 1.0
     settings = DensitySettings(steps=2, max_iterations=40, pieces="match")
-    for step in interpolation_steps(*weights, surface, settings, control=control):
-        if step.frames is not None:
-            assert np.isfinite(step.frames.densities).all() and (step.frames.densities >= 0).all()
+    frames = drained(interpolation_steps(*weights, surface, settings, control=control))
+    assert np.isfinite(frames.densities).all() and (frames.densities >= 0).all()
 
 
 def soft_map_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
     """Map a mesh to a ball and back."""
     sides = MapSide(mesh, "broken"), MapSide(_BALL, "ball")
-    for step in soft_map_steps(*sides, [], SoftMapSettings(vertices=50, sweeps=1), control):
-        if step.found is not None:
-            for points in (step.found.forward, step.found.backward):
-                assert np.isfinite(points.barycentric).all() and np.isfinite(points.confidence).all()
-                assert not np.isnan(points.spread).any()
+    found = drained(soft_map_steps(*sides, [], SoftMapSettings(vertices=50, sweeps=1), control))
+    for points in (found.forward, found.backward):
+        assert np.isfinite(points.barycentric).all() and np.isfinite(points.confidence).all()
+        assert not np.isnan(points.spread).any()
 
 
 def skeleton_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
@@ -89,9 +87,8 @@ def skeleton_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
     ends = middle - 0.2 * size, middle + 0.2 * size
     positions = np.linspace(*ends, 4)
     graph = JointGraph.from_arrays(positions, [(0, 1), (1, 2), (2, 3)], [True, False, False, True])
-    for step in fit_steps(mesh, graph, SkeletonSettings(outside_pins="move"), control):
-        if step.found is not None:
-            assert np.isfinite(step.found.positions).all()
+    found = drained(fit_steps(mesh, graph, SkeletonSettings(outside_pins="move"), control))
+    assert np.isfinite(found.positions).all()
 
 
 def flat_of(rings: list[np.ndarray], control: Control = UNINTERRUPTED) -> None:
@@ -114,9 +111,9 @@ def palette_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
     for encoding, turn in (("srgb", 1), ("linear", -1)):
         form = PixelFormat(encoding, highest=1.0 if encoding == "srgb" else np.inf)
         source, palette = [Picture(own, form) for own in (pixels.astype(np.float32), good)][::turn]
-        for step in recolor_steps(source, [palette], [1.0], RecolorSettings(edge_radius=0), control):
-            finite = np.isfinite(source.pixels).all(axis=-1)
-            assert step.pixels is None or np.isfinite(step.pixels[finite]).all()
+        found = drained(recolor_steps(source, [palette], [1.0], RecolorSettings(edge_radius=0), control))
+        finite = np.isfinite(source.pixels).all(axis=-1)
+        assert np.isfinite(found.pixels[finite]).all()
 
 
 def sky_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:

@@ -58,8 +58,9 @@ def _stepping(own: Callable[[object], Callable], step: Step) -> Callable:
 
 def _sky(folder: Path, step: Step) -> None:
     files = SkyFiles(folder, 1, 3)
-    for made in sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 3, SkySettings(rows=32)):
-        files.write(made)
+    for report in sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 3, SkySettings(rows=32)):
+        if report.payload is not None:
+            files.write(report.payload)
         step()
     files.finish()
 

@@ -18,7 +18,7 @@ from convwass_addon.bridge.armatures.pins import pinned_ends
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_fit, background
 from convwass_addon.operators.armature_fit import CONVWASS_OT_fit_armature
-from convwass_addon.progress import UNINTERRUPTED
+from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.properties.armatures import FitProperties
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, TIMER, Pressed, until, window_context
@@ -37,7 +37,7 @@ def asked(monkeypatch):
 
     def steps(mesh, graph, settings, control=UNINTERRUPTED):
         calls.append(SimpleNamespace(mesh=mesh, graph=graph, settings=settings))
-        yield from harmonic_steps(mesh, graph, settings, control)
+        return harmonic_steps(mesh, graph, settings, control)
 
     monkeypatch.setattr(armature_fit, "fit_steps", steps)
     return calls
@@ -255,7 +255,8 @@ def test_what_should_be_known_is_told(rig, monkeypatch, capfd):
     def steps(mesh, graph, settings, control=UNINTERRUPTED):
         found = harmonic(graph, [Sentence("Pins were moved.")])
         found.positions[2] = found.positions[1]
-        yield armature_fit.FitStep(1.0, Sentence("Writing"), found)
+        yield Progress(1.0, Sentence("Writing"))
+        return found
 
     monkeypatch.setattr(armature_fit, "fit_steps", steps)
     call("fit_armature")
@@ -399,7 +400,7 @@ def test_escape_leaves_everything_as_it_was(window, rig, monkeypatch):
     def endless(mesh, graph, settings, control=UNINTERRUPTED):
         while True:
             control.check()
-            yield armature_fit.FitStep(0.5, Sentence("Starting"))
+            yield Progress(0.5, Sentence("Starting"))
 
     monkeypatch.setattr(armature_fit, "fit_steps", endless)
     pressed = pressed_fit()

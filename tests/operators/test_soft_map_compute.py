@@ -11,7 +11,6 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.soft_maps.map_solving import SoftMapStep
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from convwass_addon.bridge.soft_maps.soft_map_store import MAPS_KEY, has_soft_map, store_soft_map, stored_soft_map
@@ -19,7 +18,7 @@ from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.errors import InputError
 from convwass_addon.operators import background, soft_map_compute
 from convwass_addon.operators.soft_map_compute import CONVWASS_OT_compute_soft_map
-from convwass_addon.progress import UNINTERRUPTED
+from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, Pressed, until, window_context
 from tests.operators.soft_maps import call, choose, own, points, select, sphere, store_closest, store_mirror
@@ -42,8 +41,8 @@ def asked(monkeypatch):
 
     def steps(source, target, pairs, settings, control=UNINTERRUPTED):
         calls.append(SimpleNamespace(source=source, target=target, pairs=pairs.tolist(), settings=settings))
-        yield SoftMapStep(0.5, Sentence("Solving the map"))
-        yield SoftMapStep(1.0, Sentence("The map is there"), closest_map(source.mesh, target.mesh))
+        yield Progress(0.5, Sentence("Solving the map"))
+        return closest_map(source.mesh, target.mesh)
 
     monkeypatch.setattr(soft_map_compute, "soft_map_steps", steps)
     monkeypatch.setattr(
@@ -120,7 +119,7 @@ def test_an_error_of_the_application_leaves_the_map_that_was_there(pair, asked, 
     before = bytes(pair[0][MAPS_KEY]["0"]["data"])
 
     def refuse(*_arguments):
-        yield SoftMapStep(0.0, Sentence("Reading the meshes"))
+        yield Progress(0.0, Sentence("Reading the meshes"))
         raise InputError("No piece of {source} fits.", source="Cow")
 
     monkeypatch.setattr(soft_map_compute, "soft_map_steps", refuse)
@@ -302,7 +301,7 @@ def test_it_goes_on_beside_the_users_work(pair, asked, monkeypatch):
 def test_escape_leaves_no_map(pair, monkeypatch):
     def for_ever(source, target, pairs, settings, control):
         while True:
-            yield SoftMapStep(0.5, Sentence("Solving the map"))
+            yield Progress(0.5, Sentence("Solving the map"))
             time.sleep(0.001)
             control.check()
 

@@ -18,6 +18,7 @@ from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.surface_maps import distribution_of
 from convwass_addon.cli import program
+from convwass_addon.progress import drained
 from convwass_addon.transport import Grid, Surface, barycenter, bisect, distance, point_distances, propagate
 from tests.shapes import ball
 
@@ -118,12 +119,18 @@ def known(number):
         graph = JointGraph.from_arrays(
             [[-0.8, 0.0, 0.0], [0.0, 0.1, 0.0], [0.8, 0.0, 0.0]], [[0, 1], [1, 2]], [True, False, True], tuple("abc")
         )
-        return {"fit_steps": fit_steps, "SkeletonSettings": SkeletonSettings, "mesh": shape, "graph": graph}
+        return {
+            "drained": drained,
+            "fit_steps": fit_steps,
+            "SkeletonSettings": SkeletonSettings,
+            "mesh": shape,
+            "graph": graph,
+        }
     if number == 10:
         ends = [int(shape.vertices[:, axis].argmax()) for axis in range(3)]
         pairs = np.array([[end, end] for end in [*ends, int(shape.vertices[:, 0].argmin())]])
         sides = {"cow": MapSide(shape, "cow"), "horse": MapSide(shape, "horse"), "pairs": pairs}
-        return {**sides, "soft_map_steps": soft_map_steps, "distribution_of": distribution_of}
+        return {**sides, "drained": drained, "soft_map_steps": soft_map_steps, "distribution_of": distribution_of}
     surface = Surface(shape.vertices, shape.faces)
     ends = [np.exp(3.0 * sign * shape.vertices[:, 0]) for sign in (-1.0, 1.0)]
     ends = [end / float(end @ surface.weights) for end in ends]

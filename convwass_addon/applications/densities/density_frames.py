@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...sentence import Sentence
 from ...transport import Surface
 from .density_pieces import on_same_pieces
 from .density_settings import DensitySettings
@@ -55,28 +54,8 @@ class DensityFrames:
         return DensityFrames(self.times[first:], self.densities[first:], self.records[first:], self.surface)
 
 
-@dataclass(frozen=True)
-class DensityStep:
-    """One step of a job.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    frames : DensityFrames or None
-        Frames that have just been finished, each once.
-    """
-
-    fraction: float
-    message: Sentence
-    frames: DensityFrames | None = None
-
-
-def joined_frames(steps: Iterable[DensityStep]) -> DensityFrames:
-    """Do all steps of a job, and return all of its frames."""
-    parts = [step.frames for step in steps if step.frames is not None]
+def joined_frames(parts: Sequence[DensityFrames]) -> DensityFrames:
+    """Return the frames of several parts on one surface, in their order."""
     return DensityFrames(
         np.concatenate([part.times for part in parts]),
         np.concatenate([part.densities for part in parts]),

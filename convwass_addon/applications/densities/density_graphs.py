@@ -7,7 +7,7 @@ Solomon et al. 2015, section 6.2 and Algorithm 4.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,16 +15,16 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
-from ...transport import Surface, propagate
-from ..workers import one_blas_thread
-from .density_frames import DensityFrames, DensityStep, record
+from ...transport import Surface
+from ...transport.propagation import propagation
+from .density_frames import DensityFrames, record
 from .density_memory import check_frames_memory
 from .density_pieces import on_same_pieces
 from .density_preparing import preparing_levels
 from .density_settings import DensitySettings
-from .density_solving import reachable
+from .density_solving import solving
 from .surface_densities import distribution
 
 
@@ -36,7 +36,7 @@ def propagation_steps(
     names: Sequence[str] | None = None,
     edge_weights: ArrayLike | float = 1.0,
     control: Control = UNINTERRUPTED,
-) -> Iterator[DensityStep]:
+) -> Work[DensityFrames]:
     """Fill in the densities at the places of a graph, so that neighbors are as near to each other as can be.
 
     Parameters
@@ -58,8 +58,13 @@ def propagation_steps(
 
     Yields
     ------
-    DensityStep
-        Progress, and one frame per place; the times are the numbers of the places.
+    Progress
+        After every sweep.
+
+    Returns
+    -------
+    DensityFrames
+        One frame per place; the times are the numbers of the places.
 
     Raises
     ------
@@ -81,19 +86,19 @@ def propagation_steps(
     yield from preparing_levels(surface)
     filled = size - len(places)
     message = Sentence("Filling in {count} of {total} places", {"count": filled, "total": size})
-    yield DensityStep(0.0, message)
-    with one_blas_thread(), reachable(surface, given_names):
-        solved = propagate(
-            pairs,
-            shares,
-            dict(zip(places, given, strict=True)),
-            surface,
-            size=size,
-            entropy_limit="max" if settings.entropy_limit == "between" else settings.entropy_limit,
-            tolerance=settings.tolerance,
-            max_iterations=settings.max_iterations,
-            control=control,
-        )
+    yield Progress(0.0, message)
+    work = propagation(
+        pairs,
+        shares,
+        dict(zip(places, given, strict=True)),
+        surface,
+        size=size,
+        entropy_limit="max" if settings.entropy_limit == "between" else settings.entropy_limit,
+        tolerance=settings.tolerance,
+        max_iterations=settings.max_iterations,
+        control=control,
+    )
+    solved = yield from within(solving(work, surface, given_names), 0.0, 1.0, message)
     records = []
     for place in range(size):
         if place in fixed:
@@ -101,7 +106,7 @@ def propagation_steps(
             continue
         figures = solved.marginal_errors[place], solved.converged[place], solved.iterations, solved.numerics
         records.append(record(place, solved.entropies[place], None, *figures))
-    yield DensityStep(1.0, message, DensityFrames(np.arange(float(size)), solved.densities, records, surface))
+    return DensityFrames(np.arange(float(size)), solved.densities, records, surface)
 
 
 def _pairs(edges: ArrayLike) -> NDArray[np.int64]:

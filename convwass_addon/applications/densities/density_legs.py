@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...progress import Control
+from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import Interpolation, Surface, bisection, interpolate
 from ..workers import one_blas_thread
-from .density_frames import DensityFrames, DensityStep, record
+from .density_frames import DensityFrames, joined_frames, record
 from .density_settings import DensitySettings
 from .density_solving import reachable, solving
 
@@ -48,42 +47,35 @@ class Leg:
     settings: DensitySettings
     control: Control
 
-    def steps(self, start: float, end: float) -> Iterator[DensityStep]:
-        """Yield progress, and all frames, both ends among them, at times from `start` to `end`."""
+    def work(self, start: float, end: float) -> Work[DensityFrames]:
+        """Solve all frames, both ends among them, at times from `start` to `end`, and return them."""
         message = Sentence("From {first} to {second}", {"first": self.names[0], "second": self.names[1]})
-        yield DensityStep(0.0, message)
+        yield Progress(0.0, message)
         instants = np.arange(self.settings.steps + 1) / self.settings.steps
         # Without a bound the blur of midpoints of midpoints would come and go from frame to frame.
         is_plain = self.settings.entropy_limit is None or len(instants) == 2
-        for part in self._plain(instants) if is_plain else self._bounded(instants):
-            frames = None if part.found is None else self._frames(part.found, start, end)
-            yield DensityStep(part.fraction, message, frames)
+        work = self._plain(instants) if is_plain else self._bounded(instants)
+        parts = yield from within(work, 0.0, 1.0, message)
+        return joined_frames([self._frames(part, start, end) for part in parts])
 
-    def _plain(self, instants: NDArray[np.float64]) -> Iterator[_Part]:
+    def _plain(self, instants: NDArray[np.float64]) -> Work[list[Interpolation]]:
         """By weighted barycenters, a few at a time."""
+        found = []
         parts = np.array_split(instants, -(-len(instants) // _FRAMES_AT_ONCE))
         for done, part in enumerate(parts, start=1):
             with one_blas_thread(), reachable(self.surface, self.names):
-                found = interpolate(*self.ends, part, self.surface, **self._options)
-            yield _Part(done / len(parts), found)
+                found.append(interpolate(*self.ends, part, self.surface, **self._options))
+            yield Progress(done / len(parts), Sentence("Solving"))
+        return found
 
-    def _bounded(self, instants: NDArray[np.float64]) -> Iterator[_Part]:
+    def _bounded(self, instants: NDArray[np.float64]) -> Work[list[Interpolation]]:
         """By bisection, some midpoints of a level at a time."""
         limit = self.settings.entropy_limit
-        work = solving(
-            bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options),
-            self.surface,
-            self.names,
-        )
-        while True:
-            try:
-                yield _Part(next(work).fraction, None)
-            except StopIteration as end:
-                found = end.value
-                break
+        work = bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options)
+        found = yield from solving(work, self.surface, self.names)
         # One number per level is one per frame.
         inner = (found.iterations[min(_halvings(t), len(found.iterations)) - 1] for t in instants[1:-1])
-        yield _Part(1.0, replace(found, iterations=(0, *inner, 0)))
+        return [replace(found, iterations=(0, *inner, 0))]
 
     @property
     def _options(self) -> dict[str, object]:
@@ -110,14 +102,6 @@ class Leg:
             )
         ]
         return DensityFrames(np.array([time for time, _ in places]), found.densities, records, self.surface)
-
-
-@dataclass(frozen=True)
-class _Part:
-    """How much of a way is done, and frames that have just been finished."""
-
-    fraction: float
-    found: Interpolation | None
 
 
 def _halvings(instant: float) -> int:

@@ -4,18 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work, drained, within
 from ...sentence import Sentence
 from ...transport import Surface
 from ...transport.distance import distance_matrix_rounds, distance_rounds
-from .density_frames import DensityStep
 from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
 from .density_preparing import preparing
 from .density_solving import solving
@@ -84,14 +83,6 @@ class DistanceTable:
     notices: tuple[Sentence, ...]
 
 
-@dataclass(frozen=True)
-class DistanceTableStep:
-    """The share of the pairs that are done, and the table, with the last step."""
-
-    fraction: float
-    found: DistanceTable | None = None
-
-
 def measured_distance(
     first: ArrayLike,
     second: ArrayLike,
@@ -128,25 +119,19 @@ def measured_distance(
     InputError
         Weights that are no distributions, or that lie on different pieces.
     """
-    *_, last = measuring_steps(
-        first,
-        second,
-        surface,
-        names,
-        debias=debias,
-        match_pieces=match_pieces,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        control=control,
+    return drained(
+        measuring_steps(
+            first,
+            second,
+            surface,
+            names,
+            debias=debias,
+            match_pieces=match_pieces,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            control=control,
+        )
     )
-    return last.found
-
-
-@dataclass(frozen=True)
-class MeasuringStep(DensityStep):
-    """A step of measuring, the last one with what was found."""
-
-    found: DensityDistance | None = None
 
 
 def measuring_steps(
@@ -160,17 +145,13 @@ def measuring_steps(
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
-) -> Iterator[MeasuringStep]:
-    """Yield a step now and then, on large surfaces after every round, and last what :func:`measured_distance` returns.
-
-    Parameters and errors are the same; errors are raised at the first step.
-    """
+) -> Work[DensityDistance]:
+    """Do the same as :func:`measured_distance` and report every round; parameters and errors are the same."""
     pair = np.stack([distribution(w, surface, name) for w, name in zip((first, second), names, strict=True)])
     pair = on_same_pieces(pair, names, surface, match_pieces)
-    for step in preparing(surface):
-        yield MeasuringStep(step.fraction, step.message)
+    yield from preparing(surface)
     message = Sentence("From {first} to {second}", {"first": names[0], "second": names[1]})
-    yield MeasuringStep(0.0, message)
+    yield Progress(0.0, message)
     rounds = distance_rounds(
         pair[0],
         pair[1],
@@ -180,15 +161,9 @@ def measuring_steps(
         max_iterations=max_iterations,
         control=control,
     )
-    rounds = solving(rounds, surface, names)
-    while True:
-        try:
-            yield MeasuringStep(next(rounds).fraction, message)
-        except StopIteration as end:
-            found = end.value
-            break
+    found = yield from within(solving(rounds, surface, names), 0.0, 1.0, message)
     figures = found.iterations, found.marginal_error, found.converged, found.numerics
-    yield MeasuringStep(1.0, message, found=DensityDistance(found.length, found.value, debias, *figures))
+    return DensityDistance(found.length, found.value, debias, *figures)
 
 
 def distance_table(
@@ -209,10 +184,11 @@ def distance_table(
     InputError
         Fewer than two, or weights that are no distributions.
     """
-    steps = distance_table_steps(
-        weights, names, surface, tolerance=tolerance, max_iterations=max_iterations, control=control
+    return drained(
+        distance_table_steps(
+            weights, names, surface, tolerance=tolerance, max_iterations=max_iterations, control=control
+        )
     )
-    return list(steps)[-1].found
 
 
 def distance_table_steps(
@@ -223,14 +199,8 @@ def distance_table_steps(
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
-) -> Iterator[DistanceTableStep]:
-    """Yield a step after every few pairs, the last one with what :func:`distance_table` returns.
-
-    Raises
-    ------
-    InputError
-        As :func:`distance_table`.
-    """
+) -> Work[DistanceTable]:
+    """Do the same as :func:`distance_table` and report every round; parameters and errors are the same."""
     if len(weights) < 2:
         raise InputError("There must be at least two groups to measure between; paint one more.")
     densities = np.stack([distribution(w, surface, name) for w, name in zip(weights, names, strict=True)])
@@ -238,6 +208,8 @@ def distance_table_steps(
     np.fill_diagonal(lengths, 0.0)
     iterations, error, converged = 0, 0.0, True
     families = _families(densities, surface)
+    message = Sentence("Between {count} groups", {"count": len(names)})
+    yield Progress(0.0, message)
     done, total = 0, sum(len(family) * (len(family) - 1) // 2 for family in families)
     for family in families:
         own = [names[i] for i in family]
@@ -248,13 +220,8 @@ def distance_table_steps(
             alike, surface, tolerance=tolerance, max_iterations=max_iterations, control=control
         )
         pairs = len(family) * (len(family) - 1) // 2
-        rounds = solving(rounds, surface, own)
-        while True:
-            try:
-                yield DistanceTableStep((done + next(rounds).fraction * pairs) / total)
-            except StopIteration as end:
-                found = end.value
-                break
+        begin, end = done / total, (done + pairs) / total
+        found = yield from within(solving(rounds, surface, own), begin, end, message)
         done += pairs
         lengths[np.ix_(family, family)] = np.sqrt(np.maximum(found.values, 0.0))
         iterations, error = max(iterations, found.iterations), max(error, found.marginal_error)
@@ -268,7 +235,7 @@ def distance_table_steps(
                 {"groups": groups},
             ),
         )
-    yield DistanceTableStep(1.0, DistanceTable(tuple(names), lengths, iterations, error, converged, notices))
+    return DistanceTable(tuple(names), lengths, iterations, error, converged, notices)
 
 
 def _families(densities: NDArray[np.float64], surface: Surface) -> list[list[int]]:

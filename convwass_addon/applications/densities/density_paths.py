@@ -7,19 +7,19 @@ Solomon et al. 2015, section 6.1 and Fig. 6.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import Surface, barycenter, interpolate
 from ...transport.sharpening import entropy, entropy_between
 from ..workers import one_blas_thread
-from .density_frames import DensityFrames, DensityStep, comparable, record
+from .density_frames import DensityFrames, comparable, joined_frames, record
 from .density_legs import Leg
 from .density_memory import check_frames_memory
 from .density_preparing import preparing_levels
@@ -34,10 +34,10 @@ def interpolation_steps(
     settings: DensitySettings,
     names: tuple[str, str] = ("A", "B"),
     control: Control = UNINTERRUPTED,
-) -> Iterator[DensityStep]:
+) -> Work[DensityFrames]:
     """Move one density to another in ``settings.steps`` steps, at equally spaced times from 0 to 1.
 
-    Parameters, steps and errors are those of :func:`path_steps`.
+    Parameters, reports, results and errors are those of :func:`path_steps`.
     """
     return path_steps([first, second], names, surface, settings, control=control)
 
@@ -49,7 +49,7 @@ def path_steps(
     settings: DensitySettings,
     key_times: ArrayLike | None = None,
     control: Control = UNINTERRUPTED,
-) -> Iterator[DensityStep]:
+) -> Work[DensityFrames]:
     """Move a density through several others, ``settings.steps`` steps from each to the next.
 
     Parameters
@@ -69,8 +69,13 @@ def path_steps(
 
     Yields
     ------
-    DensityStep
-        Progress, and the frames of every part of the path once it is finished; those that were given are among them.
+    Progress
+        The payloads are the frames of every part of the path, once it is finished, as :class:`DensityFrames`.
+
+    Returns
+    -------
+    DensityFrames
+        All of them; those that were given are among them.
 
     Raises
     ------
@@ -82,14 +87,15 @@ def path_steps(
     legs = len(densities) - 1
     check_frames_memory(surface, legs * settings.steps + 1)
     yield from preparing_levels(surface)
+    parts = []
     for leg in range(legs):
         way = Leg(densities[leg : leg + 2], (names[leg], names[leg + 1]), surface, settings, control)
-        for step in way.steps(times[leg], times[leg + 1]):
-            frames = step.frames
-            if frames is not None and leg > 0 and frames.times[0] == times[leg]:
-                # The end of the part before.
-                frames = frames.from_frame(1)
-            yield DensityStep((leg + step.fraction) / legs, step.message, frames)
+        frames = yield from within(way.work(times[leg], times[leg + 1]), leg / legs, (leg + 1) / legs)
+        # The first frame is the last one of the part before.
+        parts.append(frames.from_frame(1) if leg else frames)
+        done = Sentence("Reached {name}", {"name": names[leg + 1]})
+        yield Progress((leg + 1) / legs, done, parts[-1])
+    return joined_frames(parts)
 
 
 def blend_steps(
@@ -99,7 +105,7 @@ def blend_steps(
     surface: Surface,
     settings: DensitySettings,
     control: Control = UNINTERRUPTED,
-) -> Iterator[DensityStep]:
+) -> Work[DensityFrames]:
     """Blend several densities: their barycenter with the weights `shares`, as one frame at time 0.
 
     With a bound, ``settings.blend_sharpness`` of the kernel's blur is taken out too, so that peaks stay apart. Where
@@ -114,8 +120,13 @@ def blend_steps(
 
     Yields
     ------
-    DensityStep
-        Progress, and the blend.
+    Progress
+        Before and after the solve.
+
+    Returns
+    -------
+    DensityFrames
+        The blend.
 
     Raises
     ------
@@ -127,7 +138,7 @@ def blend_steps(
     check_frames_memory(surface, 1, edges=len(densities))
     yield from preparing_levels(surface)
     message = Sentence("Blending {names}", {"names": ", ".join(names)})
-    yield DensityStep(0.0, message)
+    yield Progress(0.0, message)
     active = np.flatnonzero(alphas)
     bound = settings.entropy_limit
     if bound == "between":
@@ -139,7 +150,8 @@ def blend_steps(
         else:
             figures, density = _among_several(densities, alphas, surface, bound, settings, control)
     figures["weights"] = [{"name": name, "weight": float(share)} for name, share in zip(names, alphas, strict=True)]
-    yield DensityStep(1.0, message, DensityFrames(np.zeros(1), density[None], [figures], surface))
+    yield Progress(1.0, message)
+    return DensityFrames(np.zeros(1), density[None], [figures], surface)
 
 
 def _between_two(

@@ -5,27 +5,26 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 
+from ...progress import Progress, Work
 from ...sentence import Sentence
 from ...transport import Surface
-from .density_frames import DensityStep
 
 # Of smaller surfaces all is made within a second or two, where it is needed first.
 _LARGE = 100_000
 _DRAWN_SECONDS = 0.2
 
 
-def preparing(surface: Surface) -> Iterator[DensityStep]:
+def preparing(surface: Surface) -> Work[None]:
     """Factorize the equations of heat of a large surface: 20 s for a million vertices, which nothing can cut short."""
     if surface.shape[0] >= _LARGE:
-        yield DensityStep(0.0, Sentence("Preparing the flow of heat; this takes a while and cannot be interrupted"))
+        yield Progress(0.0, Sentence("Preparing the flow of heat; this takes a while and cannot be interrupted"))
         # Nothing is drawn while the library is at it: let the window say so first.
         time.sleep(_DRAWN_SECONDS)
         surface.factorize()
 
 
-def preparing_levels(surface: Surface) -> Iterator[DensityStep]:
+def preparing_levels(surface: Surface) -> Work[None]:
     """Do the same, and make the coarser surfaces from which densities of a large one are solved."""
     yield from preparing(surface)
     if surface.shape[0] < _LARGE:
@@ -35,7 +34,5 @@ def preparing_levels(surface: Surface) -> Iterator[DensityStep]:
         level.factorize()
         done += 1
         if done <= count:
-            yield DensityStep(
-                0.0, Sentence("Coarsening the surface, {done} of {count}", {"done": done, "count": count})
-            )
+            yield Progress(0.0, Sentence("Coarsening the surface, {done} of {count}", {"done": done, "count": count}))
         level = level.coarser()

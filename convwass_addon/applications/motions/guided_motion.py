@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.rotation_fields import rotation_matrices
-from ...progress import Control, Progress, Work, within
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import one_blas_thread
@@ -189,7 +189,7 @@ def guided_motion(
     pairs: Sequence[tuple[int, int]],
     settings: GuidedSettings | None = None,
     guides: Sequence[Guide] = (),
-    control: Control | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Work[GuidedMotion]:
     """Prepare shapes for moving towards each other.
 
@@ -205,7 +205,7 @@ def guided_motion(
         How they are guided.
     guides : sequence of mappings from int to int
         Points that belong together: for some of the shapes, by their numbers, a vertex of each.
-    control : Control, optional
+    control : Control
         Stops the work.
 
     Returns
@@ -223,7 +223,7 @@ def guided_motion(
     InputError
         Shapes or guides that cannot be used, or shapes between which there is no map.
     """
-    settings, control = settings or GuidedSettings(), control or Control()
+    settings = settings or GuidedSettings()
     check_guides(guides, shapes, names)
     wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     yield Progress(0.0, Sentence("Reading the shapes"))

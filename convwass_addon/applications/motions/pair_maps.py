@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ...progress import Control, Progress, Work, within
+from ...progress import Control, Work, within
 from ..soft_maps.map_sides import MapSide
 from ..soft_maps.map_solving import soft_map_steps
 from ..soft_maps.soft_map_settings import SoftMapSettings
@@ -92,10 +92,7 @@ def _soft_map(
     first: Carrier, second: Carrier, pairs: NDArray[np.int64], settings: SoftMapSettings, control: Control
 ) -> Work[SurfaceMap]:
     sides = (MapSide(carrier.mesh, carrier.name) for carrier in (first, second))
-    step = None
-    for step in soft_map_steps(*sides, pairs, settings, control):
-        yield Progress(step.fraction, step.message)
-    return step.found
+    return soft_map_steps(*sides, pairs, settings, control)
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -57,7 +57,7 @@ def length_between(first: NDArray[np.float64], second: NDArray[np.float64], cont
         Grid(first.shape, _SIGMA),
         tolerance=_TOLERANCE,
         max_iterations=_MOST_ITERATIONS,
-        monitor=lambda *_: control.check(),
+        control=control,
     )
     return solved.length
 

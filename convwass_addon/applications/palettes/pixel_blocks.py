@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import islice
@@ -14,7 +14,8 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
 from ..workers import frame_workers
 from .distinct_colors import LEVELS, color_keys, distinct_colors, present_flags
 from .lookup_table import LookupTable
@@ -58,8 +59,8 @@ def recolored_blocks(
     out: NDArray[np.float32],
     control: Control = UNINTERRUPTED,
     workers: int | None = None,
-) -> Iterator[float]:
-    """Recolor an image, and yield the share that is done.
+) -> Work[None]:
+    """Recolor an image, and report after every block.
 
     Parameters
     ----------
@@ -106,10 +107,8 @@ class _Crew:
     threads: int
     control: Control
 
-    def run(
-        self, work: Callable[[Block], None], blocks: Sequence[Block], begun: float, ended: float
-    ) -> Iterator[float]:
-        """Work on all blocks, and yield shares of the whole from where this begins to where it ends."""
+    def run(self, work: Callable[[Block], None], blocks: Sequence[Block], begun: float, ended: float) -> Work[None]:
+        """Work on all blocks, and report the share of the whole, from where this begins to where it ends."""
         waiting = iter(blocks)
         running = deque(self.executor.submit(work, block) for block in islice(waiting, 2 * self.threads))
         done = 0
@@ -118,10 +117,10 @@ class _Crew:
             self.control.check()
             running.extend(self.executor.submit(work, block) for block in islice(waiting, 1))
             done += 1
-            yield begun + (ended - begun) * done / len(blocks)
+            yield Progress(begun + (ended - begun) * done / len(blocks), Sentence("Recoloring"))
 
 
-def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Iterator[float]:
+def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Work[None]:
     """Recolor pixel by pixel."""
 
     def work(block: Block) -> None:
@@ -132,7 +131,7 @@ def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Iterator[float]:
     yield from crew.run(work, _blocks(task.pixels.shape, 2 * _radius(task.change)), begun, 1.0)
 
 
-def _by_distinct_colors(task: _Task, crew: _Crew) -> Iterator[float]:
+def _by_distinct_colors(task: _Task, crew: _Crew) -> Work[None]:
     """Recolor every color once, and give it to all pixels that have it."""
     shape = task.pixels.shape
     present, keys = present_flags(), np.empty(shape[:2], dtype=np.uint32)

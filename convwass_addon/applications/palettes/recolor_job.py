@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from .palette_settings import RecolorSettings
 from .palette_statistics import Palette
@@ -52,28 +52,19 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class RecolorStep:
-    """What has been done last.
+class Recolored:
+    """A recolored picture.
 
     Attributes
     ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    change : Recoloring or None
-        The map, with the last step.
-    pixels : (height, width, 4) float32 or None
-        The recolored image, with the last step.
-    file : bytes or None
-        The same as a PNG file, where it was asked for.
+    change : Recoloring
+        The map of colors.
+    pixels : (height, width, 4) float32
+        The picture.
     """
 
-    fraction: float
-    message: Sentence
-    change: Recoloring | None = None
-    pixels: NDArray[np.float32] | None = None
-    file: bytes | None = None
+    change: Recoloring
+    pixels: NDArray[np.float32]
 
 
 def recolor_steps(
@@ -82,9 +73,7 @@ def recolor_steps(
     weights: Sequence[float],
     settings: RecolorSettings,
     control: Control = UNINTERRUPTED,
-    *,
-    only_map: bool = False,
-) -> Iterator[RecolorStep]:
+) -> Work[Recolored]:
     """Give a picture the palette of another, or the barycenter of the palettes of several.
 
     Parameters
@@ -99,26 +88,41 @@ def recolor_steps(
         How.
     control : Control
         Ends the job when cancelled.
-    only_map : bool
-        End with the map, and leave the pixels: for a table that other programs apply.
+
+    Yields
+    ------
+    Progress
+        Before every part of the work, and after every block of pixels.
+
+    Returns
+    -------
+    Recolored
 
     Raises
     ------
     InputError
         Pictures without colors, or weights that do not fit.
     """
-    yield RecolorStep(0.0, Sentence("Measuring palettes"))
-    own = source.palette()
-    yield RecolorStep(_MEASURED, Sentence("Matching palettes"))
-    change = matched(own, palettes, weights, settings, control)
-    if only_map:
-        yield RecolorStep(1.0, Sentence("The map is there"), change)
-        return
-    yield RecolorStep(_SOLVED, Sentence("Recoloring"))
+    change = yield from within(map_steps(source, palettes, weights, settings, control), 0.0, _SOLVED)
+    yield Progress(_SOLVED, Sentence("Recoloring"))
     out = np.empty_like(source.pixels)
-    for share in recolored_blocks(source.pixels, source.pixel_format, change, source.mask, out, control):
-        yield RecolorStep(_SOLVED + (0.99 - _SOLVED) * share, Sentence("Recoloring"))
-    yield RecolorStep(1.0, Sentence("The image is there"), change, out)
+    work = recolored_blocks(source.pixels, source.pixel_format, change, source.mask, out, control)
+    yield from within(work, _SOLVED, 1.0)
+    return Recolored(change, out)
+
+
+def map_steps(
+    source: Picture,
+    palettes: Sequence[Picture],
+    weights: Sequence[float],
+    settings: RecolorSettings,
+    control: Control = UNINTERRUPTED,
+) -> Work[Recoloring]:
+    """Find the map of colors alone, for a table that other programs apply; arguments as :func:`recolor_steps`."""
+    yield Progress(0.0, Sentence("Measuring palettes"))
+    own = source.palette()
+    yield Progress(_MEASURED / _SOLVED, Sentence("Matching palettes"))
+    return matched(own, palettes, weights, settings, control)
 
 
 def matched(

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from .ggx_fit import GgxFit, fit_ggx
 from .lobe_interpolation import InterpolatedLobes, LobeBlend, blend_weights
@@ -50,25 +51,6 @@ class LobeFrame:
     notices: tuple[Sentence, ...]
 
 
-@dataclass(frozen=True)
-class LobeFrameStep:
-    """One step.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    frame : LobeFrame or None
-        A finished blend.
-    """
-
-    fraction: float
-    message: Sentence
-    frame: LobeFrame | None = None
-
-
 def path_weights(steps: int, count: int) -> NDArray[np.float64]:
     """Weights on the way from the first of so many materials through the others to the last, (steps, count)."""
     places = np.linspace(0.0, count - 1.0, steps)
@@ -76,8 +58,11 @@ def path_weights(steps: int, count: int) -> NDArray[np.float64]:
 
 
 def lobe_frames(
-    materials: Sequence[Material], weights: NDArray[np.float64], settings: ReflectanceSettings
-) -> Iterator[LobeFrameStep]:
+    materials: Sequence[Material],
+    weights: NDArray[np.float64],
+    settings: ReflectanceSettings,
+    control: Control = UNINTERRUPTED,
+) -> Work[None]:
     """Interpolate materials at one or more weights.
 
     Parameters
@@ -88,11 +73,13 @@ def lobe_frames(
         One row for every blend.
     settings : ReflectanceSettings
         How.
+    control : Control
+        Ends the work when cancelled.
 
     Yields
     ------
-    LobeFrameStep
-        Progress; with the last step of every blend the result.
+    Progress
+        The payloads are the finished blends, as :class:`LobeFrame`, in the order of `weights`.
 
     Raises
     ------
@@ -101,24 +88,29 @@ def lobe_frames(
     """
     for row in weights:
         blend_weights(row, len(materials))
-    yield LobeFrameStep(0.0, Sentence("Tabulating materials"))
-    yield from blended_frames(LobeBlend.of(materials, settings), weights)
+    yield Progress(0.0, Sentence("Tabulating materials"))
+    yield from within(blended_frames(LobeBlend.of(materials, settings), weights, control), _TABULATING, 1.0)
 
 
-def blended_frames(blend: LobeBlend, weights: NDArray[np.float64]) -> Iterator[LobeFrameStep]:
+def blended_frames(blend: LobeBlend, weights: NDArray[np.float64], control: Control = UNINTERRUPTED) -> Work[None]:
     """Do the same with materials that are tabulated already."""
     rows = [blend_weights(row, len(blend.tables)) for row in weights]
     before: InterpolatedLobes | None = None
     for index, row in enumerate(rows):
-        for step in blend.steps(row, before):
-            before = step.found or before
-            if step.found is None:
-                share = (index + step.fraction) / len(rows)
-                values = {"done": index + 1, "total": len(rows), "what": step.message}
-                message = Sentence("Blend {done} of {total}: {what}", values)
-                yield LobeFrameStep(_TABULATING + (1.0 - _TABULATING) * share, message)
-        share = _TABULATING + (1.0 - _TABULATING) * (index + 1) / len(rows)
-        yield LobeFrameStep(share, Sentence("Fitting"), _frame(row, before))
+        work = within(blend.steps(row, before, control), index / len(rows), (index + 1) / len(rows))
+        before = yield from _numbered(work, index + 1, len(rows))
+        yield Progress((index + 1) / len(rows), Sentence("Fitting"), _frame(row, before))
+
+
+def _numbered(work: Work[InterpolatedLobes], number: int, total: int) -> Work[InterpolatedLobes]:
+    """Say in the messages which blend they are about."""
+    while True:
+        try:
+            report = next(work)
+        except StopIteration as end:
+            return end.value
+        values = {"done": number, "total": total, "what": report.message}
+        yield replace(report, message=Sentence("Blend {done} of {total}: {what}", values))
 
 
 def _frame(weights: NDArray[np.float64], found: InterpolatedLobes) -> LobeFrame:

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Inputs, KernelTooNarrowError, Sphere
 from ...transport.barycenter import Barycenter, barycenter
@@ -49,25 +50,6 @@ class InterpolatedLobes:
     starts: tuple[Barycenter, ...]
     record: dict[str, object]
     notices: tuple[Sentence, ...] = ()
-
-
-@dataclass(frozen=True)
-class LobeStep:
-    """One step of the job.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of it.
-    message : Sentence
-        What is being done.
-    found : InterpolatedLobes or None
-        The result, with the last step.
-    """
-
-    fraction: float
-    message: Sentence
-    found: InterpolatedLobes | None = None
 
 
 class LobeBlend:
@@ -118,7 +100,9 @@ class LobeBlend:
         """How many incoming directions there are."""
         return len(self._inputs)
 
-    def steps(self, weights: ArrayLike, before: InterpolatedLobes | None = None) -> Iterator[LobeStep]:
+    def steps(
+        self, weights: ArrayLike, before: InterpolatedLobes | None = None, control: Control = UNINTERRUPTED
+    ) -> Work[InterpolatedLobes]:
         """Interpolate at some weights.
 
         Parameters
@@ -127,11 +111,17 @@ class LobeBlend:
             Of the materials; not negative, not all zero.
         before : InterpolatedLobes, optional
             At other weights, to start from.
+        control : Control
+            Ends the work when cancelled.
 
         Yields
         ------
-        LobeStep
-            Progress, and the result with the last one.
+        Progress
+            Before every direction.
+
+        Returns
+        -------
+        InterpolatedLobes
 
         Raises
         ------
@@ -143,11 +133,11 @@ class LobeBlend:
         lobes, exponents = [], []
         for index in range(len(self)):
             values = {"done": index + 1, "total": len(self)}
-            yield LobeStep(index / len(self), Sentence("Direction {done} of {total}", values))
+            yield Progress(index / len(self), Sentence("Direction {done} of {total}", values))
             # Neighboring directions help each other only without a grain, along which highlights would have to turn.
             neighbor = solved[-1] if solved and self.tables[0].is_isotropic else None
             start = before.starts[index] if before is not None else neighbor
-            found = self._solved(index, alphas, start)
+            found = self._solved(index, alphas, start, control)
             exponent = self._exponent(index, alphas, found)
             solved.append(found)
             exponents.append(exponent)
@@ -157,21 +147,21 @@ class LobeBlend:
             lobes = list(self.tables[int(alphas.argmax())].lobes)
         table = replace(self.tables[0], lobes=np.array(lobes), albedo=_mixed_albedo(self.tables, alphas))
         record = self._record(alphas, solved, exponents, table)
-        yield LobeStep(
-            1.0,
-            Sentence("The lobes are there"),
-            InterpolatedLobes(table, alphas, tuple(solved), record, _notices(solved)),
-        )
+        return InterpolatedLobes(table, alphas, tuple(solved), record, _notices(solved))
 
-    def _solved(self, index: int, alphas: NDArray[np.float64], start: Barycenter | None) -> Barycenter:
+    def _solved(
+        self, index: int, alphas: NDArray[np.float64], start: Barycenter | None, control: Control
+    ) -> Barycenter:
         try:
-            return self._barycenter(index, alphas, start)
+            return self._barycenter(index, alphas, start, control)
         except KernelTooNarrowError:
             if start is None:
                 raise InputError("The highlights are too far apart for this blur; blur the lobes more.") from None
-        return self._solved(index, alphas, None)
+        return self._solved(index, alphas, None, control)
 
-    def _barycenter(self, index: int, alphas: NDArray[np.float64], start: Barycenter | None) -> Barycenter:
+    def _barycenter(
+        self, index: int, alphas: NDArray[np.float64], start: Barycenter | None, control: Control
+    ) -> Barycenter:
         # A bound inside the iteration bends lobes into horns, or does not converge: it is applied to what comes out.
         return barycenter(
             self._inputs[index],
@@ -182,6 +172,7 @@ class LobeBlend:
             max_iterations=self.settings.max_iterations,
             numerics="scaling",
             initial=start,
+            control=control,
         )
 
     def _exponent(self, index: int, alphas: NDArray[np.float64], found: Barycenter) -> float:

@@ -7,7 +7,6 @@ Solomon et al. 2015, section 7, "Skeleton layout".
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...geometry.inner_balls import inner_balls
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from .skeleton_bodies import SkeletonBody, skeleton_body
@@ -63,28 +62,9 @@ class FittedSkeleton:
     notices: tuple[Sentence, ...]
 
 
-@dataclass(frozen=True)
-class FitStep:
-    """One step of the job.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    found : FittedSkeleton or None
-        The result, with the last step.
-    """
-
-    fraction: float
-    message: Sentence
-    found: FittedSkeleton | None = None
-
-
 def fit_steps(
     mesh: TriangleMesh, graph: JointGraph, settings: SkeletonSettings, control: Control = UNINTERRUPTED
-) -> Iterator[FitStep]:
+) -> Work[FittedSkeleton]:
     """Lay out the free joints of a skeleton inside a body.
 
     Parameters
@@ -100,8 +80,12 @@ def fit_steps(
 
     Yields
     ------
-    FitStep
-        Progress, and the result with the last one.
+    Progress
+        Before every part of the work.
+
+    Returns
+    -------
+    FittedSkeleton
 
     Raises
     ------
@@ -114,7 +98,7 @@ def fit_steps(
     kept = between_pins(graph)
     core = graph.part(kept)
     check_loops(core)
-    yield FitStep(0.0, Sentence("Preparing the body"))
+    yield Progress(0.0, Sentence("Preparing the body"))
     names = [name for name, is_pinned in zip(graph.names, graph.pinned, strict=True) if is_pinned]
     body = skeleton_body(mesh, graph.positions[graph.pinned], names, settings.thickness, control)
     placed, notices = _with_pins_inside(graph, body, settings)
@@ -123,7 +107,7 @@ def fit_steps(
     problem = LayoutProblem(core, body, settings)
     gamma, inner = settings.gamma, np.empty(0, bool)
     for attempt in range(_NOTCHES + 1):
-        yield FitStep(0.1 + 0.2 * attempt, Sentence("Laying out {count} joints", {"count": int((~core.pinned).sum())}))
+        yield Progress(0.1 + 0.2 * attempt, Sentence("Laying out {count} joints", {"count": int((~core.pinned).sum())}))
         layout = problem.solved(gamma, control)
         laid = (
             layout.positions if balls is None else settled(core, layout.positions, problem.lengths, balls, body.inside)
@@ -141,8 +125,8 @@ def fit_steps(
     fitted = _all_inside(placed, positions, body, notices)
     notices += bone_notices(core, fitted.positions[kept], problem.lengths, body)
     record = _record(layout, body, fitted, attempt + 1, settings)
-    message = Sentence("Fitted {count} joints", {"count": int((~graph.pinned).sum())})
-    yield FitStep(1.0, message, replace(fitted, record=record, notices=tuple(notices)))
+    yield Progress(1.0, Sentence("Fitted {count} joints", {"count": int((~graph.pinned).sum())}))
+    return replace(fitted, record=record, notices=tuple(notices))
 
 
 def _with_pins_inside(

@@ -8,14 +8,13 @@ Each couple of pieces is solved on coarser meshes of about a thousand vertices a
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface
 from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
@@ -37,33 +36,14 @@ _FEWEST_VERTICES = 60
 _COARSE, _TOLD_APART, _SOLVED = 0.25, 0.5, 0.85
 
 
-@dataclass(frozen=True)
-class SoftMapStep:
-    """One step of the job.
-
-    Attributes
-    ----------
-    fraction : float
-        Done share of the whole job.
-    message : Sentence
-        What is being done.
-    found : SurfaceMap or None
-        The map, at the last step.
-    """
-
-    fraction: float
-    message: Sentence
-    found: SurfaceMap | None = None
-
-
 def soft_map_steps(
     source: MapSide,
     target: MapSide,
     pairs: ArrayLike,
     settings: SoftMapSettings | None = None,
     control: Control = UNINTERRUPTED,
-) -> Iterator[SoftMapStep]:
-    """Compute the soft map between two meshes, step by step.
+) -> Work[SurfaceMap]:
+    """Compute the soft map between two meshes.
 
     Parameters
     ----------
@@ -78,8 +58,12 @@ def soft_map_steps(
 
     Yields
     ------
-    SoftMapStep
-        Progress, and with the last step the map.
+    Progress
+        Before every part of the work.
+
+    Returns
+    -------
+    SurfaceMap
 
     Raises
     ------
@@ -88,7 +72,7 @@ def soft_map_steps(
     """
     settings = settings or SoftMapSettings()
     begun = time.perf_counter()
-    yield SoftMapStep(0.0, Sentence("Reading the meshes"))
+    yield Progress(0.0, Sentence("Reading the meshes"))
     for side in (source, target):
         _check_side(side)
         control.check()
@@ -107,10 +91,10 @@ def soft_map_steps(
         low, width = ends[number], ends[number + 1] - ends[number]
         if not len(match.pairs):
             match = replace(match, pairs=guessed_pairs(source, target, match, parts.forward), is_guessed=True)
-        for step in _match_steps(source, target, match, settings, control, parts):
-            yield SoftMapStep(low + width * step.fraction, step.message)
+        yield from within(_matched(source, target, match, settings, control, parts), low, low + width)
     record = {"settings": settings.as_dict(), "pairs": len(couples_of), "seconds": time.perf_counter() - begun}
-    yield SoftMapStep(1.0, Sentence("The map is there"), joined_map(parts, record))
+    yield Progress(1.0, Sentence("The map is there"))
+    return joined_map(parts, record)
 
 
 def _check_side(side: MapSide) -> None:
@@ -122,17 +106,17 @@ def _check_side(side: MapSide) -> None:
             raise InputError("The group {name} must have one number for every vertex.", name=name)
 
 
-def _match_steps(
+def _matched(
     source: MapSide,
     target: MapSide,
     match: PieceMatch,
     settings: SoftMapSettings,
     control: Control,
     parts: Parts,
-) -> Iterator[SoftMapStep]:
+) -> Work[None]:
     """Solve one couple of pieces and add what is found to the parts of the whole map."""
     sides, places = [], []
-    yield SoftMapStep(0.0, Sentence("Simplifying the meshes"))
+    yield Progress(0.0, Sentence("Simplifying the meshes"))
     for side, vertices, column in ((source, match.source, 0), (target, match.target, 1)):
         part = part_of(side, vertices)
         kept = np.searchsorted(vertices, match.pairs[:, column])
@@ -142,13 +126,13 @@ def _match_steps(
         places.append(sides[-1].places(kept))
         control.check()
     pairs = np.stack(places, axis=1)
-    yield SoftMapStep(_COARSE, Sentence("Comparing the shapes"))
+    yield Progress(_COARSE, Sentence("Comparing the shapes"))
     with one_blas_thread():
         compared = comparison(sides[0].side, sides[1].side, pairs, settings)
-    yield SoftMapStep(_TOLD_APART, Sentence("Solving the map"))
+    yield Progress(_TOLD_APART, Sentence("Solving the map"))
     with one_blas_thread():
         rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, control)
-    yield SoftMapStep(_SOLVED, Sentence("Taking the map to all vertices"))
+    yield Progress(_SOLVED, Sentence("Taking the map to all vertices"))
     judged = pairs[:0] if match.is_guessed else pairs
     notices = tuple(pair_notices(judged, sides[0].side.mesh, sides[1].side.mesh, match.pairs))
     with one_blas_thread():

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,18 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Work
 from .map_pairs import checked_pairs
 from .map_sides import MapSide
-from .map_solving import SoftMapStep, soft_map_steps
+from .map_solving import soft_map_steps
 from .soft_map_settings import SoftMapSettings
 from .surface_maps import PointMap, SurfaceMap
 
 
 def mirror_map_steps(
     side: MapSide, pairs: ArrayLike, settings: SoftMapSettings | None = None, control: Control = UNINTERRUPTED
-) -> Iterator[SoftMapStep]:
-    """Compute the map of a mesh to its mirror image, step by step.
+) -> Work[SurfaceMap]:
+    """Compute the map of a mesh to its mirror image.
 
     Parameters
     ----------
@@ -38,8 +37,13 @@ def mirror_map_steps(
 
     Yields
     ------
-    SoftMapStep
-        Progress, and with the last step the map: both of its point maps are the same.
+    Progress
+        Before every part of the work.
+
+    Returns
+    -------
+    SurfaceMap
+        Both of its point maps are the same.
 
     Raises
     ------
@@ -49,8 +53,8 @@ def mirror_map_steps(
     mirrored = mirrored_pairs(pairs, side)
     reflected = _reflected(side.mesh, mirrored)
     plain = replace(side, groups={})
-    for step in soft_map_steps(plain, replace(plain, mesh=reflected), mirrored, settings, control):
-        yield step if step.found is None else replace(step, found=_both_ways(step.found))
+    found = yield from soft_map_steps(plain, replace(plain, mesh=reflected), mirrored, settings, control)
+    return _both_ways(found)
 
 
 def mirrored_pairs(pairs: ArrayLike, side: MapSide) -> NDArray[np.int64]:

@@ -6,16 +6,17 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 import numpy as np
 
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
 from ..framing import View, broad_view, orbit
 from ..keyframes import is_shown
-from ..studio import Studio, checked_output, opening, silent, world_points
+from ..studio import Studio, checked_output, opening, world_points
 from ..video import write_video
 from .stored import frame_objects, shown_frames
 
@@ -35,8 +36,8 @@ def render_animation(
     step: int = 1,
     frames_per_second: int = 24,
     turn: float = math.radians(26.0),
-    progress: Callable[[float, str], None] = silent,
-) -> Path:
+    control: Control = UNINTERRUPTED,
+) -> Work[Path]:
     """Write a morph along a path as an MP4 video (H.264).
 
     Parameters
@@ -55,9 +56,13 @@ def render_animation(
         Speed of the video.
     turn : float
         Radians by which the camera walks around the shapes.
-    progress : callable
-        Takes the finished fraction and a message, before each frame; what it raises stops the work,
-        and nothing is written.
+    control : Control
+        Ends the work when cancelled; nothing is written then.
+
+    Yields
+    ------
+    Progress
+        Before each frame.
 
     Returns
     -------
@@ -96,16 +101,19 @@ def render_animation(
         poses = orbit(np.concatenate(points), views, opening(resolution))
         pictures = [Path(folder) / f"{index:05d}.png" for index in range(len(frames))]
         for index, (frame, pose) in enumerate(zip(frames, poses, strict=True)):
-            progress(index / (len(frames) + 1), f"Rendering frame {index + 1} of {len(frames)}")
+            message = Sentence("Rendering frame {done} of {total}", {"done": index + 1, "total": len(frames)})
+            yield Progress(index / (len(frames) + 1), message)
+            control.check()
             for obj, copy in zip(objects, copies, strict=True):
                 copy.hide_render = not is_shown(obj, frame)
             studio.look(pose, depth)
             studio.render(pictures[index])
-        progress(len(frames) / (len(frames) + 1), "Writing the video")
+        yield Progress(len(frames) / (len(frames) + 1), Sentence("Writing the video"))
+        control.check()
         pause = round(PAUSE * frames_per_second)
         shown = [*pause * pictures[:1], *pictures, *pause * pictures[-1:]]
         write_video(shown, target, resolution, frames_per_second)
-    progress(1.0, f"Wrote {target.name}")
+    yield Progress(1.0, Sentence("Wrote {name}", {"name": target.name}))
     return target
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +13,10 @@ import bpy
 import numpy as np
 
 from ...errors import InputError
+from ...progress import Progress, Work
+from ...sentence import Sentence
 from ..framing import Pose, View, broad_view
-from ..studio import Studio, checked_output, silent, world_points
+from ..studio import Studio, checked_output, world_points
 from .stored import WEIGHTS_KEY, frame_objects
 
 ELEVATION = math.radians(20.0)
@@ -50,8 +52,7 @@ def render_contact_sheet(
     count: int = 15,
     width: int = 1920,
     samples: int = 12,
-    progress: Callable[[float, str], None] = silent,
-) -> Path:
+) -> Work[Path]:
     """Write one PNG that shows the shapes of a morph in reading order.
 
     Of a morph along a path, `count` frames are chosen evenly, the input shapes always among them; fewer frames are all
@@ -69,8 +70,11 @@ def render_contact_sheet(
         Pixels; the height follows from the shapes.
     samples : int
         Light paths per pixel.
-    progress : callable
-        Takes the finished fraction and a message; what it raises stops the work.
+
+    Yields
+    ------
+    Progress
+        Before setting up, and before rendering.
 
     Returns
     -------
@@ -90,7 +94,7 @@ def render_contact_sheet(
         raise InputError(
             "{name} holds no frames of a morph; choose a collection made by Bake Morph.", name=collection.name
         )
-    progress(0.0, "Setting up the contact sheet")
+    yield Progress(0.0, Sentence("Setting up the contact sheet"))
     cells = _path_cells(_evenly_chosen(objects, count), columns) if _is_path(objects) else _placed_cells(objects)
     view = broad_view([cell.points for cell in cells], ELEVATION)
     sheet = _arranged(cells, view)
@@ -100,9 +104,9 @@ def render_contact_sheet(
             studio.show(cell.obj, shift)
         _set_up(studio, cells, sheet, view)
         studio.set_quality((width, max(1, round(width * size[1] / size[0]))), samples)
-        progress(0.05, f"Rendering {len(cells)} shapes")
+        yield Progress(0.05, Sentence("Rendering {count} shapes", {"count": len(cells)}))
         studio.render(target)
-    progress(1.0, f"Wrote {target.name}")
+    yield Progress(1.0, Sentence("Wrote {name}", {"name": target.name}))
     return target
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import bpy
 
 from ...errors import ConvwassError
+from ...progress import drained
 from ..files import save_blend
 from ..workshop import reason
 from .blend_pad import make_blend_pad
@@ -27,7 +28,7 @@ PACKED: dict[str, Callable[[bpy.types.Collection], object] | None] = {
 """Outputs that live in the .blend, and what makes them of a morph."""
 
 ON_DISK: dict[str, Callable[[bpy.types.Collection, Path], DiskOutput]] = {
-    "volume": as_volume,
+    "volume": lambda collection, folder: drained(as_volume(collection, folder)),
     "alembic": lambda collection, folder: as_cache(collection, folder, "alembic"),
     "usd": lambda collection, folder: as_cache(collection, folder, "usd"),
 }

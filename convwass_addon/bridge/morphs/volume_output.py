@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
 
@@ -17,6 +17,8 @@ from ...drafts import written_whole
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
 from ..objects import triangle_mesh
@@ -35,9 +37,7 @@ _LEVEL = 0.5
 _FALLBACK_RESOLUTION = 100
 
 
-def as_volume(
-    collection: bpy.types.Collection, folder: Path, progress: Callable[[float], None] | None = None
-) -> DiskOutput:
+def as_volume(collection: bpy.types.Collection, folder: Path, control: Control = UNINTERRUPTED) -> Work[DiskOutput]:
     """Write a morph as VDB files, one for each of its own scene frames, and make the objects that show them.
 
     A file holds one grid, "density": the share of every cell that is filled, averaged over a cell; its level of a half
@@ -49,8 +49,17 @@ def as_volume(
         A baked morph with its frames; they stay.
     folder : Path
         An existing folder; files of the same names in it are replaced.
-    progress : callable, optional
-        Called with the share that is done after each file; what it raises ends the work.
+    control : Control
+        Ends the work when cancelled.
+
+    Yields
+    ------
+    Progress
+        After each file.
+
+    Returns
+    -------
+    DiskOutput
 
     Raises
     ------
@@ -68,8 +77,8 @@ def as_volume(
     files = numbered_paths(folder, f"{bpy.path.clean_name(collection.name)}_", ".vdb", scene_frames)
     for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
         _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
-        if progress is not None:
-            progress(done / len(shown))
+        yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
+        control.check()
     # Until Blender 5 Volume to Mesh puts values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))

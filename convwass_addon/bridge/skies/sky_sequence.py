@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
 from ...drafts import DraftFiles
 from ...errors import ConvwassError, InputError
-from ...progress import UNINTERRUPTED, Control
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..files import checked_folder
 from ..numbered_files import numbered_paths
@@ -26,13 +26,19 @@ _PREPARING = 0.1
 
 
 @dataclass(frozen=True)
-class SkyStep:
-    """One step: the done share, what is being done, and a finished sky with its place."""
+class PlacedSky:
+    """A finished sky.
 
-    fraction: float
-    message: Sentence
-    place: int = 0
-    frame: SkyFrame | None = None
+    Attributes
+    ----------
+    place : int
+        Its number in the sequence, from 0.
+    frame : SkyFrame
+        The sky.
+    """
+
+    place: int
+    frame: SkyFrame
 
 
 def fitting_height(width: int, settings: SkySettings) -> int:
@@ -45,8 +51,13 @@ def sky_steps(
     count: int,
     settings: SkySettings,
     control: Control = UNINTERRUPTED,
-) -> Iterator[SkyStep]:
+) -> Work[None]:
     """Interpolate through two skies or more at `count` even times, the first and the last among them.
+
+    Yields
+    ------
+    Progress
+        The payloads are the finished skies as :class:`PlacedSky`, in their order.
 
     Raises
     ------
@@ -59,10 +70,10 @@ def sky_steps(
         before, share = (_PREPARING + (1.0 - _PREPARING) * done / count for done in (place, place + 1))
         if leg != min(int(time), len(ends) - 2):
             leg = min(int(time), len(ends) - 2)
-            yield SkyStep(before if place else 0.0, Sentence("Finding suns"))
+            yield Progress(before if place else 0.0, Sentence("Finding suns"))
             skies = Skies(*ends[leg : leg + 2], settings)
         message = Sentence("Sky {done} of {total}", {"done": place + 1, "total": count})
-        yield SkyStep(share, message, place, skies.frame(min(float(time) - leg, 1.0)))
+        yield Progress(share, message, PlacedSky(place, skies.frame(min(float(time) - leg, 1.0))))
 
 
 class SkyFiles:
@@ -88,23 +99,21 @@ class SkyFiles:
         self.paths = numbered_paths(target, "sky.", ".exr", range(first_frame, first_frame + count))
         self._drafts = DraftFiles()
 
-    def write(self, step: SkyStep) -> None:
-        """Write the sky that a step has brought, beside where it goes: what is there stays until all are whole.
+    def write(self, sky: PlacedSky) -> None:
+        """Write a sky, beside where it goes: what is there stays until all are whole.
 
         Raises
         ------
         ConvwassError
             The folder cannot be made, or the file not be written.
         """
-        if step.frame is None:
-            return
-        path = self.paths[step.place]
+        path = self.paths[sky.place]
         try:
             draft = self._drafts.draft_of(path)
         except OSError as error:
             reason = error.strerror or str(error)
             raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
-        write_sky(draft, step.frame.image)
+        write_sky(draft, sky.frame.image)
 
     def finish(self) -> None:
         """Put what has been written in its place, once all of it is whole.

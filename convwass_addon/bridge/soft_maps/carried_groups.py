@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.soft_maps.transfer import transferred_weights
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..vertex_groups import group_names, read_groups
 from .map_transfer import Carried, TransferEnds, kept_names, require_any
@@ -67,9 +68,10 @@ class CarriedGroups:
         self._fixed = staying_weights(ends.receiver, sorted(stays))
         self._result: dict[str, NDArray[np.float64]] = {}
 
-    def steps(self) -> Iterator[Sentence]:
-        """Compute, and say what comes next."""
-        yield Sentence("Transferring vertex groups")
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Compute all groups."""
+        yield Progress(0.0, Sentence("Transferring vertex groups"))
+        control.check()
         deforming = self._values(self._deforming)
         total = self._values(self._total).sum(axis=0)
         fitted = fitted_weights(deforming, total, self._fixed, self._rules)

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import bpy
 
 from ...applications.soft_maps.transfer_shapes import ShapeCarrier
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from .map_shape_keys import KeyOffsets, key_names, locked_keys, read_keys, write_keys
 from .map_transfer import Carried, TransferEnds, kept_names, require_any
@@ -41,13 +42,15 @@ class CarriedKeys:
         self._keys = read_keys(ends.giver, list(self._names))
         self._result: list[KeyOffsets] = []
 
-    def steps(self) -> Iterator[Sentence]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Compute key by key."""
         ends, total = self._ends, len(self._keys)
-        yield Sentence("Comparing the shapes")
+        yield Progress(0.0, Sentence("Comparing the shapes"))
         carrier = ShapeCarrier.of(ends.points, ends.giver_mesh, ends.receiver_mesh) if self._keys else None
         for place, key in enumerate(self._keys, start=1):
-            yield Sentence("Transferring shape key {done} of {total}", {"done": place, "total": total})
+            message = Sentence("Transferring shape key {done} of {total}", {"done": place, "total": total})
+            yield Progress((place - 1) / total, message)
+            control.check()
             offsets = carrier.carried(key.offsets)
             base = self._names.get(key.relative_to, key.relative_to)
             self._result.append(KeyOffsets(self._names[key.name], base, offsets, key.slider))

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...applications.soft_maps.transfer import transferred_corner_values, transferred_values
 from ...applications.soft_maps.transfer_uvs import TransferredUvs, transferred_uvs
 from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, require_color_name, write_colors
 from ..uv_maps import mark_seams, read_uvs, require_uv_names, uv_names, write_uvs
@@ -51,11 +52,12 @@ class CarriedColors:
             self._colors |= {name: self._colors[name][loops] for name in corners}
         self._result: dict[str, NDArray[np.float64]] = {}
 
-    def steps(self) -> Iterator[Sentence]:
-        """Compute."""
-        yield Sentence("Transferring color attributes")
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Compute attribute by attribute."""
+        yield Progress(0.0, Sentence("Transferring color attributes"))
         points, mesh = self._ends.points, self._ends.giver_mesh
         for name, colors in self._colors.items():
+            control.check()
             is_corner = colors.ndim == 3
             self._result[name] = (
                 transferred_corner_values(points, colors) if is_corner else transferred_values(points, mesh, colors)
@@ -96,11 +98,12 @@ class CarriedUvs:
         self._loops, self._polygons = triangle_loops(receiver, ends.receiver_mesh.faces), triangle_polygons(receiver)
         self._result: dict[str, TransferredUvs] = {}
 
-    def steps(self) -> Iterator[Sentence]:
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Compute map by map."""
         ends = self._ends
-        for name, given in self._given.items():
-            yield Sentence("Transferring UV map {name}", {"name": name})
+        for done, (name, given) in enumerate(self._given.items()):
+            yield Progress(done / len(self._given), Sentence("Transferring UV map {name}", {"name": name}))
+            control.check()
             self._result[name] = transferred_uvs(
                 ends.points, ends.giver_mesh, given, ends.receiver_mesh, self._polygons
             )

@@ -7,14 +7,16 @@ Nothing is written before all of it has been computed, and all that could be ref
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import bpy
 
 from ...applications.soft_maps.surface_maps import PointMap
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control, Work, within
 from ...sentence import Sentence
 
 
@@ -84,6 +86,23 @@ class Carried:
     written: tuple[str, ...]
     kept: tuple[str, ...] = ()
     notices: tuple[Sentence, ...] = ()
+
+
+class CarriedPart(Protocol):
+    """One kind of what is carried from one object to the other."""
+
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Compute it, and touch nothing of Blender."""
+
+    def write(self, receiver: bpy.types.Object) -> Carried:
+        """Write what has been computed."""
+
+
+def all_carried(parts: Collection[CarriedPart], control: Control = UNINTERRUPTED) -> Work[None]:
+    """Compute all parts, one after the other."""
+    for place, part in enumerate(parts):
+        yield from within(part.steps(control), place / len(parts), (place + 1) / len(parts))
+        control.check()
 
 
 def require_any(names: Mapping[str, str] | Sequence[str], error: InputError) -> None:
