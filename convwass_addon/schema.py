@@ -123,7 +123,7 @@ class Setting:
     flag : str or None
         Of a setting with choices: the option is a flag that chooses this value.
     help : str
-        Text of the option where the description does not suit the command line.
+        What it means, for the command line and for scripts, where the description speaks of Blender.
     note : str
         What only those who write scripts need to know; for the pages about the API.
     panel : str
@@ -228,6 +228,8 @@ class Setting:
         if least < value < most or (not self.open_ends and value in (least, most)):
             return
         given = {"name": name, "least": least, "most": most, "value": value}
+        if self.open_ends and self.most is None:
+            raise InputError("{name} must be more than {least:g}, not {value:g}.", name=name, least=least, value=value)
         if self.open_ends:
             raise InputError("{name} must be more than {least:g} and less than {most:g}, not {value:g}.", **given)
         if self.most is None:
@@ -239,7 +241,9 @@ class Setting:
         """The range of a number in words; empty where there is none."""
         if self.least is None and self.most is None:
             return ""
-        if self.open_ends:
+        if self.open_ends and self.most is None:
+            text = f"more than {self.least:g}"
+        elif self.open_ends:
             text = f"more than {self.least:g}, less than {self.most:g}"
         elif self.most is None:
             text = f"{self.least:g} or more"
@@ -315,7 +319,7 @@ def _all_settings(kind: type[Settings]) -> tuple[Setting, ...]:
 
 def _documented(one: Setting) -> list[str]:
     """Return the lines of a setting in a docstring."""
-    sentences = [one.description]
+    sentences = [one.help or one.description]
     sentences += [f"{_shown(choice.value)}: {choice.description}" for choice in one.choices]
     sentences += [f"None is {one.automatic}"] if one.automatic else []
     sentences += [one.note] if one.note else []

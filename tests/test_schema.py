@@ -72,7 +72,15 @@ class RichSettings(Settings):
         number=Companion("bound", "Bound", "In nats", start=-2.0),
     )
     width: float | None = setting(
-        None, "Width", "How wide; 0 for automatic", least=0.0, zero_is_automatic=True, automatic="what suits"
+        None,
+        "Width",
+        "How wide; 0 for automatic",
+        help="How wide",
+        least=0.0,
+        open_ends=True,
+        soft_most=1.0,
+        zero_is_automatic=True,
+        automatic="what suits",
     )
     angle: float = setting(90.0, "Angle", "How far around", least=0.0, most=180.0, subtype="ANGLE")
     tolerance: float = setting(
@@ -154,6 +162,8 @@ def test_properties_hold_what_the_settings_say(group):
     assert (own.kind, own.pieces, own.limit, own.bound, own.use_custom_blur) == ("FAR", "MATCH", "NUMBER", -1.5, True)
     assert not hasattr(own, "hidden")
     properties = own.bl_rna.properties
+    assert (properties["width"].hard_min, properties["width"].soft_max, properties["width"].default) == (0.0, 1.0, 0.0)
+    assert properties["width"].hard_max > 1e9
     assert properties["tolerance"].hard_min == pytest.approx(1e-6)
     assert properties["angle"].hard_max == pytest.approx(3.14159265)
     assert own.bl_rna.properties["blur"].default == 1.5
@@ -200,6 +210,7 @@ def test_help_says_what_holds_without_an_option():
     text = help_of(RichSettings)
     assert "--mend, --no-mend close gaps (on)" in text
     assert "--blur X how blurred (what suits)" in text
+    assert "--width X how wide (what suits)" in text
     assert "--kind {near-by,far} which one; near-by: the nearest; far: others (near-by)" in text
     assert "--limit off|max|NUMBER what bounds it; off: nothing; max: the largest; NUMBER: a number (off)" in text
 
@@ -217,6 +228,7 @@ def test_help_says_what_holds_without_an_option():
         ({"limit": float("inf")}, 'Limit must be one of None, "max", a number, not inf.'),
         ({"angle": None}, "Angle must be a number, not None."),
         ({"tolerance": 0.0}, "Tolerance must be more than 0 and less than 1, not 0."),
+        ({"width": 0.0}, "Width must be more than 0, not 0."),
         ({"hidden": -1}, "Hidden must be 0 or more, not -1."),
     ],
 )

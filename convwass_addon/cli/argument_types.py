@@ -28,21 +28,6 @@ def frame_range(text: str) -> range:
     return range(first, last + 1)
 
 
-def entropy_limit(text: str) -> str | float | None:
-    """Return max, a number of nats, or None for off."""
-    if text in ("max", "off"):
-        return "max" if text == "max" else None
-    try:
-        return float(text)
-    except ValueError:
-        raise ArgumentTypeError(f"{text!r} is not max, off or a number") from None
-
-
-def path_entropy_limit(text: str) -> str | float | None:
-    """Return between, max, a number of nats, or None for off."""
-    return text if text == "between" else entropy_limit(text)
-
-
 def named_numbers(text: str) -> dict[str, float]:
     """Return the numbers of a list such as A=0.3,B=0.7 by their names, which may hold commas."""
     found = re.findall(r"(.+?)=([^=,]+)(?:,|$)", text)

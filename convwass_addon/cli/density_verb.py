@@ -20,7 +20,7 @@ from ..applications.whole_paths import path_with_suffix
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_nodes import NAME
 from ..bridge.densities.density_player import DensityKey, animate_density
-from ..bridge.densities.density_request import path_request
+from ..bridge.densities.density_request import DensityRequest, path_request
 from ..bridge.densities.density_store import StoredDensity
 from ..bridge.files import checked_target, save_blend
 from ..bridge.vertex_groups import group_names, write_group
@@ -29,6 +29,7 @@ from ..errors import InputError
 from ..progress import Work
 from .answer import Answer
 from .density_inputs import DensityScene, open_mesh
+from .from_schema import given_settings
 from .reports import note
 
 _DIGITS = 6
@@ -49,21 +50,15 @@ def run_density(options: Namespace) -> Answer:
     if options.distance_from and _chosen_limits(options):
         raise InputError("--distance-from needs no iterations; leave --tolerance and --max-iterations out.")
     target = _target(options)
-    settings = DensitySettings(
-        steps=options.steps,
-        blur=options.blur,
-        entropy_limit=options.entropy_limit,
-        pieces="match" if options.match_pieces else "keep",
-        substeps=_substeps(options),
-        **_chosen_limits(options),
-    )
+    usual = {} if _makes_densities(options) else {"substeps": MEASURING_SUBSTEPS}
+    settings = DensitySettings(**usual | given_settings(options, DensitySettings))
     with ProgressBar("Reading the mesh") as bar:
         scene = open_mesh(options.mesh, settings)
         bar.show(1.0, options.mesh)
     for notice in scene.notices:
         note(notice)
     if options.measure:
-        return _measured(options, scene)
+        return _measured(options, scene, settings)
     if options.matrix:
         return _matrix(options, scene)
     if options.distance_from:
@@ -75,16 +70,9 @@ def run_density(options: Namespace) -> Answer:
     return _animated(options, scene, settings, target)
 
 
-def _substeps(options: Namespace) -> int:
-    if options.substeps is not None:
-        return options.substeps
-    return DensitySettings().substeps if _makes_densities(options) else MEASURING_SUBSTEPS
-
-
-def _chosen_limits(options: Namespace) -> dict[str, float | int]:
+def _chosen_limits(options: Namespace) -> dict[str, object]:
     """Return what the user says about when to stop; what is left out depends on what is done."""
-    chosen = {name: getattr(options, name) for name in ("tolerance", "max_iterations")}
-    return {name: value for name, value in chosen.items() if value is not None}
+    return given_settings(options, DensitySettings, only=("tolerance", "max_iterations"))
 
 
 def _makes_densities(options: Namespace) -> bool:
@@ -106,11 +94,12 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
     frames = _frames(path_steps(weights, names, scene.surface, settings))
     stops = [scene.first_frame + place * settings.steps for place in range(len(names))]
     keys = [DensityKey(stops[0], 0.0), DensityKey(stops[-1], 1.0)]
-    own = path_request(scene.object, weights, settings, stops, trail=options.trail)
+    request = DensityRequest(**given_settings(options, DensityRequest))
+    own = path_request(scene.object, weights, settings, request, stops)
     stored = StoredDensity(inputs=list(names), settings=own, records=frames.records)
     name = options.name or NAME
-    shown = frames.covered if options.trail else frames.densities
-    animate_density(scene.object, shown, frames.times, name, keys=keys, description=stored)
+    shown = frames.covered if request.trail else frames.densities
+    animate_density(scene.object, shown, frames.times, name, keys=keys, easing=request.easing, description=stored)
     if not any(scene.object.data.materials):
         scene.object.data.materials.append(heat_material(name))
     scene.extend(int(keys[-1].frame))
@@ -143,7 +132,7 @@ def _propagated(options: Namespace, scene: DensityScene, settings: DensitySettin
     return Answer.of_files(record, [save_blend(target)])
 
 
-def _measured(options: Namespace, scene: DensityScene) -> Answer:
+def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings) -> Answer:
     first, second = options.measure
     found = measured_distance(
         scene.weights(first),
@@ -151,7 +140,7 @@ def _measured(options: Namespace, scene: DensityScene) -> Answer:
         scene.surface,
         (first, second),
         debias=not options.biased,
-        match_pieces=options.match_pieces,
+        match_pieces=settings.pieces == "match",
         **_chosen_limits(options),
     )
     if not found.converged:

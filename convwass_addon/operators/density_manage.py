@@ -13,27 +13,27 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from numpy.typing import NDArray
 
+from ..applications.densities.density_settings import DensitySettings
 from ..bridge.densities.density_attributes import stored_frames
 from ..bridge.densities.density_images import ImageSettings, write_step_images
 from ..bridge.densities.density_material import growth_material, heat_material
 from ..bridge.densities.density_nodes import color_name
 from ..bridge.densities.density_outputs import show_heat_colors, write_step_colors, write_step_groups
 from ..bridge.densities.density_player import density_modifier, remove_density
+from ..bridge.densities.density_request import DensityRequest
 from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.workshop import reason
 from ..errors import ConvwassError, InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
-from ..properties.densities import LIMITS, OutputProperties
+from ..properties.densities import OutputProperties
+from ..properties.from_schema import arguments_of
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .density_changes import changed_inputs
 from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
 from .reporting import refuse
-
-# What is stored with a density and is an argument of Interpolate Density under the same name.
-_SAME_NAME = ("steps", "pieces", "blend_sharpness", "tolerance", "max_iterations", "easing", "trail")
 
 
 class _BakeJob(ObjectJob):
@@ -236,16 +236,12 @@ def _call(operator: Callable[..., set[str]], how: str, name: str, stored: Stored
     """Call Interpolate Density with what is stored; raises InputError where that cannot be."""
     try:
         settings = stored.settings
-        limit, frames = settings["entropy_limit"], settings["frames"]
         arguments = {
-            **{key: settings[key] for key in _SAME_NAME},
+            **arguments_of(settings, DensitySettings),
+            **arguments_of(settings, DensityRequest),
             "groups": "\n".join(stored.inputs),
-            "frames": ", ".join(repr(float(frame)) for frame in frames),
-            "blur": settings["blur"] or 0.0,
-            "entropy_limit": next((name for name, word in LIMITS.items() if word == limit), "NUMBER"),
+            "frames": ", ".join(repr(float(frame)) for frame in settings["frames"]),
         }
-        if arguments["entropy_limit"] == "NUMBER":
-            arguments["entropy_bound"] = limit
         operator(how, density=name, set_keys=False, add_material=False, **arguments)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(

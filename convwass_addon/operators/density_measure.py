@@ -9,7 +9,7 @@ from functools import partial
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import BoolProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, StringProperty
 from numpy.typing import NDArray
 
 from ..applications.densities.density_measures import (
@@ -26,7 +26,8 @@ from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..errors import InputError
 from ..progress import Control, Progress, Work
-from ..properties.densities import SurfaceProperties
+from ..properties.densities import ON_SURFACE, SurfaceProperties
+from ..properties.from_schema import property_of, values_of
 from ..sentence import Sentence
 from .chosen_inputs import split_names
 from .density_job import DensityJob, DensityOperator, WritingDensityOperator
@@ -34,17 +35,6 @@ from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_pair
 from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
 from .reporting import tell
-
-
-def _blur_property() -> object:
-    return FloatProperty(
-        name="Blur",
-        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-    )
 
 
 class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
@@ -73,7 +63,7 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
         if not all(self._names):
             raise InputError("Choose two groups to measure between.")
         pair = read_groups(obj, self._names)
-        settings = DensitySettings(blur=self.blur or None, pieces=self.pieces, substeps=MEASURING_SUBSTEPS)
+        settings = DensitySettings(**values_of(self, DensitySettings, ON_SURFACE), substeps=MEASURING_SUBSTEPS)
         return DensityJob(context, obj, settings, partial(_distance_steps, pair, self._names, self.debias, settings))
 
     def _title(self):
@@ -118,7 +108,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         description="Names of vertex groups, one per line or with commas between them; empty for all of them",
         options={"SKIP_SAVE"},
     )
-    blur: _blur_property()
+    blur: property_of(DensitySettings, "blur")
 
     def _begin(self, context):
         obj = context.object
@@ -172,7 +162,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
     group: StringProperty(
         name="Group", description="Name of the vertex group that is written", default="Distance", maxlen=63
     )
-    blur: _blur_property()
+    blur: property_of(DensitySettings, "blur")
 
     def _begin(self, context):
         obj = context.object

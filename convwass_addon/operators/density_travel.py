@@ -68,7 +68,7 @@ class CONVWASS_OT_interpolate_density(
         self._stops, self._settings = stops, self.density_settings(self.steps)
         weights = read_groups(obj, stops.names)
         solve = partial(_path, weights, stops.names, stops.frames, self._settings)
-        self._stored = path_request(obj, weights, self._settings, stops.frames, trail=self.trail, easing=self.easing)
+        self._stored = path_request(obj, weights, self._settings, self.request(), stops.frames)
         return DensityJob(context, obj, self._settings, solve)
 
     def _title(self):

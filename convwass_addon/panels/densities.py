@@ -7,7 +7,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..applications.densities.density_settings import DensitySettings
 from ..bridge.densities.density_player import density_value, played_densities
+from ..bridge.densities.density_request import DensityRequest
 from ..bridge.densities.density_store import stored_or_new
 from ..errors import ConvwassError
 from ..operators.density_changes import lost_inputs
@@ -41,6 +43,7 @@ from ..operators.density_travel import (
 )
 from ..operators.mesh_targets import length_text
 from ..properties.densities import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
+from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 
@@ -189,10 +192,9 @@ class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
             _draw_pair(layout, context, own)
             layout.operator(CONVWASS_OT_add_density_stop.bl_idname, text="Make a List", icon="PRESET_NEW").which = "ALL"
         column = layout.column()
-        for name in ("density", "steps", "easing", "trail", "entropy_limit"):
-            column.prop(own, name)
-        if own.entropy_limit == "NUMBER":
-            column.prop(own, "entropy_bound")
+        column.prop(own, "density")
+        draw_settings(column, own, DensitySettings, "path")
+        draw_settings(column, own, DensityRequest, "path")
         column.prop(own, "add_material")
         row = layout.row()
         row.scale_y = 1.6
@@ -218,8 +220,7 @@ class CONVWASS_PT_density_solver(_Subpanel, bpy.types.Panel):
     bl_parent_id = "CONVWASS_PT_density_interpolate"
 
     def draw_tools(self, context, layout, own):
-        for name in ("blur", "pieces", "blend_sharpness", "tolerance", "max_iterations"):
-            layout.prop(own, name)
+        draw_settings(layout, own, DensitySettings, "solver")
 
 
 class CONVWASS_PT_density_output(_Subpanel, bpy.types.Panel):

@@ -17,6 +17,8 @@ from bpy.props import (
 
 from ..applications.densities.density_settings import DensitySettings
 from ..bridge.densities.density_nodes import NAME
+from ..bridge.densities.density_request import DensityRequest
+from .from_schema import values_of, with_properties
 
 DEFAULT_FOLDER = "//density"
 """Beside the .blend file."""
@@ -29,8 +31,8 @@ OUTPUTS = (
 )
 """What a played density can be baked to, as items of an enum."""
 
-LIMITS = {"OFF": None, "BETWEEN": "between", "MAX": "max"}
-"""Bounds for the entropy that are no numbers, and the application's words for them."""
+ON_SURFACE = ("blur", "pieces")
+"""The settings that every solve on a surface takes."""
 
 _LENGTH = {"min": 0.0, "subtype": "DISTANCE", "precision": 3}
 
@@ -68,107 +70,25 @@ def radius_property() -> object:
     )
 
 
+@with_properties(DensitySettings, only=ON_SURFACE)
 class SurfaceProperties:
     """What every solve on a surface is asked for."""
 
-    blur: FloatProperty(
-        name="Blur",
-        description="Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh, "
-        "longer ones carry farther and are smoother",
-        default=0.0,
-        soft_max=1.0,
-        **_LENGTH,
-    )
-    pieces: EnumProperty(
-        name="Pieces",
-        description="What to do where groups have different shares of their mass on the connected pieces of the mesh, "
-        "between which nothing can travel",
-        items=(
-            ("keep", "Keep", "Refuse such groups, and name the pieces"),
-            ("match", "Match", "Scale each group on every piece to the share that the first one has there"),
-        ),
-    )
 
-
+@with_properties(DensitySettings, without=(*ON_SURFACE, "steps"))
 class TravelProperties(SurfaceProperties):
     """What every density that is made of others is asked for."""
 
-    entropy_limit: EnumProperty(
-        name="Entropy Limit",
-        description="Keep densities from spreading out more than this on their way",
-        items=(
-            ("OFF", "Off", "No limit"),
-            ("BETWEEN", "As the Groups", "From as much as the one group spreads out to as much as the next one does"),
-            ("MAX", "As the Widest Group", "Nothing spreads out more than the group that spreads out most"),
-            ("NUMBER", "Custom", "Set the bound in nats"),
-        ),
-        default="BETWEEN",
-    )
-    entropy_bound: FloatProperty(
-        name="Entropy Bound",
-        description="Largest entropy of a density, in nats; 0 covers the whole surface evenly",
-        default=-2.0,
-    )
-    blend_sharpness: FloatProperty(
-        name="Sharpness",
-        description="How much of the blur is taken out of blends of several groups, which keeps their peaks apart",
-        default=DensitySettings.blend_sharpness,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="Marginal error at which a density is done; less is more exact and takes longer",
-        default=DensitySettings.tolerance,
-        min=1e-6,
-        max=0.5,
-        precision=4,
-    )
-    max_iterations: IntProperty(
-        name="Iterations",
-        description="Most iterations of the solver",
-        default=DensitySettings.max_iterations,
-        min=1,
-        soft_max=2000,
-    )
-
     def density_settings(self, steps: int = DensitySettings.steps) -> DensitySettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        return DensitySettings(
-            steps=steps,
-            blur=self.blur or None,
-            entropy_limit=self.entropy_bound if self.entropy_limit == "NUMBER" else LIMITS[self.entropy_limit],
-            blend_sharpness=self.blend_sharpness,
-            pieces=self.pieces,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-        )
+        return DensitySettings(steps, **values_of(self, DensitySettings, without=("steps",)))
 
 
+@with_properties(DensityRequest)
+@with_properties(DensitySettings, only=("steps",))
 class PathProperties(TravelProperties):
     """What a density that travels is asked for besides."""
 
-    steps: IntProperty(
-        name="Steps",
-        description="Steps from each group to the next; between them frames are mixed",
-        default=DensitySettings.steps,
-        min=1,
-        soft_max=100,
-        max=10_000,
-    )
-    easing: EnumProperty(
-        name="Easing",
-        description="How the value goes from group to group; edit its curve for more",
-        items=(
-            ("LINEAR", "Linear", "At constant speed"),
-            ("SMOOTH", "Smooth", "Slow away from every group and slow into the next"),
-        ),
-    )
-    trail: BoolProperty(
-        name="Leave a Trail",
-        description="What the density has covered stays covered, as moss or frost that creeps along",
-    )
     density: StringProperty(
         name="Name",
         description="Name of the animated attribute, which materials and Geometry Nodes read; one of the same name is "
@@ -180,6 +100,10 @@ class PathProperties(TravelProperties):
         description="Give the object a material that shows the density, if it has none",
         default=True,
     )
+
+    def request(self) -> DensityRequest:
+        """Return what is stored with a density besides the settings of its solver."""
+        return DensityRequest(**values_of(self, DensityRequest))
 
 
 class OutputProperties:

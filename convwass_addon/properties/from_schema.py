@@ -106,10 +106,12 @@ def _bound(companion: Companion) -> object:
 
 
 def _number(one: Setting, default: float) -> object:
-    hard = (one.soft_least, one.soft_most) if one.open_ends else (one.least, one.most)
-    limits = {"min": hard[0], "max": hard[1], "soft_min": one.soft_least, "soft_max": one.soft_most}
-    if one.zero_is_automatic:
-        limits["min"] = 0.0
+    limits = {"min": one.least, "max": one.most, "soft_min": one.soft_least, "soft_max": one.soft_most}
+    if one.open_ends and not one.zero_is_automatic:
+        # Blender includes the ends.
+        limits["min"] = one.soft_least
+    if one.open_ends and one.most is not None:
+        limits["max"] = one.soft_most
     convert = radians if one.subtype == "ANGLE" else lambda number: number
     given = {name: convert(edge) for name, edge in limits.items() if edge is not None}
     given |= {name: getattr(one, name) for name in ("precision", "step") if getattr(one, name) is not None}

@@ -157,7 +157,15 @@ def test_damaged_settings_are_told(obj, key, value):
     obj[DENSITIES_KEY] = json.dumps(data)
     with pytest.raises(RuntimeError, match="damaged"):
         call("rebake_density")
-    del data["densities"]["Density"]["settings"][key]
+
+
+def test_frames_that_are_missing_are_told_and_missing_settings_get_their_defaults(obj):
+    data = json.loads(obj[DENSITIES_KEY])
+    del data["densities"]["Density"]["settings"]["blend_sharpness"]
+    obj[DENSITIES_KEY] = json.dumps(data)
+    assert call("rebake_density") == {"FINISHED"}
+    data = json.loads(obj[DENSITIES_KEY])
+    assert data["densities"]["Density"]["settings"].pop("frames")
     obj[DENSITIES_KEY] = json.dumps(data)
     with pytest.raises(RuntimeError, match="damaged"):
         call("rebake_density")
