@@ -83,6 +83,7 @@ class RichSettings(Settings):
         automatic="what suits",
     )
     angle: float = setting(90.0, "Angle", "How far around", least=0.0, most=180.0, subtype="ANGLE")
+    share: float = setting(0.5, "Share", "How much", least=1e-5, most=0.99)
     tolerance: float = setting(
         0.01, "Tolerance", "When it is done", least=0.0, most=1.0, open_ends=True, soft_least=1e-6, soft_most=0.5
     )
@@ -167,6 +168,17 @@ def test_properties_hold_what_the_settings_say(group):
     assert properties["tolerance"].hard_min == pytest.approx(1e-6)
     assert properties["angle"].hard_max == pytest.approx(3.14159265)
     assert own.bl_rna.properties["blur"].default == 1.5
+
+
+def test_ends_of_a_range_are_in_it_though_blender_rounds_them(group):
+    own = group(RichSettings)
+    own.angle, own.share = 10.0, 0.0
+    assert own.bl_rna.properties["share"].hard_min < 1e-5
+    found = RichSettings(**values_of(own, RichSettings))
+    assert (found.angle, found.share) == (180.0, 1e-5)
+    own.share = 1.0
+    assert own.share > 0.99
+    assert RichSettings(**values_of(own, RichSettings)).share == 0.99
 
 
 def test_what_is_stored_without_a_setting_leaves_the_property(group):

@@ -122,13 +122,22 @@ def _number(one: Setting, default: float) -> object:
 def _value(owner: object, one: Setting) -> object:
     given = getattr(owner, one.prop)
     if one.switch is not None:
-        return given if getattr(owner, one.switch.name) else None
+        return _within(one, given) if getattr(owner, one.switch.name) else None
     if one.choices:
         (choice,) = (choice for choice in one.choices if choice.identifier == given)
         return getattr(owner, one.number.name) if choice.value is float else choice.value
     if one.zero_is_automatic and given == 0.0:
         return None
-    return degrees(given) if one.subtype == "ANGLE" else given
+    if one.subtype == "ANGLE":
+        given = degrees(given)
+    return _within(one, given) if one.kind is float else given
+
+
+def _within(one: Setting, number: float) -> float:
+    """Return a number of single precision, which at an end of the range may lie outside of it."""
+    if one.least is not None:
+        number = max(number, one.least)
+    return number if one.most is None else min(number, one.most)
 
 
 def _arguments(one: Setting, value: object) -> dict[str, object]:
