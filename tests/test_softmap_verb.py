@@ -193,7 +193,7 @@ def test_left_goes_right(files, tmp_path, capfd):
         (["FOX", "DOG", "--pairs", "1:2", "--pairs-from", "groups"], 3, "exclude each other"),
         (["FOX", "DOG", "--pairs-from", "empties"], 3, "no empties of equal names"),
         (["FOX", "DOG", "--pairs", "0:999999"], 3, "no vertex 999999"),
-        (["FOX", "DOG", "--limit", "-1"], 3, "0 or more"),
+        (["FOX", "DOG", "--limit", "-1"], 3, "Limit must lie between 0 and 1000"),
         (["FOX", "NONE"], 3, "no object None"),
         (["FOX", "DOG", "--vertices", "3"], 3, "between 50 and 4000"),
         (["FOX", "DOG", "--pairs", "1-2"], 2, "not a pair of vertices"),

@@ -8,7 +8,9 @@ from argparse import ArgumentParser
 from pathlib import Path
 
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
+from ..bridge.armatures.fit_request import FitRequest
 from .argument_types import joint_place, pinned_joint
+from .from_schema import add_setting_options
 from .reports import add_output_options
 
 ARMATURE_HELP = """Fit an armature into a mesh: pinned joints stay where they are, the others are laid out inside.
@@ -25,8 +27,6 @@ examples:
 
 """
 
-_DEFAULTS = SkeletonSettings()
-
 
 def add_armature_options(parser: ArgumentParser) -> None:
     """Add all of them."""
@@ -35,9 +35,7 @@ def add_armature_options(parser: ArgumentParser) -> None:
     _add_pin_options(parser)
     _add_solver_options(parser)
     group = parser.add_argument_group("what is written")
-    group.add_argument(
-        "--auto-weights", action="store_true", help="bind the body to the armature with Blender's automatic weights"
-    )
+    add_setting_options(group, FitRequest, only=("auto_weights",))
     add_output_options(group, Path("armature.blend"), "write where the joints are as JSON")
 
 
@@ -61,44 +59,10 @@ def _add_pin_options(parser: ArgumentParser) -> None:
         metavar="JOINT=X,Y,Z",
         help="joints that belong inside, behind a point of the surface",
     )
-    group.add_argument(
-        "--move-pins", action="store_true", help="move pins that are outside to the nearest place inside"
-    )
+    add_setting_options(group, SkeletonSettings, only=("outside_pins",))
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("how it is done")
-    group.add_argument(
-        "--all-bones", action="store_true", help="fit bones too that deform no mesh; otherwise they go along"
-    )
-    group.add_argument(
-        "--blur",
-        type=float,
-        default=_DEFAULTS.gamma,
-        help="on the body's surface rescaled to an area of 1; with more, joints lie deeper (%(default)s)",
-    )
-    group.add_argument(
-        "--lengths",
-        choices=("proportional", "alike"),
-        default="proportional",
-        help="whether bones keep their proportions (%(default)s)",
-    )
-    group.add_argument(
-        "--placement",
-        choices=("centered", "expected"),
-        default=_DEFAULTS.placement,
-        help="along the middle of limbs, or at the means of distributions as in the paper (%(default)s)",
-    )
-    group.add_argument(
-        "--links", type=int, default=_DEFAULTS.links, help="parts of a bone while it is laid out (%(default)s)"
-    )
-    group.add_argument(
-        "--slack", type=float, metavar="NATS", help="how much more than the pins anything may spread (no limit)"
-    )
-    group.add_argument(
-        "--thickness",
-        type=float,
-        default=_DEFAULTS.thickness,
-        metavar="LENGTH",
-        help="given to surfaces that enclose nothing; closes gaps between parts (%(default)s)",
-    )
+    add_setting_options(group, FitRequest, only=("bones",))
+    add_setting_options(group, SkeletonSettings, without=("outside_pins",))

@@ -15,6 +15,7 @@ from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.armatures.auto_weights import bind_with_weights
 from ..bridge.armatures.fit_notices import short_notice, unweighted_notice
+from ..bridge.armatures.fit_request import FitRequest
 from ..bridge.armatures.pins import pin_joints, with_pins
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
@@ -25,6 +26,7 @@ from ..bridge.mesh_checks import writable_mesh
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
+from .from_schema import given_settings
 from .reports import note, write_report
 
 
@@ -38,17 +40,10 @@ def run_armature(options: Namespace) -> Answer:
     """
     target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
-    settings = SkeletonSettings(
-        gamma=options.blur,
-        slack=options.slack,
-        weights="length" if options.lengths == "proportional" else "uniform",
-        links=options.links,
-        placement=options.placement,
-        outside_pins="move" if options.move_pins else "refuse",
-        thickness=options.thickness,
-    )
+    settings = SkeletonSettings(**given_settings(options, SkeletonSettings))
+    request = FitRequest(**given_settings(options, FitRequest))
     with with_pins():
-        record = _fitted(options, settings)
+        record = _fitted(options, settings, request)
         written = [save_blend(target)]
     if report is not None:
         write_report(report, record)
@@ -56,13 +51,13 @@ def run_armature(options: Namespace) -> Answer:
     return Answer.of_files(record, written)
 
 
-def _fitted(options: Namespace, settings: SkeletonSettings) -> dict[str, object]:
+def _fitted(options: Namespace, settings: SkeletonSettings, request: FitRequest) -> dict[str, object]:
     """Fit the rig in a scene, and tell of it."""
     with ProgressBar("Reading the files") as bar:
         pair = open_body_and_rig(parse_source(options.body), parse_source(options.rig))
         bpy.context.view_layer.update()
-        _check(pair, options.auto_weights)
-        rig = rig_graph(pair.rig, only_deforming=not options.all_bones)
+        _check(pair, request.auto_weights)
+        rig = rig_graph(pair.rig, only_deforming=request.bones == "deform")
         mesh = resting_body(pair.body, pair.rig, bpy.context.evaluated_depsgraph_get())
         bar.show(1.0, f"{pair.body.name}, {pair.rig.name}")
     rig.require_pins_apart()
@@ -76,7 +71,7 @@ def _fitted(options: Namespace, settings: SkeletonSettings) -> dict[str, object]
     short = move_joints(pair.rig, rig, found.positions)
     notices = [*found.notices, *short_notice(short)]
     record = _record(pair, rig, found)
-    if options.auto_weights:
+    if request.auto_weights:
         record["unweighted"] = bind_with_weights(pair.body, pair.rig)
         notices += unweighted_notice(record["unweighted"], pair.body)
     for notice in notices:

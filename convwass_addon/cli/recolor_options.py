@@ -7,8 +7,9 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
-from ..applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.palette_settings import RecolorSettings, TableSettings
 from .argument_types import numbers
+from .from_schema import add_setting_options
 
 RECOLOR_HELP = """Give images the palette of another image, or the barycenter of the palettes of several.
 
@@ -27,8 +28,6 @@ examples:
 
 """
 
-_DEFAULTS = RecolorSettings()
-
 
 def add_recolor_options(parser: ArgumentParser) -> None:
     """Add all of them."""
@@ -42,7 +41,7 @@ def add_recolor_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("what is written")
     group.add_argument("--out", type=Path, metavar="FILE", help="the image to write, or a folder for several")
     group.add_argument("--cube", type=Path, metavar="FILE", help="write the grade as a .cube table")
-    group.add_argument("--cube-size", type=int, default=65, metavar="N", help="colors along an edge (%(default)s)")
+    add_setting_options(group, TableSettings)
     group.add_argument(
         "--steps", type=int, metavar="N", help="write N images on the way from strength 0 to --strength, from one"
     )
@@ -54,34 +53,7 @@ def add_recolor_options(parser: ArgumentParser) -> None:
 
 def _add_map_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("how it is done")
-    group.add_argument("--strength", type=float, default=_DEFAULTS.strength, help="0 to 1 (%(default)s)")
-    group.add_argument("--keep-lightness", action="store_true", help="carry the hues only, and leave L as it is")
-    group.add_argument(
-        "--smoothing",
-        type=float,
-        default=_DEFAULTS.smoothing,
-        help="of the map: less comes closer to the palette, more amplifies noise less (%(default)s)",
-    )
-    group.add_argument(
-        "--slope-limit",
-        type=float,
-        default=_DEFAULTS.steepest,
-        metavar="SLOPE",
-        help="largest slope of the map of L, 1 or more (no limit)",
-    )
-    group.add_argument(
-        "--gamut",
-        choices=("clip", "chroma"),
-        default=_DEFAULTS.gamut,
-        help="cut off channels that are out of range, or make colors paler at equal L (%(default)s)",
-    )
-    group.add_argument(
-        "--edge-radius",
-        type=int,
-        default=_DEFAULTS.edge_radius,
-        metavar="PIXELS",
-        help="of an edge-aware filter of the change (none)",
-    )
+    add_setting_options(group, RecolorSettings)
     group.add_argument("--mask", type=Path, metavar="IMAGE", help="white where the images change, of their size")
     group.add_argument("--palette-mask", type=Path, metavar="IMAGE", help="white where the only palette counts")
     group.add_argument("--workers", type=int, metavar="N", help="threads (one per processor)")

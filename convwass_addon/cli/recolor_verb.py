@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..applications.palettes.lookup_table import LookupTable, lookup_table, read_cube, write_cube
-from ..applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.palette_settings import RecolorSettings, TableSettings
 from ..applications.palettes.palette_statistics import pooled_palette
 from ..applications.palettes.pixel_blocks import recolored_blocks
 from ..applications.palettes.recolor_job import Picture, solved_map
@@ -29,6 +29,7 @@ from ..drafts import DraftFiles
 from ..errors import InputError
 from ..progress import drained
 from .answer import Answer
+from .from_schema import given_settings
 from .recolor_frames import Frames, opened_frames, read_file
 
 
@@ -41,14 +42,8 @@ def run_recolor(options: Namespace) -> Answer:
         Images or options that cannot work.
     """
     _check_options(options)
-    settings = RecolorSettings(
-        strength=options.strength,
-        lightness="keep" if options.keep_lightness else "transport",
-        smoothing=options.smoothing,
-        steepest=options.slope_limit,
-        gamut=options.gamut,
-        edge_radius=options.edge_radius,
-    )
+    settings = RecolorSettings(**given_settings(options, RecolorSettings))
+    table = TableSettings(**given_settings(options, TableSettings))
     cube = None if options.cube is None else checked_target(path_with_suffix(options.cube, ".cube"))
     with opened_frames(options.images, options.mask) as frames:
         targets = _targets(options, frames.names)
@@ -59,7 +54,7 @@ def run_recolor(options: Namespace) -> Answer:
         drafts = DraftFiles()
         try:
             if cube is not None:
-                write_cube(lookup_table(change, options.cube_size), drafts.draft_of(cube), options.palette[0].stem)
+                write_cube(lookup_table(change, table.cube_size), drafts.draft_of(cube), options.palette[0].stem)
             _write_recolored(options, frames, change, targets, drafts)
             written = drafts.keep()
         finally:

@@ -10,6 +10,7 @@ from pathlib import Path
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.skies.sky_settings import SkySettings
 from .argument_types import numbers
+from .from_schema import add_setting_options
 
 REFLECT_HELP = """Make a material between two to four others. A material is
 
@@ -55,18 +56,7 @@ def add_reflect_options(parser: ArgumentParser) -> None:
     )
     group.add_argument("--pad", type=int, metavar="N", help="N x N blends all over a pad of three or four materials")
     settings = parser.add_argument_group("transport")
-    default = ReflectanceSettings()
-    settings.add_argument("--rows", type=int, default=default.rows, metavar="N", help="rows of a lobe (%(default)s)")
-    settings.add_argument("--sigma", type=float, default=default.sigma, metavar="X", help="blur in rows (%(default)s)")
-    settings.add_argument(
-        "--sharpness", type=float, default=default.sharpness, metavar="X", help="0 to 1 (%(default)s)"
-    )
-    settings.add_argument(
-        "--entropy-limit",
-        choices=("free", "largest", "mean"),
-        default=default.entropy_limit,
-        help="bound (%(default)s)",
-    )
+    add_setting_options(settings, ReflectanceSettings)
 
 
 def add_sky_options(parser: ArgumentParser) -> None:
@@ -80,13 +70,4 @@ def add_sky_options(parser: ArgumentParser) -> None:
     parser.add_argument("--first", type=int, default=1, metavar="N", help="number of the first one (%(default)s)")
     parser.add_argument("--width", type=int, metavar="PIXELS", help="of the images (that of the first sky)")
     settings = parser.add_argument_group("suns")
-    default = SkySettings()
-    settings.add_argument(
-        "--near", type=float, default=default.near, metavar="DEGREES", help="glow goes along so far (%(default)s)"
-    )
-    settings.add_argument(
-        "--far", type=float, default=default.far, metavar="DEGREES", help="and not at all from here (%(default)s)"
-    )
-    settings.add_argument(
-        "--least-share", type=float, default=default.least_share, metavar="X", help="of a lamp's light (%(default)s)"
-    )
+    add_setting_options(settings, SkySettings)

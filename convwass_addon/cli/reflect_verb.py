@@ -27,6 +27,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from ..progress import payloads
 from .answer import Answer
+from .from_schema import given_settings
 
 # How many numbers every kind of material takes, and what makes it of them.
 _KINDS = {
@@ -48,9 +49,7 @@ def run_reflect(options: Namespace) -> Answer:
     target = checked_target(options.out)
     kind = target.suffix.lower()
     _check_kind(target, kind, options)
-    settings = ReflectanceSettings(
-        rows=options.rows, sigma=options.sigma, sharpness=options.sharpness, entropy_limit=options.entropy_limit
-    )
+    settings = ReflectanceSettings(**given_settings(options, ReflectanceSettings))
     sheet = None if options.pad is None else PadSheet.of(len(options.materials), options.pad)
     weights = _weights(options) if sheet is None else sheet.weights
     blend = _blend(options.materials, settings)

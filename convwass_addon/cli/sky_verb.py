@@ -13,6 +13,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from ..progress import payloads
 from .answer import Answer
+from .from_schema import given_settings
 
 
 def run_sky(options: Namespace) -> Answer:
@@ -29,7 +30,7 @@ def run_sky(options: Namespace) -> Answer:
         raise InputError("--steps must be 2 or more.")
     if options.width is not None and not 64 <= options.width <= 16384:
         raise InputError("--width must be 64 to 16384.")
-    settings = SkySettings(near=options.near, far=options.far, least_share=options.least_share)
+    settings = SkySettings(**given_settings(options, SkySettings))
     files = SkyFiles(options.out, options.first, options.steps)
     skies = [read_sky_file(path) for path in options.skies]
     height = fitting_height(options.width or skies[0].shape[1], settings)

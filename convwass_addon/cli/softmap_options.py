@@ -7,7 +7,10 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
+from ..applications.soft_maps.soft_map_settings import SoftMapSettings
+from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from .argument_types import vertex_pair
+from .from_schema import add_setting_options
 from .reports import add_output_options
 
 KINDS = ("weights", "keys", "uvs", "colors")
@@ -50,9 +53,7 @@ def _add_pair_options(parser: ArgumentParser) -> None:
         choices=("groups", "empties"),
         help="small vertex groups of equal names, or Empties of equal names that stand on both, also by parenting",
     )
-    group.add_argument(
-        "--groups", action="store_true", help="let painted vertex groups of equal names help to find what is alike"
-    )
+    add_setting_options(group, MapRequest)
     group.add_argument(
         "--mirror",
         action="store_true",
@@ -66,29 +67,13 @@ def _add_transfer_options(parser: ArgumentParser) -> None:
     group.add_argument(
         "--transfer", nargs="+", choices=KINDS, default=[], metavar="KIND", help=f"any of {', '.join(KINDS)}"
     )
-    group.add_argument("--reverse", action="store_true", help="from TARGET to SOURCE")
     group.add_argument("--names", nargs="+", default=[], metavar="NAME", help="only these groups, keys or maps")
-    group.add_argument("--keep", action="store_true", help="leave what is there under the same name")
-    group.add_argument(
-        "--limit",
-        type=int,
-        default=4,
-        metavar="N",
-        help="most bones that deform a vertex; 0 for any number (%(default)s)",
-    )
+    add_setting_options(group, TransferRequest)
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("how it is done")
-    group.add_argument(
-        "--vertices", type=int, default=1000, help="of the simpler meshes that the map is solved on (%(default)s)"
-    )
-    group.add_argument("--tau", type=float, default=30.0, help="how much looks count against smoothness (%(default)s)")
-    group.add_argument(
-        "--sharpness", type=float, default=1.0, help="0 for the paper's blurred map, 1 for a sharp one (%(default)s)"
-    )
-    group.add_argument("--sweeps", type=int, default=5, help="of the solver (%(default)s)")
-    group.add_argument("--symmetric", action="store_true", help="solve both directions together")
+    add_setting_options(group, SoftMapSettings)
     group.add_argument(
         "--repair",
         type=float,

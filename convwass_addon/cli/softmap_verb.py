@@ -27,12 +27,14 @@ from ..bridge.soft_maps.map_transfer import TransferEnds, all_carried
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
+from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from ..bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from ..bridge.surfaces import SurfaceReading, read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
+from .from_schema import given_settings
 from .reports import note, write_report
 from .softmap_inputs import open_objects
 
@@ -73,13 +75,8 @@ def run_softmap(options: Namespace) -> Answer:
     _check_options(options)
     target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
-    settings = SoftMapSettings(
-        vertices=options.vertices,
-        tau=options.tau,
-        sharpness=options.sharpness,
-        sweeps=options.sweeps,
-        symmetric=options.symmetric,
-    )
+    settings = SoftMapSettings(**given_settings(options, SoftMapSettings))
+    request = TransferRequest(**given_settings(options, TransferRequest))
     ends = _opened_ends(options)
     pairs = _pairs(options, ends)
     found = _solved(options, ends, pairs, settings)
@@ -93,7 +90,7 @@ def run_softmap(options: Namespace) -> Answer:
         mapped_side(ends.target, ends.readings[1].mesh.faces),
     )
     store_soft_map(ends.source, ends.target, StoredSoftMap(found, *marks))
-    record = _record(ends, pairs, found) | {"transferred": _transferred(options, ends, found)}
+    record = _record(ends, pairs, found) | {"transferred": _transferred(options, request, ends, found)}
     written = [save_blend(target)]
     if report is not None:
         write_report(report, record)
@@ -108,8 +105,6 @@ def _check_options(options: Namespace) -> None:
         raise InputError("A mesh can take weights and keys from its mirror image, but no UV maps or colors.")
     if options.pairs and options.pairs_from:
         raise InputError("--pairs and --pairs-from exclude each other; choose one.")
-    if options.limit < 0:
-        raise InputError("The limit of bones per vertex must be 0 or more.")
 
 
 def _opened_ends(options: Namespace) -> _Ends:
@@ -146,18 +141,19 @@ def _pairs(options: Namespace, ends: _Ends) -> np.ndarray:
 
 
 def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMapSettings) -> SurfaceMap:
-    shared = [name for name in group_names(ends.source) if name in ends.target.vertex_groups] if options.groups else []
+    names = group_names(ends.source) if MapRequest(**given_settings(options, MapRequest)).use_groups else []
+    shared = [name for name in names if name in ends.target.vertex_groups]
     sides = ends.sides(shared)
     work = mirror_map_steps(sides[0], pairs, settings) if options.mirror else soft_map_steps(*sides, pairs, settings)
     with ProgressBar("Computing the map") as bar:
         return bar.result_of(work)
 
 
-def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str, list[str]]:
+def _transferred(options: Namespace, request: TransferRequest, ends: _Ends, found: SurfaceMap) -> dict[str, list[str]]:
     """Carry over what is asked for, and return the names that were written, by kind."""
-    way = _way(options, ends, found)
+    way = _way(options, request, ends, found)
     makers = {
-        "weights": lambda: CarriedGroups(way, WeightRules(options.limit)),
+        "weights": lambda: CarriedGroups(way, WeightRules(request.limit, request.normalize)),
         "keys": lambda: CarriedKeys(way),
         "uvs": lambda: CarriedUvs(way),
         "colors": lambda: CarriedColors(way),
@@ -177,10 +173,10 @@ def _transferred(options: Namespace, ends: _Ends, found: SurfaceMap) -> dict[str
     return names
 
 
-def _way(options: Namespace, ends: _Ends, found: SurfaceMap) -> TransferEnds:
+def _way(options: Namespace, request: TransferRequest, ends: _Ends, found: SurfaceMap) -> TransferEnds:
     objects, points = (ends.source, ends.target), found.backward
-    readings = ends.readings
-    if options.reverse:
+    readings, is_backward = ends.readings, request.direction == "BACKWARD"
+    if is_backward:
         objects, readings, points = objects[::-1], readings[::-1], found.forward
     meshes = [resting_mesh(obj, reading.mesh.faces) for obj, reading in zip(objects, readings, strict=True)]
     return TransferEnds(
@@ -190,8 +186,9 @@ def _way(options: Namespace, ends: _Ends, found: SurfaceMap) -> TransferEnds:
         giver_mesh=meshes[0],
         receiver_mesh=meshes[1],
         names=tuple(options.names),
-        keep=options.keep,
-        is_backward=options.reverse,
+        keep=request.existing == "KEEP",
+        flip=request.flip_names,
+        is_backward=is_backward,
     )
 
 

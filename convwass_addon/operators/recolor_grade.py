@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..applications.palettes.lookup_table import LookupTable
+from ..applications.palettes.palette_settings import TableSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
@@ -16,7 +17,8 @@ from ..bridge.palettes.clip_frames import ClipFrames
 from ..bridge.palettes.grade_nodes import grade_group
 from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError
-from ..properties.recolor import RecolorProperties, cube_size_property
+from ..properties.from_schema import property_of
+from ..properties.recolor import RecolorProperties
 from .background import BackgroundOperator
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
@@ -69,7 +71,7 @@ class CONVWASS_OT_write_cube(_MakesTable, bpy.types.Operator):
     bl_label = "Write .cube"
 
     image: image_property()
-    cube_size: cube_size_property()
+    cube_size: property_of(TableSettings, "cube_size")
     filepath: StringProperty(
         name="File Path",
         description="The .cube file to write",
@@ -111,7 +113,7 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
     bl_label = "Build Compositor Group"
 
     image: image_property()
-    cube_size: cube_size_property()
+    cube_size: property_of(TableSettings, "cube_size")
 
     def _use(self, table):
         group = grade_group(table, f"Grade {self._palette}", self._source)

@@ -7,11 +7,14 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..applications.skeletons.skeleton_settings import SkeletonSettings
+from ..bridge.armatures.fit_request import FitRequest
 from ..bridge.armatures.pins import KINDS, pinned_ends
 from ..operators.armature_fit import CONVWASS_OT_fit_armature
 from ..operators.armature_pins import CONVWASS_OT_clear_pins, CONVWASS_OT_pin_joints, CONVWASS_OT_unpin_joints
 from ..operators.armature_place import CONVWASS_OT_place_joint
 from ..properties.armatures import FitProperties, chosen_rig
+from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 # More pins than these are counted and not listed.
@@ -87,11 +90,8 @@ class CONVWASS_PT_armature_settings(Sidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_armature
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("bones", "weights", "placement", "outside_pins", "gamma", "links", "thickness", "limit_spread"):
-            layout.prop(own, name)
-        row = layout.row()
-        row.active = own.limit_spread
-        row.prop(own, "slack")
+        draw_settings(layout, own, FitRequest, "settings")
+        draw_settings(layout, own, SkeletonSettings, "settings")
 
 
 classes = (CONVWASS_PT_armature, CONVWASS_PT_armature_pins, CONVWASS_PT_armature_settings)

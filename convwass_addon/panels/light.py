@@ -9,11 +9,14 @@ from collections.abc import Sequence
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import MOST_ON_PAD
+from ..applications.skies.sky_settings import SkySettings
 from ..operators.reflectance_blend import CONVWASS_OT_blend_materials
 from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_blend_skies
 from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
+from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 # What counts for every kind of blend.
@@ -100,8 +103,10 @@ class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_reflectance
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("output", "sun", "detail", "blur", "sharpness", "entropy_limit", "table"):
-            layout.prop(own, name)
+        layout.prop(own, "output")
+        layout.prop(own, "sun")
+        draw_settings(layout, own, ReflectanceSettings, "settings")
+        layout.prop(own, "table")
         layout.operator(CONVWASS_OT_import_lobes.bl_idname, icon="IMPORT")
 
 
@@ -126,8 +131,9 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
             layout.label(text="Choose two worlds or more", icon="INFO")
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("folder", "width", "frame_start", "frame_end", "near", "far", "least_share"):
+        for name in ("folder", "width", "frame_start", "frame_end"):
             layout.prop(own, name)
+        draw_settings(layout, own, SkySettings, "sky")
 
 
 classes = (CONVWASS_PT_light, CONVWASS_PT_reflectance, CONVWASS_PT_reflectance_settings, CONVWASS_PT_sky)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..applications.palettes.palette_settings import RecolorSettings
 from ..bridge.palettes.image_kinds import is_clip
 from ..operators.recolor_attribute import CONVWASS_OT_recolor_attribute
 from ..operators.recolor_clip import CONVWASS_OT_recolor_clip
@@ -13,6 +14,7 @@ from ..operators.recolor_grade import CONVWASS_OT_build_grade_nodes, CONVWASS_OT
 from ..operators.recolor_image import CONVWASS_OT_recolor_image
 from ..operators.recolor_targets import shown_image
 from ..properties.recolor import PALETTES, CONVWASS_PG_recolor, RecolorProperties
+from .from_schema import draw_settings
 from .sidebar import ImageSidebar, Sidebar, fill_operator
 
 
@@ -83,11 +85,10 @@ class CONVWASS_PT_recolor_settings(ImageSidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_recolor
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in ("mask", "palette_mask", *_SETTINGS):
+        for name in ("mask", "palette_mask"):
             layout.prop(own, name)
-
-
-_SETTINGS = ("lightness", "smoothing", "steepest", "gamut", "edge_radius")
+        draw_settings(layout, own, RecolorSettings, "settings")
+        draw_settings(layout, own, RecolorSettings, "image")
 
 
 class CONVWASS_PT_recolor_grade(ImageSidebar, bpy.types.Panel):
@@ -119,8 +120,9 @@ class CONVWASS_PT_recolor_attribute(Sidebar, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(own, "palette_object")
-        for name in ("result", "strength", "lightness", "smoothing", "steepest", "gamut"):
-            layout.prop(own, name)
+        layout.prop(own, "result")
+        draw_settings(layout, own, RecolorSettings, "attribute")
+        draw_settings(layout, own, RecolorSettings, "settings")
         row = layout.row()
         row.scale_y = 1.6
         operator = row.operator(CONVWASS_OT_recolor_attribute.bl_idname, icon="COLOR")

@@ -7,6 +7,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..applications.soft_maps.soft_map_settings import SoftMapSettings
+from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from ..bridge.soft_maps.soft_map_store import recounted
 from ..operators.soft_map_compute import (
     CONVWASS_OT_compute_soft_map,
@@ -30,6 +32,7 @@ from ..operators.soft_map_view import (
     CONVWASS_OT_show_soft_map,
 )
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties, SoftMapProperties, TransferProperties
+from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 
@@ -136,8 +139,8 @@ class CONVWASS_PT_map_solver(_Subpanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw_tools(self, context, layout, own):
-        for name in ("vertices", "tau", "sharpness", "sweeps", "symmetric", "use_groups"):
-            layout.prop(own, name)
+        draw_settings(layout, own, SoftMapSettings, "settings")
+        draw_settings(layout, own, MapRequest, "settings")
         row = layout.row()
         row.active = own.use_groups
         row.prop(own, "group_weight")
@@ -152,12 +155,10 @@ class CONVWASS_PT_map_transfer(_OfMap, bpy.types.Panel):
     def draw_tools(self, context, layout, own):
         column = layout.column()
         column.prop(own, "what")
-        column.prop(own, "direction")
-        column.prop(own, "existing")
+        draw_settings(column, own, TransferRequest, "transfer")
         if "GROUPS" in own.what:
-            column.prop(own, "limit")
-            column.prop(own, "normalize")
-        column.prop(own, "flip_names")
+            draw_settings(column, own, TransferRequest, "groups")
+        draw_settings(column, own, TransferRequest, "names")
         row = layout.row()
         row.scale_y = 1.6
         fill_operator(row.operator(CONVWASS_OT_transfer_by_map.bl_idname, icon="PASTEDOWN"), own, TransferProperties)

@@ -5,125 +5,24 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, FloatProperty, PointerProperty
 
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..bridge.active import active_object
+from ..bridge.armatures.fit_request import FitRequest
 from ..bridge.armatures.joint_dots import JointDots
 from ..bridge.armatures.pins import KINDS, register_pins, unregister_pins
+from .from_schema import values_of, with_properties
 
 
+@with_properties(FitRequest)
+@with_properties(SkeletonSettings)
 class FitProperties:
     """What the fit of an armature is asked for."""
 
-    gamma: FloatProperty(
-        name="Blur",
-        description="How much is blurred on the surface of the body, rescaled to an area of 1: with more, joints come "
-        "to lie deeper and bones straighter, with too much all of them in the middle",
-        default=SkeletonSettings.gamma,
-        min=1e-5,
-        soft_min=0.001,
-        soft_max=0.01,
-        max=1.0,
-        precision=4,
-        step=0.05,
-    )
-    weights: EnumProperty(
-        name="Lengths",
-        description="How bones share the way between pinned joints",
-        items=(
-            (
-                "LENGTH",
-                "Proportional",
-                "Bones keep the proportions that they had when the first joint was pinned; Unpin All forgets those",
-            ),
-            ("UNIFORM", "All Alike", "All bones take up as much of the way"),
-        ),
-    )
-    placement: EnumProperty(
-        name="Placement",
-        description="Where joints go in what they are next to",
-        items=(
-            ("CENTERED", "Centered", "Settle joints along the middle of the limbs"),
-            (
-                "EXPECTED",
-                "As Published",
-                "Leave joints at the means of their distributions, as in the paper; where limbs are thin or bent, "
-                "those leave the body",
-            ),
-        ),
-    )
-    bones: EnumProperty(
-        name="Bones",
-        description="Which bones are fitted",
-        items=(
-            (
-                "DEFORM",
-                "That Deform",
-                "Bones that deform meshes, or all if none does; others, such as handles of controls, go along with "
-                "the joints next to them",
-            ),
-            ("ALL", "All", "All bones, those of controls too"),
-        ),
-    )
-    links: IntProperty(
-        name="Links",
-        description="Parts that a bone is cut into while it is laid out, so that it can bend with the body",
-        default=SkeletonSettings.links,
-        min=1,
-        soft_max=6,
-        max=20,
-    )
-    limit_spread: BoolProperty(
-        name="Limit Spread",
-        description="Keep what moves along the surface from spreading out more than the pinned joints do, which "
-        "follows thin limbs more closely but lies less deep",
-        default=False,
-    )
-    slack: FloatProperty(
-        name="Slack",
-        description="How much more it may spread out than the pinned joints do, in nats; less than 1 may not come to "
-        "an end",
-        default=1.0,
-        min=0.0,
-        soft_max=5.0,
-        max=20.0,
-    )
-    outside_pins: EnumProperty(
-        name="Pins Outside",
-        description="What to do with joints that are pinned outside of the body",
-        items=(
-            ("REFUSE", "Refuse", "Say which they are, and change nothing"),
-            ("MOVE", "Move Inside", "Move them to the nearest place inside"),
-        ),
-    )
-    thickness: FloatProperty(
-        name="Thickness",
-        description="Thickness that is given to surfaces which enclose nothing, and that closes gaps between parts; 0 "
-        "for none",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        subtype="DISTANCE",
-    )
-    auto_weights: BoolProperty(
-        name="Automatic Weights",
-        description="Bind the body to the armature afterwards, with Blender's automatic weights; they replace those of "
-        "groups that are named like the bones",
-        default=False,
-    )
-
     def skeleton_settings(self) -> SkeletonSettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        return SkeletonSettings(
-            gamma=self.gamma,
-            slack=self.slack if self.limit_spread else None,
-            weights=self.weights.lower(),
-            links=self.links,
-            placement=self.placement.lower(),
-            outside_pins=self.outside_pins.lower(),
-            thickness=self.thickness,
-        )
+        return SkeletonSettings(**values_of(self, SkeletonSettings))
 
 
 def depth_property() -> object:

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from math import degrees, radians
-
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
@@ -13,6 +11,7 @@ from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.skies.sky_settings import SkySettings
 from ..bridge.morphs.stored import FIRST_FRAMES
 from ..bridge.reflectance.frame_span import Frames
+from .from_schema import values_of, with_properties
 
 MATERIALS = ("material", "material_2", "material_3", "material_4")
 """Names of the properties of materials; their weights are called weight, weight_2 and so on."""
@@ -24,6 +23,7 @@ WORLDS = ("world", "world_2", "world_3", "world_4")
 _FRAMES = {"min": -FIRST_FRAMES[1], "max": FIRST_FRAMES[1]}
 
 
+@with_properties(ReflectanceSettings)
 class ReflectanceProperties:
     """What a material between others is asked for."""
 
@@ -70,42 +70,6 @@ class ReflectanceProperties:
             ("FITTED", "Fitted", "The nearest Principled BSDF, for any light; it has one simple highlight"),
         ),
     )
-    detail: IntProperty(
-        name="Detail",
-        description="Rows of a highlight from the normal to the horizon: narrow ones need more, and time grows with "
-        "the third power",
-        default=ReflectanceSettings.rows,
-        min=8,
-        soft_min=32,
-        soft_max=96,
-        max=128,
-    )
-    blur: FloatProperty(
-        name="Blur",
-        description="Blur of the transport, in rows",
-        default=ReflectanceSettings.sigma,
-        min=0.5,
-        soft_min=1.5,
-        soft_max=4.0,
-        max=20.0,
-    )
-    sharpness: FloatProperty(
-        name="Sharpness",
-        description="How much of that blur is taken out of the result",
-        default=ReflectanceSettings.sharpness,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    entropy_limit: EnumProperty(
-        name="Entropy Limit",
-        description="How widely a highlight between others may spread",
-        items=(
-            ("FREE", "No Limit", "As transport leaves it"),
-            ("LARGEST", "As the Widest", "No more than the widest of the materials, as in the paper"),
-            ("MEAN", "As Their Mean", "No more than their weighted mean"),
-        ),
-    )
     table: StringProperty(
         name="Table",
         description="File that the highlights go to as well; empty for none. Names that end in .npz or .lobes.exr hold "
@@ -116,19 +80,16 @@ class ReflectanceProperties:
 
     def reflectance_settings(self) -> ReflectanceSettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        return ReflectanceSettings(
-            # Pairs of rows are what the solver takes.
-            rows=self.detail + self.detail % 2,
-            sigma=self.blur,
-            sharpness=self.sharpness,
-            entropy_limit=self.entropy_limit.lower(),
-        )
+        # Pairs of rows are what the solver takes.
+        rows = self.detail + self.detail % 2
+        return ReflectanceSettings(**values_of(self, ReflectanceSettings) | {"rows": rows})
 
     def frame_span(self) -> Frames:
         """Return the frames of the scene that a path takes."""
         return Frames(self.frame_start, self.frame_end)
 
 
+@with_properties(SkySettings)
 class SkyProperties:
     """What skies between others are asked for."""
 
@@ -150,37 +111,10 @@ class SkyProperties:
         subtype="DIR_PATH",
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
-    near: FloatProperty(
-        name="Glow",
-        description="Angle around a sun within which all that is brighter than the other sky goes along with it",
-        default=radians(SkySettings.near),
-        min=radians(1.0),
-        soft_max=radians(60.0),
-        max=radians(170.0),
-        subtype="ANGLE",
-    )
-    far: FloatProperty(
-        name="Fade Out",
-        description="Angle around a sun from which on nothing goes along with it",
-        default=radians(SkySettings.far),
-        min=radians(2.0),
-        soft_max=radians(120.0),
-        max=radians(180.0),
-        subtype="ANGLE",
-    )
-    least_share: FloatProperty(
-        name="Least Share",
-        description="Share of all light that a lamp must have to move; smaller ones fade in place",
-        default=SkySettings.least_share,
-        min=0.0,
-        soft_max=0.1,
-        max=0.99,
-        precision=3,
-    )
 
     def sky_settings(self) -> SkySettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        return SkySettings(near=degrees(self.near), far=degrees(self.far), least_share=self.least_share)
+        return SkySettings(**values_of(self, SkySettings))
 
 
 def _material() -> object:

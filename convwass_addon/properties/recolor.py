@@ -5,92 +5,24 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, PointerProperty, StringProperty
 
-from ..applications.palettes.palette_settings import RecolorSettings
+from ..applications.palettes.palette_settings import RecolorSettings, TableSettings
+from .from_schema import values_of, with_properties
 
 PALETTES = ("palette", "palette_2", "palette_3", "palette_4")
 """Names of the properties of palettes; their weights are called weight, weight_2 and so on."""
 
 
+@with_properties(RecolorSettings)
 class RecolorProperties:
     """What recoloring is asked for."""
 
-    strength: FloatProperty(
-        name="Strength",
-        description="How far colors go: 0 leaves them as they are, 1 gives the palette",
-        default=RecolorSettings.strength,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    lightness: EnumProperty(
-        name="Lightness",
-        description="What happens to how light colors are",
-        items=(
-            ("TRANSPORT", "From Palette", "Carry it along, which changes the contrast too"),
-            ("KEEP", "Keep", "Leave it as it is, and carry the hues only"),
-        ),
-    )
-    smoothing: FloatProperty(
-        name="Smoothing",
-        description="How far the map of colors is averaged: with less, the palette is met more closely; with more, "
-        "noise and faint steps are raised less",
-        default=RecolorSettings.smoothing,
-        min=0.0,
-        soft_max=4.0,
-        max=20.0,
-    )
-    steepest: FloatProperty(
-        name="Slope Limit",
-        description="Largest factor by which contrast in lightness may grow; 0 for no limit",
-        default=RecolorSettings.steepest,
-        min=0.0,
-        soft_max=10.0,
-        max=1000.0,
-    )
-    gamut: EnumProperty(
-        name="Out of Gamut",
-        description="What becomes of colors that a screen cannot show",
-        items=(
-            ("CLIP", "Clip", "Cut off red, green and blue"),
-            ("CHROMA", "Less Chroma", "Make them paler until they can be shown, as light as they are"),
-        ),
-    )
-    edge_radius: IntProperty(
-        name="Edge Radius",
-        description="Radius of a filter that evens out the change of colors between edges, which takes grain from "
-        "steep maps; 0 for none",
-        default=RecolorSettings.edge_radius,
-        min=0,
-        soft_max=20,
-        max=200,
-        subtype="PIXEL",
-    )
-
     def recolor_settings(self) -> RecolorSettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        return RecolorSettings(
-            strength=self.strength,
-            lightness=self.lightness.lower(),
-            smoothing=self.smoothing,
-            # Between none and one there is no slope that a limit could have.
-            steepest=max(self.steepest, 1.0) if self.steepest > 0.0 else 0.0,
-            gamut=self.gamut.lower(),
-            edge_radius=self.edge_radius,
-        )
-
-
-def cube_size_property() -> object:
-    """Return the property of how many colors a table has along an edge."""
-    return IntProperty(
-        name="Table Size",
-        description="Colors along an edge of the table: 33 is usual, 65 is three times as exact",
-        default=65,
-        min=2,
-        soft_min=17,
-        max=129,
-    )
+        # Between none and one there is no slope that a limit could have.
+        steepest = max(self.steepest, 1.0) if self.steepest > 0.0 else 0.0
+        return RecolorSettings(**values_of(self, RecolorSettings) | {"steepest": steepest})
 
 
 def attribute_name_property() -> object:
@@ -135,6 +67,7 @@ def _has_colors(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bo
     return obj.type == "MESH" and bool(obj.data.color_attributes)
 
 
+@with_properties(TableSettings)
 class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
     """Settings of recoloring in a scene."""
 
@@ -156,7 +89,6 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
             ("REPLACE", "Replace", "The image itself; its file stays as it is until the image is saved"),
         ),
     )
-    cube_size: cube_size_property()
     clip_folder: clip_folder_property()
     palette_object: PointerProperty(
         name="Palette",

@@ -17,6 +17,8 @@ from bpy.props import (
 
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
+from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
+from .from_schema import values_of, with_properties
 
 TRANSFERRED = (
     ("GROUPS", "Vertex Groups", "Weights of vertex groups"),
@@ -26,74 +28,18 @@ TRANSFERRED = (
 )
 """What can be carried over, as items of an enum."""
 
-DIRECTIONS = (
-    ("FORWARD", "Source to Target", "The target gets what the source has; on one object what is left goes right"),
-    ("BACKWARD", "Target to Source", "The source gets what the target has; on one object what is right goes left"),
-)
-"""Ways along a map, as items of an enum."""
 
-
+@with_properties(MapRequest)
+@with_properties(SoftMapSettings)
 class SoftMapProperties:
     """What a soft map is asked for."""
 
-    vertices: IntProperty(
-        name="Vertices",
-        description="The map is solved on meshes of about so many vertices, and then taken to all of them",
-        default=SoftMapSettings.vertices,
-        min=50,
-        soft_min=200,
-        soft_max=2000,
-        max=4000,
-    )
-    tau: FloatProperty(
-        name="Tau",
-        description="How much what points look like counts against smoothness of the map",
-        default=SoftMapSettings.tau,
-        min=0.0,
-        soft_max=100.0,
-        max=1e6,
-    )
-    sharpness: FloatProperty(
-        name="Sharpness",
-        description="How much of the blur is taken out of the map; 0 is the map as published",
-        default=SoftMapSettings.sharpness,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
-    sweeps: IntProperty(
-        name="Sweeps",
-        description="Most times that the image of every vertex is made anew",
-        default=SoftMapSettings.sweeps,
-        min=1,
-        soft_max=50,
-        max=1000,
-    )
-    symmetric: BoolProperty(
-        name="Both Ways",
-        description="Solve both directions together, so that they agree; takes twice as long",
-        default=SoftMapSettings.symmetric,
-    )
-    use_groups: BoolProperty(
-        name="Use Equal Groups",
-        description="Let painted vertex groups of the same name on both objects tell points apart",
-        default=False,
-    )
-    group_weight: FloatProperty(
-        name="Weight of Groups",
-        description="How much painted groups count against all else that tells points apart",
-        default=SoftMapSettings.group_weight,
-        min=0.0,
-        soft_max=10.0,
-        max=100.0,
-    )
-
     def soft_map_settings(self) -> SoftMapSettings:
         """Return the settings of the application; raises InputError where they make no sense."""
-        names = ("vertices", "tau", "sharpness", "sweeps", "symmetric", "group_weight")
-        return SoftMapSettings(**{name: getattr(self, name) for name in names})
+        return SoftMapSettings(**values_of(self, SoftMapSettings))
 
 
+@with_properties(TransferRequest)
 class TransferProperties:
     """What a transfer is asked for."""
 
@@ -103,35 +49,6 @@ class TransferProperties:
         items=TRANSFERRED,
         default={"GROUPS"},
         options={"ENUM_FLAG"},
-    )
-    direction: EnumProperty(name="Direction", description="Which way along the map", items=DIRECTIONS)
-    existing: EnumProperty(
-        name="Existing",
-        description="What to do with groups, keys and others that the receiving object has already; locked vertex "
-        "groups and locked shape keys always stay",
-        items=(
-            ("REPLACE", "Replace", "Write what is transferred over those of the same name; others stay"),
-            ("KEEP", "Keep", "Leave what is there, and transfer the rest"),
-        ),
-    )
-    limit: IntProperty(
-        name="Limit",
-        description="Most deforming groups of a vertex: of more the largest weights stay; 0 for all of them",
-        default=4,
-        min=0,
-        soft_max=8,
-        max=1000,
-    )
-    normalize: BoolProperty(
-        name="Normalize",
-        description="Let the weights of deforming groups add up to 1 at every vertex, with those of locked groups",
-        default=True,
-    )
-    flip_names: BoolProperty(
-        name="Flip Names",
-        description="Write vertex groups and shape keys under the name of the other side, as from Arm.L to Arm.R; the "
-        "map of an object to itself always does",
-        default=False,
     )
 
 

@@ -254,15 +254,15 @@ def test_chains_end_at_pins_and_branches():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"gamma": 0.0}, "gamma"),
-        ({"slack": -1.0}, "slack"),
-        ({"weights": "even"}, "Weights"),
-        ({"links": 0}, "links"),
-        ({"placement": "middle"}, "placement"),
-        ({"outside_pins": "keep"}, "Pins outside"),
-        ({"thickness": -1.0}, "thickness"),
-        ({"tolerance": 1.0}, "tolerance"),
-        ({"max_iterations": 0}, "iteration"),
+        ({"gamma": 0.0}, "Blur must lie between 1e-05 and 1"),
+        ({"slack": -1.0}, "Slack"),
+        ({"weights": "even"}, "Lengths must be one of"),
+        ({"links": 0}, "Links"),
+        ({"placement": "middle"}, "Placement"),
+        ({"outside_pins": "keep"}, "Pins Outside"),
+        ({"thickness": -1.0}, "Thickness"),
+        ({"tolerance": 1.0}, "Tolerance"),
+        ({"max_iterations": 0}, "Iterations"),
     ],
 )
 def test_settings_make_sense(changes, message):

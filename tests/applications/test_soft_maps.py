@@ -260,13 +260,13 @@ def test_meshes_without_a_surface_and_groups_of_another_size_are_refused():
     ("change", "message"),
     [
         ({"vertices": 10}, "between 50 and 4000"),
-        ({"vertices": 100.5}, "whole numbers"),
-        ({"sweeps": 0}, "sweeps"),
+        ({"vertices": 100.5}, "Vertices must be a whole number"),
+        ({"sweeps": 0}, "Sweeps"),
         ({"tau": -1}, "Tau"),
         ({"tau": float("nan")}, "Tau"),
-        ({"sharpness": 2}, "sharpness"),
-        ({"gamma_scale": 0}, "blur"),
-        ({"group_weight": -1}, "painted groups"),
+        ({"sharpness": 2}, "Sharpness"),
+        ({"gamma_scale": 0}, "Blur"),
+        ({"group_weight": -1}, "Weight of Groups"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(change, message):

@@ -5,48 +5,98 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from ...errors import InputError
+from ...schema import Choice, Settings, setting
 
 
 @dataclass(frozen=True)
-class RecolorSettings:
-    """How an image takes a palette.
+class RecolorSettings(Settings):
+    """How an image takes a palette."""
 
-    Attributes
-    ----------
-    strength : float
-        t: 0 leaves the image as it is, 1 gives it the palette, and between them colors are on their way.
-    lightness : "transport" or "keep"
-        Whether L is carried too, or stays as it is.
-    smoothing : float
-        How far the map is averaged, in bins of two units of a and b, and in half units of L: less reaches the palette
-        more closely, more amplifies noise less.
-    steepest : float
-        Largest slope of the map of L; 0 for no limit.
-    gamut : "clip" or "chroma"
-        What happens to colors that a screen cannot show: channels are cut off, or colors grow paler at equal L.
-    edge_radius : int
-        Radius in pixels of an edge-aware filter of what changes; 0 for none.
-    """
-
-    strength: float = 1.0
-    lightness: Literal["transport", "keep"] = "transport"
-    smoothing: float = 1.0
-    steepest: float = 0.0
-    gamut: Literal["clip", "chroma"] = "clip"
-    edge_radius: int = 0
+    strength: float = setting(
+        1.0,
+        "Strength",
+        "How far colors go: 0 leaves them as they are, 1 gives the palette",
+        least=0.0,
+        most=1.0,
+        subtype="FACTOR",
+        panel="attribute",
+    )
+    lightness: str = setting(
+        "transport",
+        "Lightness",
+        "What happens to how light colors are",
+        choices=(
+            Choice("transport", "From Palette", "Carry it along, which changes the contrast too"),
+            Choice("keep", "Keep", "Leave it as it is, and carry the hues only"),
+        ),
+        option="--keep-lightness",
+        flag="keep",
+        help="Carry the hues only, and leave L as it is",
+        panel="settings",
+    )
+    smoothing: float = setting(
+        1.0,
+        "Smoothing",
+        "How far the map of colors is averaged: with less, the palette is met more closely; with more, noise and faint "
+        "steps are raised less",
+        least=0.0,
+        most=20.0,
+        soft_most=4.0,
+        note="In bins of two units of a and b, and in half units of L",
+        panel="settings",
+    )
+    steepest: float = setting(
+        0.0,
+        "Slope Limit",
+        "Largest factor by which contrast in lightness may grow; 0 for no limit",
+        least=0.0,
+        most=1000.0,
+        soft_most=10.0,
+        option="--slope-limit",
+        note="It is the largest slope of the map of L, 1 or more",
+        panel="settings",
+    )
+    gamut: str = setting(
+        "clip",
+        "Out of Gamut",
+        "What becomes of colors that a screen cannot show",
+        choices=(
+            Choice("clip", "Clip", "Cut off red, green and blue"),
+            Choice("chroma", "Less Chroma", "Make them paler until they can be shown, as light as they are"),
+        ),
+        panel="settings",
+    )
+    edge_radius: int = setting(
+        0,
+        "Edge Radius",
+        "Radius of a filter that evens out the change of colors between edges, which takes grain from steep maps; 0 "
+        "for none",
+        least=0,
+        most=200,
+        soft_most=20,
+        unit="pixels",
+        subtype="PIXEL",
+        panel="image",
+    )
 
     def __post_init__(self) -> None:
         """Refuse settings that make no sense; raises InputError."""
-        if not 0.0 <= self.strength <= 1.0:
-            raise InputError("The strength must lie between 0 and 1, not {strength}.", strength=self.strength)
-        if not 0.0 <= self.smoothing <= 20.0:
-            raise InputError("The smoothing must lie between 0 and 20, not {smoothing}.", smoothing=self.smoothing)
-        if not (self.steepest == 0.0 or 1.0 <= self.steepest <= 1000.0):
+        super().__post_init__()
+        if 0.0 < self.steepest < 1.0:
             raise InputError("The slope limit must be 0 for none, or 1 or more, not {slope}.", slope=self.steepest)
-        if not 0 <= self.edge_radius <= 200:
-            raise InputError(
-                "The edge radius must lie between 0 and 200 pixels, not {radius}.", radius=self.edge_radius
-            )
+
+
+@dataclass(frozen=True)
+class TableSettings(Settings):
+    """How a table of colors is written."""
+
+    cube_size: int = setting(
+        65,
+        "Table Size",
+        "Colors along an edge of the table: 33 is usual, 65 is three times as exact",
+        least=2,
+        most=129,
+        soft_least=17,
+    )
