@@ -31,8 +31,8 @@ def _rebuilt(kind: type[ConvwassError], sentence: Sentence) -> ConvwassError:
     return kind(sentence.template, **sentence.values)
 
 
-class InputError(ConvwassError):
-    """The input cannot be used as it is."""
+class InputError(ConvwassError, ValueError):
+    """The input cannot be used as it is; also a ValueError, as of other libraries."""
 
 
 class ResourceError(ConvwassError):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..one_line import one_line
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class TriangleMesh:
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
+
+    __repr__ = one_line("vertices", "faces")
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike) -> TriangleMesh:

@@ -13,6 +13,7 @@ from .grid import Grid
 from .inputs import Inputs
 from .interpolation import Interpolation, interpolate
 from .maps import transport_map
+from .masses import from_masses
 from .propagation import Propagation, propagate
 from .soft_map import SoftMap, soft_map, soft_map_domain
 from .soft_map_levels import SoftMapSweeps, SymmetricSoftMap, soft_map_between, symmetric_soft_map
@@ -46,6 +47,7 @@ __all__ = [
     "bisection",
     "distance",
     "distance_matrix",
+    "from_masses",
     "interpolate",
     "nearest_barycenter",
     "point_distances",

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control
 from .bregman import BregmanIteration
 from .checks import check_entropy_limit, check_sharpness, check_solver, check_weights
@@ -40,7 +41,7 @@ class Barycenter:
     Attributes
     ----------
     density : (*shape) float64
-        The barycenter; mass 1 under the area weights.
+        The barycenter; mass 1 under the area weights. Its mean is 1, not its sum: see `masses`.
     levels : tuple of Potentials
         The scalings of the inputs whose weight is not zero, coarse to fine; to start a neighboring solve from.
     weights : (k,) float64
@@ -69,6 +70,8 @@ class Barycenter:
         Entropy of the density in nats.
     sharpening_exponent : float
         beta of Algorithm 3; 1 where the bound does not act.
+    areas : float or (*shape) float64
+        The area weights of the domain, of sum 1.
     """
 
     density: NDArray[np.float64]
@@ -85,6 +88,14 @@ class Barycenter:
     numerics: str
     entropy: float
     sharpening_exponent: float
+    areas: float | NDArray[np.float64]
+
+    __repr__ = one_line("density", "weights", "iterations", "marginal_error", "converged")
+
+    @property
+    def masses(self) -> NDArray[np.float64]:
+        """The barycenter as a histogram, (*shape): the mass of every element, of sum 1."""
+        return self.density * self.areas
 
     @property
     def log_v(self) -> NDArray[np.float64]:
@@ -126,8 +137,9 @@ def barycenter(
     Parameters
     ----------
     mus : (k, *domain.shape) or Inputs
-        Densities, not negative; each is normalized to mass 1. ``Inputs.of(mus, domain)`` prepares them once for many
-        solves.
+        Densities, not negative; each is normalized to mass 1. On a grid these may be histograms that sum to one; on
+        other domains :func:`from_masses` makes densities of such. ``Inputs.of(mus, domain)`` prepares them once for
+        many solves.
     weights : (k,)
         Not negative, not all zero; normalized to sum 1. Inputs of weight zero take no part.
     domain : Domain
@@ -317,4 +329,5 @@ def _finished(solved: _Solved, alphas: NDArray[np.float64], sharpness: float, to
         numerics=state.domain.far_numerics if state.far else "scaling",
         entropy=entropy(state.density, state.weights),
         sharpening_exponent=state.exponent,
+        areas=state.domain.weights,
     )

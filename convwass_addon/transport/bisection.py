@@ -253,6 +253,7 @@ class _Path:
             raised_limits=np.array([frame.raised for frame in frames]),
             iterations=iterations,
             numerics=furthest_numerics([frame.numerics for frame in self.frames.values()]),
+            areas=self.domain.weights,
         )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control, drained
 from .barycenter import Barycenter, barycenter
 from .checks import check_distribution, check_distributions, check_sharpness, check_solver
@@ -46,6 +47,8 @@ class BarycentricCoordinates:
     marginal_error: float
     converged: bool
 
+    __repr__ = one_line("weights", "residual", "marginal_error", "converged")
+
 
 @dataclass(frozen=True)
 class NearestBarycenter:
@@ -67,6 +70,8 @@ class NearestBarycenter:
     barycenter: Barycenter
     distance: Distance
     evaluations: int
+
+    __repr__ = one_line("weights", "evaluations")
 
 
 def barycentric_coordinates(

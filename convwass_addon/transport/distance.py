@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_distributions, check_pair, check_solver
 from .domain import Domain
@@ -65,6 +66,8 @@ class Distance:
     log_v: NDArray[np.float64]
     log_w: NDArray[np.float64]
 
+    __repr__ = one_line("value", "length", "iterations", "marginal_error", "converged", "numerics")
+
     @property
     def length(self) -> float:
         """The distance itself, W2, in units of the domain's maker."""
@@ -101,6 +104,8 @@ class DistanceMatrix:
     iterations: int
     marginal_error: float
     converged: bool
+
+    __repr__ = one_line("values", "iterations", "marginal_error", "converged")
 
 
 def distance(

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
 from ..geometry.products import contract
+from ..one_line import one_line
 from .gaussian import GaussianKernel
 from .log_lines import log_blur
 from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
@@ -63,6 +64,8 @@ class Grid(GaussianKernel, ThroughWholeArrays):
     relaxation = 1.5
     far_numerics = "log domain by line"
     pieces = None
+
+    __repr__ = one_line("shape", "sigma", "boundary")
 
     def __init__(self, shape: Sequence[int], sigma: float, boundary: Literal["open", "reflecting"] = "open") -> None:
         self.shape = tuple(int(n) for n in shape)

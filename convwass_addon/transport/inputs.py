@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from .checks import check_distributions
 from .domain import Domain
 from .region import Region
@@ -64,6 +65,8 @@ class Inputs:
     levels: tuple[Level, ...]
     entropies: NDArray[np.float64]
     finest: Domain | None = None
+
+    __repr__ = one_line("domain", "entropies")
 
     @classmethod
     def of(cls, mus: ArrayLike, domain: Domain) -> Inputs:

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control
 from .barycenter import barycenter
 from .checks import check_entropy_limit, check_pair, check_sharpness, check_solver
@@ -29,7 +30,7 @@ class Interpolation:
     times : (f,) float64
         In [0, 1].
     densities : (f, *shape) float64
-        Mass 1; the ends themselves at times 0 and 1.
+        Mass 1 under the area weights; the ends themselves at times 0 and 1.
     entropies : (f,) float64
         In nats.
     marginal_errors : (f,) float64
@@ -42,6 +43,8 @@ class Interpolation:
         Per frame for weighted barycenters, per level for bisection.
     numerics : str
         "scaling", or the domain's far_numerics if any frame needed it.
+    areas : float or (*shape) float64
+        The area weights of the domain, of sum 1.
     """
 
     times: NDArray[np.float64]
@@ -52,6 +55,14 @@ class Interpolation:
     raised_limits: NDArray[np.float64]
     iterations: tuple[int, ...]
     numerics: str
+    areas: float | NDArray[np.float64]
+
+    __repr__ = one_line("densities", "times", "iterations", "marginal_errors")
+
+    @property
+    def masses(self) -> NDArray[np.float64]:
+        """The distributions as histograms, (f, *shape), each of sum 1."""
+        return self.densities * self.areas
 
 
 def interpolate(
@@ -129,6 +140,7 @@ def interpolate(
         raised_limits=np.zeros(len(frames)),
         iterations=tuple(frame.iterations for frame in frames),
         numerics=furthest_numerics([frame.numerics for frame in frames]),
+        areas=domain.weights,
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..one_line import one_line
 from .domain import Multiscale
 from .log_range import LOG_NOTHING
 from .region import Region
@@ -31,6 +32,8 @@ class Potentials:
     region: Region
     log_v: NDArray[np.float64]
     log_debias: NDArray[np.float64]
+
+    __repr__ = one_line("log_v", "log_debias")
 
     @classmethod
     def flat(cls, count: int, shape: tuple[int, ...]) -> Potentials:

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_distribution, check_distributions, check_solver
 from .domain import Domain
@@ -47,6 +48,8 @@ class Propagation:
         "scaling" or the domain's far_numerics.
     log_scalings : (2 e, *shape) float64
         The scalings of both ends of every edge that is not between two fixed vertices; to start a similar solve from.
+    areas : float or (*shape) float64
+        The area weights of the domain, of sum 1.
     """
 
     densities: NDArray[np.float64]
@@ -58,6 +61,14 @@ class Propagation:
     entropy_limits: NDArray[np.float64]
     numerics: str
     log_scalings: NDArray[np.float64]
+    areas: float | NDArray[np.float64]
+
+    __repr__ = one_line("densities", "iterations", "marginal_error", "numerics")
+
+    @property
+    def masses(self) -> NDArray[np.float64]:
+        """The distributions as histograms, (m, *shape), each of sum 1."""
+        return self.densities * self.areas
 
     @property
     def marginal_error(self) -> float:
@@ -193,6 +204,7 @@ def propagation(
         entropy_limits=state.limits,
         numerics=state.kernel.numerics,
         log_scalings=state.log_scalings,
+        areas=domain.weights,
     )
 
 

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control
 from .checks import check_solver
 from .soft_map_problem import SoftMapProblem
@@ -46,6 +47,8 @@ class SoftMap:
     converged: bool
     coarse_iterations: tuple[int, ...] = ()
     numerics: str = "float32 scalings, dense kernel"
+
+    __repr__ = one_line("densities", "changes", "converged")
 
     @property
     def iterations(self) -> int:

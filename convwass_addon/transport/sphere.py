@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..one_line import one_line
 from .domain import KernelTooNarrowError
 from .gaussian import GaussianKernel
 from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
@@ -66,6 +67,8 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
     relaxation = 1.5
     far_numerics = "log domain by rows"
     pieces = None
+
+    __repr__ = one_line("shape", "sigma", "part", "kernel")
 
     def __init__(
         self,

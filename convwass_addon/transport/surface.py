@@ -13,6 +13,7 @@ from scipy.sparse import diags_array
 from ..geometry.edges import vertex_components
 from ..geometry.factorization import Factorization, factorize
 from ..geometry.mesh import TriangleMesh
+from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control
 from .domain import KernelTooNarrowError
 from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
@@ -85,6 +86,8 @@ class Surface(ThroughWholeArrays):
     has_fast_balance = True
     relaxation = 1.0
     far_numerics = "dense log domain"
+
+    __repr__ = one_line("mesh", "gamma", "steps")
 
     def __init__(
         self,

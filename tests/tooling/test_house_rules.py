@@ -41,8 +41,9 @@ MAY_IMPORT = {
     "progress": {"errors", "sentence"},
     "disk_room": {"errors", "sentence"},
     "drafts": {"disk_room", "errors", "sentence"},
-    "transport": {"errors", "progress", "sentence", "geometry"},
-    "geometry": {"errors", "progress", "sentence"},
+    "one_line": set(),
+    "transport": {"errors", "one_line", "progress", "sentence", "geometry"},
+    "geometry": {"errors", "one_line", "progress", "sentence"},
     "array_files": set(),
     "applications": {"array_files", "drafts", "errors", "progress", "schema", "sentence", "transport", "geometry"},
     "bridge": {

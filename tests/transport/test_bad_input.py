@@ -22,6 +22,7 @@ from convwass_addon.transport import (
     bisect,
     distance,
     distance_matrix,
+    from_masses,
     interpolate,
     nearest_barycenter,
     point_distances,
@@ -58,6 +59,7 @@ GOOD = {
     distance: {"mu0": MU, "mu1": MU, "domain": GRID},
     distance_matrix: {"mus": MUS, "domain": GRID},
     interpolate: {"mu0": MU, "mu1": MU, "times": [0.5], "domain": GRID},
+    from_masses: {"masses": MU, "domain": GRID},
     bisect: {"mu0": MU, "mu1": MU, "domain": GRID},
     propagate: {"edges": LINE, "edge_weights": 1.0, "fixed": ENDS, "domain": GRID},
     transport_map: {"log_scaling": np.zeros((6, 5)), "domain": GRID},
@@ -163,6 +165,10 @@ def cases():
         yield propagate, "fixed", {0: MU, 2: density}, rf"\[2\] {message}"
     yield propagate, "initial", propagate([[0, 1]], 1.0, {0: MU}, GRID), "must be a solution for the same graph"
     yield propagate, "initial", propagate(LINE, 1.0, {0: MU.T, 2: MU.T}, Grid((5, 6), 1.0)), "must be a solution for"
+    yield from_masses, "masses", MU.T, r"must have the shape \(k, 6, 5\), got \(5, 6\)"
+    yield from_masses, "masses", MU[None, None], r"must have the shape \(k, 6, 5\), got \(1, 1, 6, 5\)"
+    for wrong in (np.nan * MU, ONE_NEGATIVE):
+        yield from_masses, "masses", wrong, "must be zero or positive numbers"
     yield transport_map, "log_scaling", np.zeros((5, 6)), r"must have the shape \(6, 5\), got \(5, 6\)"
     yield transport_map, "log_scaling", np.full((6, 5), np.nan), "must be finite numbers"
     yield transport_map, "log_scaling", np.full((6, 5), -np.inf), "must be finite numbers"

@@ -78,6 +78,7 @@ class PartPotentials:
             mass_error=np.inf,
             invariant_error=np.inf,
             converged=False,
+            areas=1.0 / self.inside.size,
             numerics="",
             entropy=np.inf,
             sharpening_exponent=1.0,

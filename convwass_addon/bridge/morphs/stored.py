@@ -92,6 +92,8 @@ def refusing_damage(name: str) -> Iterator[None]:
     """
     try:
         yield
+    except InputError:
+        raise
     except (LookupError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(
             "The settings stored on {name} are damaged ({reason}); bake the morph again from its inputs.",

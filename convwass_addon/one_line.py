@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A `repr` that fits on a line, for records that hold arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+# Arrays of so many values are written out.
+_FEW = 4
+
+
+def one_line(*names: str) -> Callable[[object], str]:
+    """Return a ``__repr__`` that shows some attributes: of arrays the type and the shape, of numbers four digits.
+
+    Parameters
+    ----------
+    *names : str
+        Attributes, in the order in which they are shown.
+    """
+
+    def represent(record: object) -> str:
+        shown = ", ".join(f"{name}={_short(getattr(record, name))}" for name in names)
+        return f"{type(record).__name__}({shown})"
+
+    return represent
+
+
+def _short(value: object) -> str:
+    if isinstance(value, np.ndarray) and (value.ndim != 1 or value.size > _FEW):
+        return f"<{value.dtype} {value.shape}>"
+    if isinstance(value, np.ndarray | tuple | list):
+        if len(value) > _FEW:
+            return f"<{len(value)} items>"
+        shown = ", ".join(map(_short, value))
+        return f"({shown})" if isinstance(value, tuple) else f"[{shown}]"
+    if isinstance(value, float | np.floating):
+        return f"{value:.4g}"
+    return repr(value)

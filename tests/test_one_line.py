@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a prompt shows of records and domains fits on a line; errors about arguments are also what Python calls them."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+from convwass_addon.errors import ConvwassError, InputError
+from convwass_addon.transport import (
+    Grid,
+    Inputs,
+    Sphere,
+    Surface,
+    barycenter,
+    barycentric_coordinates,
+    bisect,
+    distance,
+    distance_matrix,
+    interpolate,
+    nearest_barycenter,
+    propagate,
+)
+from tests.shapes import box
+
+GRID = Grid((6, 7), 1.0)
+MUS = np.random.default_rng(1).random((2, 6, 7))
+SHOWN = [
+    GRID,
+    Sphere(8, 1.25),
+    Surface(box().vertices, box().faces),
+    box(),
+    Inputs.of(MUS, GRID),
+    barycenter(MUS, [1.0, 3.0], GRID),
+    barycenter(MUS, [1.0, 3.0], GRID).levels[-1],
+    interpolate(*MUS, np.linspace(0, 1, 9), GRID),
+    bisect(*MUS, GRID, levels=2),
+    distance(*MUS, GRID),
+    distance_matrix(MUS, GRID),
+    propagate([[0, 1]], 1.0, {0: MUS[0]}, GRID),
+    barycentric_coordinates(MUS[0], MUS, GRID),
+    nearest_barycenter(MUS[0], MUS, GRID, max_evaluations=2),
+]
+
+
+@pytest.mark.parametrize("record", SHOWN, ids=lambda record: type(record).__name__)
+def test_a_record_fits_on_a_line(record):
+    shown = repr(record)
+    assert shown.startswith(f"{type(record).__name__}(")
+    assert shown.endswith(")")
+    assert "\n" not in shown
+    assert len(shown) <= 160
+
+
+def test_a_line_says_what_matters():
+    assert repr(GRID) == "Grid(shape=(6, 7), sigma=1, boundary='open')"
+    assert repr(box()) == "TriangleMesh(vertices=<float64 (8, 3)>, faces=<int64 (12, 3)>)"
+    assert repr(SHOWN[5]).startswith("Barycenter(density=<float64 (6, 7)>, weights=[0.25, 0.75], iterations=(")
+    assert repr(SHOWN[5]).endswith("converged=True)")
+
+
+def test_bad_arguments_are_value_errors():
+    with pytest.raises(ValueError, match="do not exist"):
+        Surface(np.zeros((3, 3)), [[0, 1, 5]])
+    error = pickle.loads(pickle.dumps(InputError("{name} has no faces.", name="A")))
+    assert isinstance(error, ConvwassError)
+    assert isinstance(error, ValueError)
+    assert str(error) == "A has no faces."
