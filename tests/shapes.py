@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
+from skimage.measure import marching_cubes
 
 from convwass_addon.geometry.edges import face_components
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -58,6 +59,30 @@ def tube_with_caps(radius=0.7, height=4.0, sides=64):
     faces += [(after, here, bottom), (here + sides, after + sides, top)]
     corners = np.concatenate([np.stack(triple, axis=1) for triple in faces])
     return TriangleMesh.from_arrays(np.r_[low, high, [(0, 0, -height / 2), (0, 0, height / 2)]], corners)
+
+
+_LIMBS = (
+    ((0.0, 0.0, 1.62), (0.0, 0.0, 1.70), 0.11),
+    ((0.0, 0.0, 1.45), (0.0, 0.0, 1.60), 0.055),
+    ((0.0, 0.0, 1.00), (0.0, 0.0, 1.38), 0.15),
+    *(((side * 0.15, 0.0, 1.42), (side * 0.80, 0.0, 1.25), 0.05) for side in (-1, 1)),
+    *(((side * 0.10, 0.0, 0.95), (side * 0.14, 0.0, 0.08), 0.07) for side in (-1, 1)),
+)
+
+
+def body(cell=0.03):
+    """A man of capsules, 1.8 tall along z, cut out of a lattice: its mesh has slivers."""
+    low, high = np.array([-1.0, -0.3, -0.1]), np.array([1.0, 0.3, 1.95])
+    axes = [np.arange(first, last, cell) for first, last in zip(low, high, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    distance = np.full(points.shape[:3], np.inf)
+    for start, end, radius in _LIMBS:
+        along = np.subtract(end, start)
+        share = np.clip((points - start) @ along / (along @ along), 0.0, 1.0)
+        own = np.linalg.norm(points - start - share[..., None] * along, axis=-1) - radius
+        distance = np.minimum(distance, own)
+    vertices, faces, _, _ = marching_cubes(distance, 0.0, spacing=(cell,) * 3)
+    return TriangleMesh.from_arrays(vertices + low, faces[:, ::-1])
 
 
 def square(size=1.0, center=(0.0, 0.0, 0.0)):

@@ -25,6 +25,10 @@ _LEVELS, _LEVELS_BELOW_TIMES = 5, 3
 _VALUES_AT_ONCE, _FEWEST_AT_ONCE = 1 << 17, 4
 # Nats by which a bound is raised at frames that do not converge under it.
 _RELIEF = 1.0
+# Halvings of the way whose frames are solved again between nearer ones. Between far ends of a body there are many ways
+# of nearly the same length; the midpoint is spread over all of them, and sharpened to the bound it is a spike with long
+# tails, up to twice as high as its neighbors.
+_FAR_HALVINGS = 2
 
 
 def bisect(
@@ -110,6 +114,9 @@ def bisection(
 ) -> Work[Interpolation]:
     """Do the same as :func:`bisect` sweep by sweep, some frames at a time.
 
+    On meshes, the frames of the first two halvings are solved again where a bound acts, once there are nearer frames on
+    both sides of them.
+
     Parameters and errors are those of :func:`bisect`; errors are raised before the first report.
 
     Yields
@@ -132,20 +139,34 @@ def bisection(
         raise ValueError(f"levels must be a positive whole number, got {levels}")
     path = _Path(domain, entropy_limit, tolerance, max_iterations, control)
     path.keep(np.array([0.0, 1.0]), ends)
-    stages = _stages(int(levels), wanted)
+    halvings, missing = _halvings(int(levels), wanted)
+    far = _far(halvings) if domain.has_fast_propagation and entropy_limit is not None else np.empty(0)
+    stages = [stage for stage in (*halvings, far, missing) if len(stage)]
     done, total = 0, sum(map(len, stages))
     iterations = []
     for stage in stages:
+        if stage is far:
+            if path.is_raised:
+                # Bounds that were raised would be raised once more.
+                done += len(stage)
+                continue
+            path.forget(stage)
         sweeps = []
         for block in path.blocks(stage):
             sweeps.append((yield from within(path.insert(block), done / total, (done + len(block)) / total)))
             done += len(block)
-        iterations.append(max(sweeps))
+        if stage is far:
+            iterations[:_FAR_HALVINGS] = [max(before, *sweeps) for before in iterations[:_FAR_HALVINGS]]
+        else:
+            iterations.append(max(sweeps))
     return path.interpolation(wanted, tuple(iterations))
 
 
-def _stages(levels: int, wanted: NDArray[np.float64] | None) -> list[NDArray[np.float64]]:
-    """Return the times of frames to solve, one array after the other; none that nothing wanted is next to or at."""
+def _halvings(levels: int, wanted: NDArray[np.float64] | None) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
+    """Return the times of frames to solve, an array per halving, and times in between to solve at the end.
+
+    None that nothing wanted is next to or at.
+    """
     known = np.array([0.0, 1.0])
     stages = []
     for _ in range(levels):
@@ -158,8 +179,19 @@ def _stages(levels: int, wanted: NDArray[np.float64] | None) -> list[NDArray[np.
         if len(middles):
             stages.append(middles)
         known = np.union1d(known, middles)
-    missing = np.empty(0) if wanted is None else np.setdiff1d(wanted, known)
-    return [*stages, missing] if len(missing) else stages
+    return stages, np.empty(0) if wanted is None else np.setdiff1d(wanted, known)
+
+
+def _far(halvings: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the times of the first halvings in the middle between nearer frames than those they were solved from."""
+    known = np.concatenate([[0.0, 1.0], *halvings])
+    found = []
+    for halving, times in enumerate(halvings[:_FAR_HALVINGS], start=1):
+        for time in times.tolist():
+            before, after = time - known[known < time].max(), known[known > time].min() - time
+            if before == after < 0.5**halving:
+                found.append(time)
+    return np.array(found)
 
 
 @dataclass
@@ -177,6 +209,16 @@ class _Path:
         """Take frames that are known exactly."""
         for time, density in zip(times.tolist(), densities, strict=True):
             self.frames[time] = _Frame(density, entropy(density, self.domain.weights), 0.0, True, 0.0, "scaling")
+
+    def forget(self, times: NDArray[np.float64]) -> None:
+        """Drop the frames at times that are to be solved again."""
+        for time in times.tolist():
+            del self.frames[time]
+
+    @property
+    def is_raised(self) -> bool:
+        """Whether the bound of any frame was."""
+        return any(frame.raised for frame in self.frames.values())
 
     def blocks(self, times: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         """Split times into those of frames to solve together."""

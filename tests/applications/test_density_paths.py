@@ -20,7 +20,7 @@ from convwass_addon.transport import bisect
 from convwass_addon.transport.sharpening import entropy
 from tests.applications.test_density_pieces import BALLS, on
 from tests.controls import recorded
-from tests.shapes import square, torus
+from tests.shapes import body, square, torus
 from tests.transport.sheets import sheet_mesh
 from tests.transport.spheres import angles, at, cap, off_center, sphere
 
@@ -58,6 +58,21 @@ def test_a_cap_stays_a_cap_on_the_great_circle(steps):
         assert figures["converged"]
         assert off_center(FINE, density, FAR * time) < 0.005
         assert radius(FINE, density, FAR * time) == pytest.approx(expected, rel=0.06)
+
+
+@pytest.mark.parametrize("steps", [8, 12])
+def test_a_pulse_from_head_to_foot_has_the_peak_of_a_gaussian_on_all_of_its_way(steps):
+    """A Gaussian of entropy H has the peak e^(1 - H); the mass is that of the mesh's own areas, too."""
+    mesh = body()
+    up, across = mesh.vertices[:, 2], mesh.vertices[:, 0]
+    head, foot = np.clip((up - 1.72) / 0.05, 0, 1), np.clip((0.08 - up) / 0.04, 0, 1) * (across > 0)
+    surface = density_surface(mesh)
+    frames = drained(interpolation_steps(head, foot, surface, DensitySettings(steps=steps)))
+    entropies = np.array([figures["entropy"] for figures in frames.records])
+    peaks = frames.densities.max(axis=1) / np.exp(1.0 - entropies)
+    assert peaks[1:-1].max() < 1.2
+    assert peaks[1:-1].min() > 0.8
+    np.testing.assert_allclose(frames.densities @ mesh.vertex_areas / mesh.area, 1.0, atol=0.025)
 
 
 def test_without_a_bound_frames_spread_and_come_together_evenly():
