@@ -7,6 +7,7 @@ Importing this package imports nothing of Blender: ``transport``, ``geometry`` a
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from types import ModuleType
 
 _IN_PLATFORM_ZIPS = ("scipy", "skimage", "lazy_loader")
@@ -33,6 +34,7 @@ def register() -> None:
     ModuleNotFoundError
         If Blender lacks a package that only the zip files for one platform bring along.
     """
+    _require_packages()
     done = []
     try:
         for room in _rooms():
@@ -50,28 +52,29 @@ def unregister() -> None:
         room.unregister()
 
 
+def _require_packages() -> None:
+    # They are imported when work begins, which is too late to find out that they are missing.
+    for package in _IN_PLATFORM_ZIPS:
+        if find_spec(package) is None:
+            message = (
+                f"Convwass needs {package}, which this Blender does not have. Install the zip file that is named after "
+                f"your platform (linux_x64, windows_x64 or macos_arm64): it brings everything along."
+            )
+            raise ModuleNotFoundError(message, name=package)
+
+
 def _rooms() -> tuple[ModuleType, ...]:
-    """Return the modules that add something to Blender, in the order in which they need each other."""
     # Imported here, since they import bpy and the rest of the package must do without.
-    try:
-        from . import (
-            cli,
-            operators,
-            panels,
-            preferences,
-            properties,
-            solver_presets,
-            translations,
-        )
-    except ModuleNotFoundError as error:
-        package = (error.name or "").partition(".")[0]
-        if package not in _IN_PLATFORM_ZIPS:
-            raise
-        message = (
-            f"Convwass needs {package}, which this Blender does not have. Install the zip file that is named after "
-            f"your platform (linux_x64, windows_x64 or macos_arm64): it brings everything along."
-        )
-        raise ModuleNotFoundError(message, name=package) from error
+    from . import (
+        cli,
+        operators,
+        panels,
+        preferences,
+        properties,
+        solver_presets,
+        translations,
+    )
+
     return (
         translations,
         *properties.registered(),

@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..bridge.armatures.auto_weights import bind_with_weights
-from ..bridge.armatures.fit_notices import posed_notice, short_notice, unweighted_notice
 from ..bridge.armatures.rig_graphs import RigGraph
-from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import writable_mesh
 from ..errors import InputError
@@ -22,6 +21,9 @@ from ..sentence import Sentence
 from .armature_targets import OnBody
 from .mesh_writing import MeshWritingOperator
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.skeletons.skeleton_fit import FittedSkeleton
 
 
 class FitJob:
@@ -52,6 +54,8 @@ class FitJob:
         graph: RigGraph,
         settings: SkeletonSettings,
     ) -> None:
+        from ..bridge.armatures.rigs import resting_body
+
         self.graph = graph
         self._body, self._rig = Handle.of("objects", body), Handle.of("objects", rig)
         self._mesh, self._settings = resting_body(body, rig, context.evaluated_depsgraph_get()), settings
@@ -59,6 +63,8 @@ class FitJob:
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Do the work, and keep what it finds."""
+        from ..applications.skeletons.skeleton_fit import fit_steps
+
         self.found = yield from fit_steps(self._mesh, self.graph.graph, self._settings, control)
 
     def write(self, report: Progress[object]) -> None:
@@ -96,6 +102,8 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
     _job: FitJob
 
     def _begin(self, context):
+        from ..bridge.armatures.rigs import require_movable, rig_graph
+
         rig, body = chosen_rig(context), context.scene.convwass_armature.body
         context.view_layer.update()
         require_movable(rig)
@@ -125,6 +133,9 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
         return self._waits_for_stroke(context)
 
     def _finish(self, context, job):
+        from ..bridge.armatures.fit_notices import posed_notice, short_notice, unweighted_notice
+        from ..bridge.armatures.rigs import move_joints, require_movable
+
         body, rig = job.objects()
         found = job.found
         require_movable(rig)

@@ -8,7 +8,6 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.armatures.pins import clear_pins, pin_joints, pinned_ends, unpin_joints
-from ..bridge.armatures.rigs import require_movable, rig_graph
 from ..errors import ConvwassError
 from ..properties.armatures import chosen_rig
 from .armature_targets import OnRig, chosen_joints, joints_property
@@ -21,6 +20,8 @@ class _PinsJoints(OnRig):
     _pinned: bool
 
     def execute(self, context):
+        from ..bridge.armatures.rigs import require_movable, rig_graph
+
         rig = chosen_rig(context)
         context.view_layer.update()
         try:
@@ -73,6 +74,8 @@ class CONVWASS_OT_clear_pins(OnRig, bpy.types.Operator):
         return True
 
     def execute(self, context):
+        from ..bridge.armatures.rigs import require_movable
+
         rig = chosen_rig(context)
         try:
             require_movable(rig)

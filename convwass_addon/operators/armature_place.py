@@ -4,15 +4,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import FloatVectorProperty
 from numpy.typing import NDArray
 
-from ..applications.skeletons.inner_points import InnerPointFinder
 from ..bridge.armatures.pins import pin_joints
-from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
 from ..errors import ConvwassError, InputError
 from ..properties.armatures import chosen_rig, depth_property
 from .armature_targets import OnBody, chosen_joints, joints_property
@@ -20,6 +20,9 @@ from .mesh_targets import length_text
 from .picking import PicksPoints, surface_point_at
 from .reporting import refuse
 from .windows import write_status
+
+if TYPE_CHECKING:
+    from ..applications.skeletons.inner_points import InnerPointFinder
 
 
 class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
@@ -38,7 +41,6 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
     depth: depth_property()
 
     _waiting: list[str]
-    _finder: InnerPointFinder
 
     def execute(self, context):
         try:
@@ -47,7 +49,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
                 raise InputError(
                     "A point of the surface is for one joint, not for {count}; name one.", count=len(names)
                 )
-            self._finder = _finder(context)
+            self._finder: InnerPointFinder = _finder(context)
             self._place(context, names[0], np.array(self.location, dtype=np.float64))
         except ConvwassError as error:
             return refuse(self, error)
@@ -84,6 +86,8 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
     def _names(self, context: bpy.types.Context) -> list[str]:
         """Return the joints that are meant; raises InputError where there are none, or they cannot be moved."""
+        from ..bridge.armatures.rigs import require_movable, rig_graph
+
         rig = chosen_rig(context)
         require_movable(rig)
         context.view_layer.update()
@@ -96,6 +100,8 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
     def _place(self, context: bpy.types.Context, name: str, point: NDArray[np.float64]) -> None:
         """Move a joint behind a point of the surface and pin it; raises InputError where that cannot be."""
+        from ..bridge.armatures.rigs import move_joints, rig_graph
+
         rig = chosen_rig(context)
         found = self._finder.find(point, self.depth)
         graph = rig_graph(rig, only_deforming=False)
@@ -111,6 +117,9 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
 def _finder(context: bpy.types.Context) -> InnerPointFinder:
     """Return what finds points inside of the body, for as many clicks as there will be."""
+    from ..applications.skeletons.inner_points import InnerPointFinder
+    from ..bridge.armatures.rigs import resting_body
+
     body = context.scene.convwass_armature.body
     return InnerPointFinder(resting_body(body, chosen_rig(context), context.evaluated_depsgraph_get()))
 

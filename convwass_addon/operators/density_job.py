@@ -5,13 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import bpy
 
-from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_settings import DensitySettings
-from ..applications.densities.surface_densities import Surface, blur_notice, density_surface
 from ..bridge.mesh_checks import other_vertices
 from ..bridge.surfaces import read_surface
 from ..errors import InputError
@@ -20,6 +18,10 @@ from ..sentence import Sentence
 from .background import BackgroundOperator
 from .mesh_writing import MeshWritingOperator
 from .object_job import ObjectJob
+
+if TYPE_CHECKING:
+    from ..applications.densities.density_frames import DensityFrames
+    from ..applications.densities.surface_densities import Surface
 
 Result = TypeVar("Result")
 
@@ -70,6 +72,8 @@ class DensityJob(ObjectJob, Generic[Result]):
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Do the work, the first part of which is to make the surface, and keep what it finds."""
+        from ..applications.densities.surface_densities import blur_notice, density_surface
+
         yield Progress(0.0, Sentence("Measuring the surface"))
         surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps, control)
         notice = blur_notice(surface)

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..applications.densities.density_settings import DensitySettings
 from ..bridge.densities.density_attributes import stored_frames
-from ..bridge.densities.density_images import ImageSettings, write_step_images
 from ..bridge.densities.density_material import growth_material, heat_material
 from ..bridge.densities.density_nodes import color_name
 from ..bridge.densities.density_outputs import show_heat_colors, write_step_colors, write_step_groups
@@ -73,6 +72,8 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
     uv_map: StringProperty(name="UV Map", description="Name of the UV map for images; empty for that of renders")
 
     def _begin(self, context):
+        from ..bridge.densities.density_images import ImageSettings, write_step_images
+
         obj = context.object
         self._name = chosen_density(obj, self.density)
         density_modifier(obj, self._name)

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -12,16 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, StringProperty
 from numpy.typing import NDArray
 
-from ..applications.densities.density_measures import (
-    MEASURING_SUBSTEPS,
-    DensityDistance,
-    DistanceTable,
-    distance_table_steps,
-    measuring_steps,
-)
 from ..applications.densities.density_settings import DensitySettings
-from ..applications.densities.surface_densities import Surface
-from ..applications.densities.vertex_distances import VertexDistances, distances_from
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, write_group
 from ..errors import InputError
@@ -35,6 +27,11 @@ from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_pair
 from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.densities.density_measures import DensityDistance, DistanceTable
+    from ..applications.densities.surface_densities import Surface
+    from ..applications.densities.vertex_distances import VertexDistances
 
 
 class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
@@ -57,6 +54,8 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
     )
 
     def _begin(self, context):
+        from ..applications.densities.density_measures import MEASURING_SUBSTEPS
+
         obj = context.object
         first, second = chosen_pair(obj)
         self._names = self.first or first, self.second or second
@@ -89,6 +88,8 @@ def _distance_steps(
     surface: Surface,
     control: Control,
 ) -> Work[DensityDistance]:
+    from ..applications.densities.density_measures import measuring_steps
+
     match = settings.pieces == "match"
     return measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, control=control)
 
@@ -111,6 +112,8 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
     blur: property_of(DensitySettings, "blur")
 
     def _begin(self, context):
+        from ..applications.densities.density_measures import MEASURING_SUBSTEPS
+
         obj = context.object
         named = split_names(self.groups)
         names = named or group_names(obj)
@@ -142,6 +145,8 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
 def _table_steps(
     weights: NDArray[np.float64], names: list[str], surface: Surface, control: Control
 ) -> Work[DistanceTable]:
+    from ..applications.densities.density_measures import distance_table_steps
+
     return distance_table_steps(weights, names, surface, control=control)
 
 
@@ -165,6 +170,8 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
     blur: property_of(DensitySettings, "blur")
 
     def _begin(self, context):
+        from ..applications.densities.density_measures import MEASURING_SUBSTEPS
+
         obj = context.object
         with out_of_edit_mode(context, obj):
             writable_mesh(obj)
@@ -190,6 +197,8 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
 
 
 def _distances_steps(vertices: list[int], surface: Surface, control: Control) -> Work[VertexDistances]:
+    from ..applications.densities.vertex_distances import distances_from
+
     yield Progress(0.0, Sentence("Measuring from {count} vertices", {"count": len(vertices)}))
     return distances_from(vertices, surface, control)
 

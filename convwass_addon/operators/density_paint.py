@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -15,8 +16,6 @@ from bpy.props import EnumProperty, FloatProperty
 from numpy.typing import NDArray
 
 from ..applications.densities.density_settings import DensitySettings
-from ..applications.densities.density_tools import diffused, sharpened, sharpened_by, unit_mass
-from ..applications.densities.surface_densities import Surface, density_figures, distribution, heat_map
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import read_group, write_group
 from ..progress import Control, Progress, Work
@@ -27,6 +26,9 @@ from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_group, group_property
 from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.densities.surface_densities import Surface
 
 # Of the surface's width: what a density is spread by where no length is given.
 _USUAL_SPREAD = 0.05
@@ -72,6 +74,8 @@ class _PaintDensity(WritingDensityOperator):
 
     def _finish(self, context, job):
         """Write the group, report its figures, and let the panel show them."""
+        from ..applications.densities.surface_densities import heat_map
+
         obj, painted = job.target(), job.found
         with out_of_edit_mode(context, obj):
             group = write_group(obj, self._name, heat_map(painted.density).weights)
@@ -88,6 +92,8 @@ class _PaintDensity(WritingDensityOperator):
 def _steps(
     name: str, change: Callable[[Surface, Control], NDArray[np.float64]], surface: Surface, control: Control
 ) -> Work[_Painted]:
+    from ..applications.densities.surface_densities import density_figures
+
     message = Sentence("Changing {name}", {"name": name})
     yield Progress(0.0, message)
     density = change(surface, control)
@@ -107,6 +113,8 @@ class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator)
     group: group_property()
 
     def _change(self, obj, name):
+        from ..applications.densities.surface_densities import distribution
+
         weights = read_group(obj, name)
         return lambda surface, control: distribution(weights, surface, name)
 
@@ -121,6 +129,8 @@ class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
     length: length_property()
 
     def _change(self, obj, name):
+        from ..applications.densities.density_tools import diffused
+
         weights, length = read_group(obj, name), self.length
         return lambda surface, control: diffused(
             weights, surface, length or _USUAL_SPREAD * surface.unit_length, name, control
@@ -150,6 +160,8 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
     )
 
     def _change(self, obj, name):
+        from ..applications.densities.density_tools import sharpened, sharpened_by
+
         weights, share, limit = read_group(obj, name), self.share, self.entropy
         if self.to == "SHARE":
             return lambda surface, control: sharpened_by(weights, surface, share, name, control)
@@ -191,6 +203,9 @@ def _dropped(
     control: Control,
 ) -> NDArray[np.float64]:
     """Return a density of which a share is dropped on some vertices."""
+    from ..applications.densities.density_tools import diffused, unit_mass
+    from ..applications.densities.surface_densities import distribution
+
     dropped = unit_mass(vertices, surface)
     if radius > 0.0:
         dropped = diffused(dropped, surface, radius, name, control)

@@ -6,15 +6,13 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, StringProperty
 
-from ..applications.densities.density_graphs import propagation_steps
-from ..applications.densities.density_paths import blend_steps, path_steps
-from ..applications.densities.surface_densities import Surface, heat_map
 from ..bridge.densities.density_attributes import require_free
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_player import DensityKey, animate_density
@@ -30,6 +28,9 @@ from .density_stops import StopArguments, named_stops
 from .density_targets import OnGroups
 from .mesh_targets import ignored_notice
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.densities.surface_densities import Surface
 
 _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
 
@@ -94,6 +95,8 @@ class CONVWASS_OT_interpolate_density(
 
 
 def _path(weights, names, frames, settings, surface: Surface, control: Control):
+    from ..applications.densities.density_paths import path_steps
+
     return path_steps(weights, names, surface, settings, frames, control)
 
 
@@ -129,6 +132,8 @@ class CONVWASS_OT_blend_densities(
         return rpt_("Blending groups")
 
     def _finish(self, context, job):
+        from ..applications.densities.surface_densities import heat_map
+
         frames, obj = job.found, job.target()
         group = write_group(obj, self.group or "Blend", heat_map(frames.densities[0]).weights)
         obj.vertex_groups.active_index = group.index
@@ -138,6 +143,8 @@ class CONVWASS_OT_blend_densities(
 
 
 def _blend(weights, names, shares, settings, surface: Surface, control: Control):
+    from ..applications.densities.density_paths import blend_steps
+
     return blend_steps(weights, names, shares, surface, settings, control)
 
 
@@ -180,6 +187,8 @@ class CONVWASS_OT_propagate_densities(
         return rpt_("Filling in groups")
 
     def _finish(self, context, job):
+        from ..applications.densities.surface_densities import heat_map
+
         frames, obj = job.found, job.target()
         # All or nothing.
         require_unlocked(obj, self._filled.values())
@@ -194,6 +203,8 @@ _NOTHING = np.zeros(1)
 
 
 def _graph(pairs, fixed, names, settings, surface: Surface, control: Control):
+    from ..applications.densities.density_graphs import propagation_steps
+
     return propagation_steps(pairs, fixed, surface, settings, names, control=control)
 
 

@@ -8,19 +8,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.morphs.computation import Computation
-from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from ..bridge.files import absolute_folder
-from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
-from ..bridge.flat.flat_job import FlatJob
-from ..bridge.flat.picture_job import PictureJob
 from ..bridge.morphs.disk_output import packed_bytes
-from ..bridge.morphs.job import MorphJob
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
@@ -34,6 +29,12 @@ from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import chosen_inputs
 from .morph_manage import is_free_to_bake, select_only
+
+if TYPE_CHECKING:
+    from ..applications.morphs.computation import Computation
+    from ..bridge.flat.flat_job import FlatJob
+    from ..bridge.flat.picture_job import PictureJob
+    from ..bridge.morphs.job import MorphJob
 
 # Meshes that are larger than this in all are worth a warning.
 _LARGE_MEGABYTES = 250.0
@@ -77,9 +78,6 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         options={"SKIP_SAVE"},
     )
 
-    _job: MorphJob | FlatJob | PictureJob
-    _computing: Computation
-
     @classmethod
     def poll(cls, context):
         if not is_free_to_bake(cls, context):
@@ -92,6 +90,11 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _begin(self, context: bpy.types.Context) -> MorphJob | FlatJob | PictureJob:
         """Read the inputs; everything that can be refused is refused here or before the first frame."""
+        from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
+        from ..bridge.flat.flat_job import FlatJob
+        from ..bridge.flat.picture_job import PictureJob
+        from ..bridge.morphs.job import MorphJob
+
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
         weights = chosen.weights if self.layout == "BLEND" else None
@@ -115,6 +118,9 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _preferred(self) -> Computation:
         """Return how the preferences want frames to be computed; raises InputError for a folder that cannot be used."""
+        from ..applications.morphs.computation import Computation
+        from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
+
         preferred = preferences()
         cache = None
         if preferred.cache_folder is not None:

@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
 from bpy.props import IntProperty
 
-from ..applications.morphs.shape_check import ShapeFindings, check_shape
 from ..bridge.active import selected_objects
 from ..bridge.flat.flat_kinds import is_shape, looks_flat
-from ..bridge.flat.flat_objects import flat_objects
 from ..bridge.objects import triangle_mesh
 from ..errors import ConvwassError, InputError
 from ..preferences import preferences
@@ -20,6 +20,9 @@ from ..solver_presets import apply_preset, is_untouched
 from ..translations import translated
 from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off
 from .reporting import refuse
+
+if TYPE_CHECKING:
+    from ..applications.morphs.shape_check import ShapeFindings
 
 
 class _EditInputs:
@@ -166,6 +169,9 @@ class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
 
 def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
     """Look at the shape of an input, and note on the item what was found out."""
+    from ..applications.morphs.shape_check import check_shape
+    from ..bridge.flat.flat_objects import flat_objects
+
     if item.object is None or not item.object.users_scene:
         item.verdict, item.finding = "UNUSABLE", rpt_("The object has been deleted")
         return

@@ -7,15 +7,11 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..bridge.flat.choosing import refuse_volumes
-from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
-from ..bridge.morphs.cache_output import as_cache, require_animation
 from ..bridge.morphs.disk_output import DiskOutput, filled_folder
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
-from ..bridge.morphs.volume_output import as_volume
 from ..errors import ConvwassError
 from ..progress import drained, watched
 from ..properties.from_schema import property_of
@@ -57,6 +53,9 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
     bl_label = "Make Volume"
 
     def _written(self, context, morph):
+        from ..bridge.flat.choosing import refuse_volumes
+        from ..bridge.morphs.volume_output import as_volume
+
         refuse_volumes("flat" in stored_settings(morph))
         with filled_folder(self.folder, morph) as folder:
             work = as_volume(morph, folder)
@@ -73,6 +72,9 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
     kind: property_of(MorphRequest, "cache_format")
 
     def _written(self, context, morph):
+        from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
+        from ..bridge.morphs.cache_output import as_cache, require_animation
+
         require_no_drawings(morph)
         require_animation(morph)
         with filled_folder(self.folder, morph) as folder:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
 from ..bridge.morphs.blend_pad import make_blend_pad, require_sheet
 from ..bridge.morphs.player import make_player, require_path
 from ..bridge.morphs.stand_ins import remove_stand_ins, stand_ins
@@ -59,6 +58,8 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
     )
 
     def _change(self, morph):
+        from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
+
         require_no_drawings(morph)
         require_path(morph)
         turn_into_meshes(morph)
@@ -72,6 +73,8 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
     bl_label = "Make Blend Pad"
 
     def _change(self, morph):
+        from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
+
         require_no_drawings(morph)
         require_sheet(morph)
         turn_into_meshes(morph)

@@ -9,7 +9,6 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.active import active_object
 from ..bridge.handles import Handle
-from ..bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from ..errors import InputError
 from ..properties.recolor import RecolorProperties, attribute_name_property
 from ..sentence import Sentence
@@ -41,6 +40,8 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         return is_idle(cls, context)
 
     def _begin(self, context):
+        from ..bridge.palettes.color_pictures import read_colors_as_picture
+
         if not self.result:
             raise InputError("Give the color attribute of the result a name.")
         obj, giver = context.object, context.scene.convwass_recolor.palette_object
@@ -59,6 +60,8 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         return Sentence("Done; leave Edit Mode to get the result") if obj.data.is_editmode else None
 
     def _finish(self, context, job):
+        from ..bridge.palettes.color_pictures import write_picture_colors
+
         obj = job.target()
         write_picture_colors(obj, self._name, self.result, job.pixels)
         tell(self, rpt_("{:s} of {:s} has the colors of {:s}").format(self.result, obj.name, self._giver))

@@ -6,18 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..applications.palettes.clip_job import FrameRequest, RecoloredFrame, clip_map_steps, clip_steps
 from ..applications.palettes.palette_settings import RecolorSettings
-from ..applications.palettes.recolor_job import Picture
-from ..applications.palettes.recoloring import Recoloring
 from ..applications.whole_paths import share_a_place
 from ..bridge.files import checked_folder
 from ..bridge.handles import Handle
-from ..bridge.palettes.clip_frames import ClipFrames, first_number, sequence_image
 from ..bridge.palettes.image_files import save_pixels
 from ..bridge.palettes.image_kinds import is_clip
 from ..drafts import DraftFiles
@@ -27,6 +24,12 @@ from ..properties.recolor import RecolorProperties, clip_folder_property
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.palettes.clip_job import FrameRequest, RecoloredFrame
+    from ..applications.palettes.recolor_job import Picture
+    from ..applications.palettes.recoloring import Recoloring
+    from ..bridge.palettes.clip_frames import ClipFrames
 
 
 class ClipJob:
@@ -59,11 +62,15 @@ class ClipJob:
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Do the work, and keep the map."""
+        from ..applications.palettes.clip_job import clip_map_steps, clip_steps
+
         work = clip_steps if self._targets else clip_map_steps
         self.change = yield from work(len(self._frames.numbers), *self._inputs, control)
 
     def write(self, report: Progress[FrameRequest | RecoloredFrame]) -> None:
         """Read the frame that is asked for, or write the one that has been recolored."""
+        from ..applications.palettes.clip_job import FrameRequest, RecoloredFrame
+
         found = report.payload
         if isinstance(found, FrameRequest):
             found.answer(self._frames.read(found.place))
@@ -105,6 +112,8 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
         return super().poll(context)
 
     def _begin(self, context):
+        from ..bridge.palettes.clip_frames import ClipFrames
+
         image = chosen_image(context, self.image)
         if not is_clip(image):
             raise InputError("{image} is neither a sequence of images nor a movie.", image=image.name)
@@ -129,6 +138,8 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
         return rpt_("Recoloring")
 
     def _finish(self, context, job):
+        from ..bridge.palettes.clip_frames import sequence_image
+
         paths = job.keep()
         source = self._image.find()
         if source is not None:
@@ -140,6 +151,8 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
 
 def _show(context: bpy.types.Context, source: bpy.types.Image, result: bpy.types.Image, paths: Sequence[Path]) -> None:
     """Show a sequence where its clip is shown."""
+    from ..bridge.palettes.clip_frames import first_number
+
     space = context.space_data
     if space is None or space.type != "IMAGE_EDITOR" or space.image not in (source, result):
         return

@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.palettes.lookup_table import LookupTable
 from ..applications.palettes.palette_settings import TableSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
-from ..bridge.palettes.clip_frames import ClipFrames
-from ..bridge.palettes.grade_nodes import grade_group
 from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError
 from ..properties.from_schema import property_of
@@ -26,6 +25,9 @@ from .recolor_table import CubeFile, TableJob
 from .recolor_targets import OnImage, chosen_image, image_property, palette_names, read_palettes, read_pictures
 from .reporting import tell
 
+if TYPE_CHECKING:
+    from ..applications.palettes.lookup_table import LookupTable
+
 
 class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
     """An operator that needs the map of colors as a table; that of a clip comes from all of its frames together."""
@@ -35,6 +37,8 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
     _palette: str
 
     def _begin(self, context):
+        from ..bridge.palettes.clip_frames import ClipFrames
+
         image, settings = chosen_image(context, self.image), self.recolor_settings()
         self._source, self._palette = image.name, next(iter(palette_names(context)), "")
         if is_clip(image):
@@ -116,6 +120,8 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
     cube_size: property_of(TableSettings, "cube_size")
 
     def _use(self, table):
+        from ..bridge.palettes.grade_nodes import grade_group
+
         group = grade_group(table, f"Grade {self._palette}", self._source)
         tell(self, rpt_("Made the node group {:s} for the compositor").format(group.name))
 

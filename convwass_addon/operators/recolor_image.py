@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import bpy
 import numpy as np
@@ -15,11 +15,8 @@ from numpy.typing import NDArray
 
 from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.palettes.png_bytes import png_bytes
-from ..applications.palettes.recolor_job import Picture, map_steps, recolor_steps
-from ..applications.palettes.recoloring import Recoloring
 from ..bridge.handles import Handle
 from ..bridge.palettes.image_kinds import is_clip
-from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..properties.recolor import RecolorProperties
@@ -27,6 +24,10 @@ from ..sentence import Sentence
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, palette_names, read_pictures
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.palettes.recolor_job import Picture
+    from ..applications.palettes.recoloring import Recoloring
 
 # Share of a job that is done once the pixels are, where they become a file after that.
 _RECOLORED = 0.95
@@ -70,6 +71,8 @@ class RecolorJob:
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Do the work, and keep what it finds."""
+        from ..applications.palettes.recolor_job import map_steps, recolor_steps
+
         if self._ends == "map":
             self.change = yield from map_steps(*self._inputs, control)
             return
@@ -141,6 +144,8 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
         return rpt_("Recoloring")
 
     def _finish(self, context, job):
+        from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels
+
         image = job.target()
         result = image if self.output == "REPLACE" else result_image(image)
         if job.file is None:

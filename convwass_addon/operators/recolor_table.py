@@ -6,13 +6,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..applications.palettes.lookup_table import LookupTable, lookup_table, write_cube
 from ..drafts import DraftFiles
 from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..sentence import Sentence
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
+
+if TYPE_CHECKING:
+    from ..applications.palettes.lookup_table import LookupTable
 
 # Shares of the job that are done once the map is there, and once the table is.
 _MAPPED, _TABULATED = 0.5, 0.7
@@ -46,6 +49,8 @@ class TableJob:
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Find the map, and make and write its table."""
+        from ..applications.palettes.lookup_table import lookup_table, write_cube
+
         yield from within(self._job.steps(control), 0.0, _MAPPED)
         yield Progress(_MAPPED, Sentence("Making the table"))
         table = lookup_table(self._job.change, self._size)

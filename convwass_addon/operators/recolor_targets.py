@@ -5,15 +5,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import StringProperty
 
-from ..applications.palettes.recolor_job import Picture
 from ..bridge.palettes.image_kinds import RESULT_OF
-from ..bridge.palettes.image_pixels import read_picture
 from ..errors import InputError
 from .background import is_idle
+
+if TYPE_CHECKING:
+    from ..applications.palettes.recolor_job import Picture
 
 
 def image_property() -> object:
@@ -73,6 +75,8 @@ def read_pictures(context: bpy.types.Context, image: bpy.types.Image) -> tuple[P
     InputError
         Images that cannot be read, or masks of other sizes.
     """
+    from ..bridge.palettes.image_pixels import read_picture
+
     source = read_picture(image, context.scene.convwass_recolor.mask)
     return source, *read_palettes(context)
 
@@ -85,6 +89,8 @@ def read_palettes(context: bpy.types.Context) -> tuple[list[Picture], list[float
     InputError
         Images that cannot be read, or a mask of another size.
     """
+    from ..bridge.palettes.image_pixels import read_picture
+
     own = context.scene.convwass_recolor
     palettes = [read_picture(palette) for palette, _ in own.chosen_palettes]
     if own.palette_mask is not None and own.palette is not None:

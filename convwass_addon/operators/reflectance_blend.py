@@ -6,22 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..applications.reflectance.lobe_frames import LobeFrame, lobe_frames
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import spread_out
 from ..bridge.files import checked_target
 from ..bridge.handles import Handle
 from ..bridge.reflectance.glossy_materials import GlossyMaterial, read_glossy
-from ..bridge.reflectance.lobe_files import is_whole, write_whole_table
-from ..bridge.reflectance.lobe_images import write_lobe_exr
-from ..bridge.reflectance.lobe_materials import FittedLook, fitted_material, lobe_material, mixed
 from ..bridge.reflectance.material_pad import material_pad
-from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.light import ReflectanceProperties, sun_of
@@ -30,6 +26,10 @@ from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
 from .reflectance_weights import BlendPlan, blend_plan
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.reflectance.lobe_frames import LobeFrame
+    from ..bridge.reflectance.lobe_materials import FittedLook
 
 
 class ReflectanceJob:
@@ -61,6 +61,8 @@ class ReflectanceJob:
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Make all blends."""
+        from ..applications.reflectance.lobe_frames import lobe_frames
+
         return lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings, control)
 
     def write(self, report: Progress[LobeFrame]) -> None:
@@ -84,6 +86,8 @@ class ReflectanceJob:
 
     def looks(self) -> list[FittedLook]:
         """Return what the fitted material is set to, blend by blend."""
+        from ..bridge.reflectance.lobe_materials import FittedLook, mixed
+
         return [
             FittedLook(
                 frame.fit.material,
@@ -100,6 +104,8 @@ class ReflectanceJob:
 
     def diffuse(self) -> list[tuple[float, float, float]]:
         """Return matte colors, blend by blend."""
+        from ..bridge.reflectance.lobe_materials import mixed
+
         return [mixed([own.diffuse for own in self.materials], frame.weights) for frame in self.shown]
 
 
@@ -150,6 +156,8 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         return chosen
 
     def _checked_table(self, job: ReflectanceJob) -> Path:
+        from ..bridge.reflectance.lobe_files import is_whole
+
         target = checked_target(Path(bpy.path.abspath(self.table)))
         if target.suffix.lower() not in (".npz", ".exr"):
             raise InputError("{name} ends neither in .npz nor in .exr.", name=target.name)
@@ -183,6 +191,9 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
 
     def _made(self, context: bpy.types.Context, job: ReflectanceJob, name: str) -> list[bpy.types.Material]:
         """Make the materials, and what drives them."""
+        from ..bridge.reflectance.lobe_materials import fitted_material, lobe_material
+        from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
+
         with_lobes = self.output != "FITTED" and not job.has_grain
         images = [frame.image for frame in job.shown] if with_lobes else []
         fitted = "{} {}".format(name, rpt_("fitted"))
@@ -202,6 +213,9 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         return made
 
     def _write_table(self, job: ReflectanceJob) -> None:
+        from ..bridge.reflectance.lobe_files import is_whole, write_whole_table
+        from ..bridge.reflectance.lobe_images import write_lobe_exr
+
         target = self._checked_table(job)
         if is_whole(target):
             write_whole_table(target, job.found[0].table)

@@ -11,8 +11,6 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.reflectance.frame_span import Frames
-from ..bridge.reflectance.lobe_files import read_lobe_file
-from ..bridge.reflectance.lobe_materials import lobe_material
 from ..errors import ConvwassError, InputError
 from ..properties.light import sun_of
 from .background import is_idle
@@ -44,6 +42,9 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
+        from ..bridge.reflectance.lobe_files import read_lobe_file
+        from ..bridge.reflectance.lobe_materials import lobe_material
+
         path = Path(bpy.path.abspath(self.filepath))
         scene = context.scene
         try:

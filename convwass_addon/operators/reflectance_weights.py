@@ -11,7 +11,6 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..applications.reflectance.lobe_frames import path_weights
 from ..applications.reflectance.weight_sheets import PadSheet, way_weights
 from ..bridge.keyframes import curves_of
 from ..errors import InputError
@@ -53,6 +52,8 @@ def blend_plan(scene: bpy.types.Scene, options: ReflectanceProperties, words: st
     InputError
         Weights that are no numbers, that are not keyed, or frames that do not follow each other.
     """
+    from ..applications.reflectance.lobe_frames import path_weights
+
     count = len(names)
     if options.blend == "PAD":
         sheet = PadSheet.of(count, options.blends)

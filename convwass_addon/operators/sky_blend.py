@@ -4,17 +4,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
-from ..applications.skies.sky_frames import SkyFrame
 from ..applications.skies.sky_settings import SkySettings
 from ..bridge.handles import Handle
-from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
-from ..bridge.skies.world_skies import sequence_world, world_sky
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Request, Work, within
 from ..properties.light import SkyProperties
@@ -22,6 +21,10 @@ from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
 from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.skies.sky_frames import SkyFrame
+    from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles
 
 # Share of the work that reading the worlds takes.
 _READING = 0.2
@@ -65,6 +68,8 @@ class SkyJob:
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Ask for the skies of all worlds, then make those between them."""
+        from ..bridge.skies.sky_sequence import sky_steps
+
         count, skies = len(self._worlds), []
         for place in range(count):
             message = Sentence("World {done} of {total}", {"done": place + 1, "total": count})
@@ -75,6 +80,8 @@ class SkyJob:
 
     def write(self, report: Progress[WorldRequest | PlacedSky]) -> None:
         """Read the world that is asked for, or write the sky that has been made."""
+        from ..bridge.skies.sky_sequence import PlacedSky
+
         found = report.payload
         if isinstance(found, WorldRequest):
             found.answer(self._sky(found.place))
@@ -84,6 +91,8 @@ class SkyJob:
                 self.ends.append(found.frame)
 
     def _sky(self, place: int) -> NDArray[np.float64]:
+        from ..bridge.skies.world_skies import world_sky
+
         world = self._worlds[place].find()
         if world is None:
             raise InputError("There is no world {name}.", name=self.names[place])
@@ -121,6 +130,8 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         return is_idle(cls, context)
 
     def _begin(self, context):
+        from ..bridge.skies.sky_sequence import SkyFiles, fitting_height
+
         worlds = self._chosen(context)
         if self.frame_end <= self.frame_start:
             raise InputError("The last frame must come after the first one.")
@@ -144,6 +155,8 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         return rpt_("Blending skies")
 
     def _finish(self, context, job):
+        from ..bridge.skies.world_skies import sequence_world
+
         job.files.finish()
         name = "{} {}".format(rpt_("Sky"), "-".join(job.names))
         world = sequence_world(name, job.files.paths, self.frame_start)

@@ -13,11 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
-from ..applications.soft_maps.map_extension import DOUBTFUL
-from ..applications.soft_maps.map_repair import repaired_map
 from ..applications.soft_maps.map_sides import MapSide
-from ..applications.soft_maps.map_solving import soft_map_steps
-from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
@@ -77,6 +73,8 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
 
 
 def _doubtful_share(found: SurfaceMap) -> float:
+    from ..applications.soft_maps.map_extension import DOUBTFUL
+
     confidence = found.forward.confidence
     return float((confidence < DOUBTFUL).mean()) if len(confidence) else 0.0
 
@@ -111,6 +109,8 @@ def _computed(
     pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, control: Control
 ) -> Work[SurfaceMap]:
     """Put the arguments of the application in its order."""
+    from ..applications.soft_maps.map_solving import soft_map_steps
+
     return soft_map_steps(source, target, pairs, settings, control)
 
 
@@ -188,6 +188,8 @@ def _mirrored(
     pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, control: Control
 ) -> Work[SurfaceMap]:
     """Put the arguments of the application in its order."""
+    from ..applications.soft_maps.mirror_maps import mirror_map_steps
+
     return mirror_map_steps(side, pairs, settings, control)
 
 
@@ -202,6 +204,8 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
     _job: RepairJob
 
     def _begin(self, context):
+        from ..applications.soft_maps.map_repair import repaired_map
+
         way = current_way(context)
         _require_editable(way.source)
         self._remarks = reshaped_notices(way)

@@ -10,8 +10,6 @@ from bpy.props import StringProperty
 
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.soft_maps.carried_groups import CarriedGroups
-from ..bridge.soft_maps.carried_keys import CarriedKeys
-from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
@@ -113,6 +111,9 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         )
 
     def _parts(self, ends: TransferEnds) -> dict[str, CarriedPart]:
+        from ..bridge.soft_maps.carried_keys import CarriedKeys
+        from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
+
         makers = {
             "GROUPS": lambda: CarriedGroups(ends, WeightRules(self.limit, self.normalize)),
             "KEYS": lambda: CarriedKeys(ends),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
+from convwass_addon.applications.skeletons import skeleton_fit
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.bridge.armatures.auto_weights import bind_with_weights, unweighted
 from convwass_addon.bridge.armatures.fit_notices import unweighted_notice
@@ -39,7 +40,7 @@ def asked(monkeypatch):
         calls.append(SimpleNamespace(mesh=mesh, graph=graph, settings=settings))
         return harmonic_steps(mesh, graph, settings, control)
 
-    monkeypatch.setattr(armature_fit, "fit_steps", steps)
+    monkeypatch.setattr(skeleton_fit, "fit_steps", steps)
     return calls
 
 
@@ -258,7 +259,7 @@ def test_what_should_be_known_is_told(rig, monkeypatch, capfd):
         yield Progress(1.0, Sentence("Writing"))
         return found
 
-    monkeypatch.setattr(armature_fit, "fit_steps", steps)
+    monkeypatch.setattr(skeleton_fit, "fit_steps", steps)
     call("fit_armature")
     said = capfd.readouterr().out
     assert "Warning" in said
@@ -335,7 +336,7 @@ def test_what_the_application_refuses_changes_nothing(rig, monkeypatch):
         raise InputError("The pin {name} lies outside.", name="A.head")
         yield
 
-    monkeypatch.setattr(armature_fit, "fit_steps", steps)
+    monkeypatch.setattr(skeleton_fit, "fit_steps", steps)
     with pytest.raises(RuntimeError, match=r"The pin A.head lies outside"):
         call("fit_armature")
     np.testing.assert_allclose(world_ends(rig)["B.tail"], (1.8, 3, 0), atol=1e-5)
@@ -402,7 +403,7 @@ def test_escape_leaves_everything_as_it_was(window, rig, monkeypatch):
             control.check()
             yield Progress(0.5, Sentence("Starting"))
 
-    monkeypatch.setattr(armature_fit, "fit_steps", endless)
+    monkeypatch.setattr(skeleton_fit, "fit_steps", endless)
     pressed = pressed_fit()
     pressed.invoke(window, None)
     pressed.modal(window, TIMER)

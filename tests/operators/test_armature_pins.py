@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
+from convwass_addon.applications.skeletons import inner_points
 from convwass_addon.applications.skeletons.inner_points import InnerPoint
 from convwass_addon.bridge.armatures.pins import pinned_ends
 from convwass_addon.bridge.armatures.rigs import rig_graph
@@ -139,7 +140,7 @@ def axis(monkeypatch):
             asked.append((np.array(point), depth))
             return InnerPoint(np.array((point[0], 0.0, 0.0)), 0.4)
 
-    monkeypatch.setattr(armature_place, "InnerPointFinder", Finder)
+    monkeypatch.setattr(inner_points, "InnerPointFinder", Finder)
     return asked
 
 
@@ -174,7 +175,7 @@ def test_what_cannot_be_placed(rig, monkeypatch):
     def refuse(*_arguments):
         raise InputError("The body encloses nothing.")
 
-    monkeypatch.setattr(armature_place, "InnerPointFinder", refuse)
+    monkeypatch.setattr(inner_points, "InnerPointFinder", refuse)
     with pytest.raises(RuntimeError, match="The body encloses nothing"):
         call("place_joint", joints="C.tail", location=(0, 0, 0))
     assert pinned_ends(rig) == []
@@ -263,5 +264,5 @@ def test_a_body_that_cannot_be_used_ends_it(rig, clicking, monkeypatch):
     pressed._finder.find = refuse
     assert click(clicking, pressed, 50, 200) == {"CANCELLED"}
     assert pressed.reports[-1] == ("ERROR", "The body encloses nothing.")
-    monkeypatch.setattr(armature_place, "InnerPointFinder", refuse)
+    monkeypatch.setattr(inner_points, "InnerPointFinder", refuse)
     assert pressed.invoke(clicking, None) == {"CANCELLED"}

@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from mathutils import Matrix, Vector
 
+from convwass_addon.applications.densities import density_tools
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background, density_paint, density_pick, picking
+from convwass_addon.operators import background, density_pick, picking
 from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_density
 from tests.operators.densities import ESCAPE, TIMER, Pressed, ball, center, positions, two_balls, until, window_context
 
@@ -334,7 +335,7 @@ def test_stopping_what_is_seldom_checked_leaves_the_window_alone(monkeypatch):
         assert going.wait(30)
         return weights
 
-    monkeypatch.setattr(density_paint, "diffused", slow)
+    monkeypatch.setattr(density_tools, "diffused", slow)
     context = window_context()
     pressed = Pressed(CONVWASS_OT_diffuse_density)
     monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))

@@ -261,7 +261,7 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
 def test_without_a_window_nothing_is_previewed(monkeypatch):
     two_shapes()
     previews = []
-    monkeypatch.setattr(morph_bake.MorphJob, "write", noting(morph_bake.MorphJob.write, previews))
+    monkeypatch.setattr(job.MorphJob, "write", noting(job.MorphJob.write, previews))
     assert bpy.ops.convwass.bake_morph(frames=3, resolution=32) == {"FINISHED"}
     assert previews
     assert not any(previews)

@@ -12,6 +12,7 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.palettes.lookup_table import read_cube
+from convwass_addon.bridge.palettes.clip_frames import ClipFrames
 from convwass_addon.bridge.video import write_video
 from convwass_addon.operators import recolor_clip
 from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
@@ -93,7 +94,7 @@ def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):
     call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"), strength=0.0)
     assert inventory() == known, "the result is used again"
     np.testing.assert_array_equal(opened(paths[0]), opened(files[0]))
-    frames = recolor_clip.ClipFrames(clip)
+    frames = ClipFrames(clip)
     np.testing.assert_array_equal(frames.read(2).pixels, opened(files[2]))
     frames.close()
     with pytest.raises(RuntimeError, match="Shot has no pixels"):
@@ -228,7 +229,7 @@ def test_the_clip_is_found_by_what_it_is_and_not_by_its_name(clip, tmp_path):
 
 def test_undoing_does_not_lose_the_frames(clip, tmp_path):
     """What is made for reading may be gone at any step."""
-    frames = recolor_clip.ClipFrames(clip)
+    frames = ClipFrames(clip)
     first = frames.read(0).pixels
     bpy.data.images.remove(frames.image)
     bpy.data.textures.remove(bpy.data.textures[0])

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.bridge.skies import world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
-from convwass_addon.operators import background, sky_blend
+from convwass_addon.operators import background
 from convwass_addon.operators.sky_blend import CONVWASS_OT_blend_skies
 from tests.lights import sky
 from tests.operators.densities import ESCAPE, TIMER, Pressed, show_other_scene, until, window_context
@@ -107,7 +108,7 @@ def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch
         time.sleep(0.01)
         return sky(SUNS[0], rows=height)
 
-    monkeypatch.setattr(sky_blend, "world_sky", slow)
+    monkeypatch.setattr(world_skies, "world_sky", slow)
     monkeypatch.setattr(background, "_BUSY_SECONDS", 0.0)
     pressed = Pressed(
         CONVWASS_OT_blend_skies, worlds="0, 1, 0", folder=str(worlds), frame_start=1, frame_end=3, width=128

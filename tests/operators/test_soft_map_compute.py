@@ -11,12 +11,13 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.soft_maps import map_solving, mirror_maps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from convwass_addon.bridge.soft_maps.soft_map_store import MAPS_KEY, has_soft_map, store_soft_map, stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.errors import InputError
-from convwass_addon.operators import background, soft_map_compute
+from convwass_addon.operators import background
 from convwass_addon.operators.soft_map_compute import CONVWASS_OT_compute_soft_map
 from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.sentence import Sentence
@@ -44,9 +45,9 @@ def asked(monkeypatch):
         yield Progress(0.5, Sentence("Solving the map"))
         return closest_map(source.mesh, target.mesh)
 
-    monkeypatch.setattr(soft_map_compute, "soft_map_steps", steps)
+    monkeypatch.setattr(map_solving, "soft_map_steps", steps)
     monkeypatch.setattr(
-        soft_map_compute,
+        mirror_maps,
         "mirror_map_steps",
         lambda side, pairs, settings, control: steps(side, side, pairs, settings, control),
     )
@@ -122,7 +123,7 @@ def test_an_error_of_the_application_leaves_the_map_that_was_there(pair, asked, 
         yield Progress(0.0, Sentence("Reading the meshes"))
         raise InputError("No piece of {source} fits.", source="Cow")
 
-    monkeypatch.setattr(soft_map_compute, "soft_map_steps", refuse)
+    monkeypatch.setattr(map_solving, "soft_map_steps", refuse)
     with pytest.raises(RuntimeError, match="No piece of Cow fits"):
         call("compute_soft_map")
     assert pair[0][MAPS_KEY]["0"]["data"] == before
@@ -305,7 +306,7 @@ def test_escape_leaves_no_map(pair, monkeypatch):
             time.sleep(0.001)
             control.check()
 
-    monkeypatch.setattr(soft_map_compute, "soft_map_steps", for_ever)
+    monkeypatch.setattr(map_solving, "soft_map_steps", for_ever)
     pressed, context = start(monkeypatch)
     assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
     assert pressed.reports[-1] == ("INFO", "Stopped; nothing was changed")

@@ -7,16 +7,19 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
-from ...applications.motions.guides import Guide
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ..surface_marks import bone_marks, empty_marks, group_marks
 from ..surfaces import surface_mesh
 from ..vertex_groups import group_names
+
+if TYPE_CHECKING:
+    from ...applications.motions.guides import Guide
 
 LARGEST_GROUP = 0.05
 """Share of the vertices that a vertex group may have to be a mark and not weights of a bone."""
