@@ -16,6 +16,10 @@ try:
     sys.stderr.flush()
     # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
     os._exit(code)
+except ModuleNotFoundError as error:
+    if error.name != "bpy":
+        raise
+    sys.exit("The command line needs Blender as a Python module: pip install 'convwass[blender]'")
 except KeyboardInterrupt:
     # Before the command line is there to say more.
     sys.exit(130)

@@ -143,7 +143,7 @@ class Environment:
         self._run([interpreter.path, "-m", "venv", str(self.folder)], "Making the environment failed.")
         _say("  installing Blender's module bpy, the numerical packages and the test tools (one to three minutes)")
         self._run(
-            [*self._pip_install(quiet=not sys.stdout.isatty()), "--editable", ".[test]", f"bpy=={blender}.*"],
+            [*self._pip_install(quiet=not sys.stdout.isatty()), "--editable", ".[blender,test]", f"bpy=={blender}.*"],
             "Installing failed; pip's message is above. The first start needs a network; try again once it is there.\n"
             "Blender's module bpy exists for Linux and Windows on x86-64 and for macOS.",
         )
