@@ -11,6 +11,7 @@ import sys
 import time
 
 import pytest
+import yaml
 
 import run
 from tools import pythons, system
@@ -163,6 +164,17 @@ def test_the_ci_installs_what_run_py_would_ask_for(project):
     installed = script.partition("packages=(")[2].partition(")")[0].split()
     assert installed == ["python3-venv", *system.BLENDER_APT.split(), *system.CHOLMOD_APT.split()]
     assert script.rstrip().splitlines()[-1].startswith("python3 run.py test")
+
+
+def test_the_workflow_runs_both_commands_on_every_system_with_every_python(project):
+    workflow = yaml.safe_load((project / ".github" / "workflows" / "tests.yml").read_text(encoding="utf-8"))
+    job = workflow["jobs"]["test"]
+    matrix = job["strategy"]["matrix"]
+    assert sorted(matrix["python"]) == sorted(pythons.WANTED)
+    assert [name.partition("-")[0] for name in matrix["system"]] == ["ubuntu", "windows", "macos"]
+    commands = [step["run"] for step in job["steps"] if "run" in step]
+    assert "system.BLENDER_APT, system.CHOLMOD_APT" in commands[0]
+    assert commands[1:] == [f"python run.py --python ${{{{ matrix.python }}}} {name}" for name in ("lint", "test")]
 
 
 def test_run_py_can_be_started_from_anywhere(tmp_path, project):
