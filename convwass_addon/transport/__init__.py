@@ -3,7 +3,6 @@
 """Optimal transport on arrays: the paper, without files or Blender."""
 
 from .barycenter import Barycenter, barycenter
-from .between import barycenter_beside, barycenter_between
 from .bisection import bisect, bisection
 from .coordinates import BarycentricCoordinates, NearestBarycenter, barycentric_coordinates, nearest_barycenter
 from .distance import Distance, DistanceMatrix, distance, distance_matrix
@@ -14,6 +13,7 @@ from .inputs import Inputs
 from .interpolation import Interpolation, interpolate
 from .maps import transport_map
 from .masses import from_masses
+from .neighbors import barycenter_between, barycenter_from_neighbor
 from .propagation import Propagation, propagate
 from .soft_map import SoftMap, soft_map, soft_map_domain
 from .soft_map_levels import SoftMapSweeps, SymmetricSoftMap, soft_map_between, symmetric_soft_map
@@ -40,8 +40,8 @@ __all__ = [
     "Surface",
     "SymmetricSoftMap",
     "barycenter",
-    "barycenter_beside",
     "barycenter_between",
+    "barycenter_from_neighbor",
     "barycentric_coordinates",
     "bisect",
     "bisection",

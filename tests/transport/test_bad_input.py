@@ -16,8 +16,8 @@ from convwass_addon.transport import (
     SoftMapSweeps,
     Surface,
     barycenter,
-    barycenter_beside,
     barycenter_between,
+    barycenter_from_neighbor,
     barycentric_coordinates,
     bisect,
     distance,
@@ -52,7 +52,7 @@ COSTS = np.arange(16.0).reshape(4, 4)
 GOOD = {
     Grid: {"shape": (6, 5), "sigma": 1.0},
     barycenter: {"mus": MUS, "weights": WEIGHTS, "domain": GRID},
-    barycenter_beside: {"neighbor": SOLVED, "weights": WEIGHTS, "inputs": PREPARED, "sharpness": 0.0},
+    barycenter_from_neighbor: {"neighbor": SOLVED, "weights": WEIGHTS, "inputs": PREPARED, "sharpness": 0.0},
     barycenter_between: {"first": SOLVED, "second": SOLVED, "share": 0.5, "inputs": PREPARED},
     barycentric_coordinates: {"mu": MU, "mus": MUS, "domain": GRID},
     nearest_barycenter: {"mu": MU, "mus": MUS, "domain": GRID},
@@ -85,7 +85,7 @@ DENSITIES = [
     (0 * MU, "has no mass"),
 ]
 SOLVERS = [barycenter, barycentric_coordinates, nearest_barycenter, distance, distance_matrix, interpolate, bisect]
-SOLVERS += [propagate, barycenter_between, barycenter_beside, soft_map]
+SOLVERS += [propagate, barycenter_between, barycenter_from_neighbor, soft_map]
 SOFT_MAPS = [soft_map, soft_map_between, symmetric_soft_map]
 RATHER = {
     "tolerance": [(0.0, "must be positive, got 0.0"), (-1e-3, "must be positive"), (np.nan, "must be positive")],
@@ -122,13 +122,13 @@ def cases():
     yield barycenter, "weights", [1, 1, -1], r"must be zero or positive numbers"
     yield barycenter, "weights", [1, 1, np.nan], r"must be zero or positive numbers"
     yield barycenter, "weights", [0, 0, 0], "must not all be zero"
-    for solver in (barycenter, barycenter_between, barycenter_beside):
+    for solver in (barycenter, barycenter_between, barycenter_from_neighbor):
         yield solver, "numerics", "exact", 'must be "automatic" or "scaling", got \'exact\''
     for wrong in (0.0, -1.0, np.nan, np.inf):
-        for solver in (barycenter, barycenter_between, barycenter_beside):
+        for solver in (barycenter, barycenter_between, barycenter_from_neighbor):
             yield solver, "reach", wrong, f"must be a positive length, got {wrong}"
-    yield barycenter_beside, "neighbor", ELSEWHERE, "must be a barycenter of these inputs"
-    yield barycenter_beside, "weights", [1, 1], r"must be 3 numbers, one per distribution, got shape \(2,\)"
+    yield barycenter_from_neighbor, "neighbor", ELSEWHERE, "must be a barycenter of these inputs"
+    yield barycenter_from_neighbor, "weights", [1, 1], r"must be 3 numbers, one per distribution, got shape \(2,\)"
     for name in ("first", "second"):
         yield barycenter_between, name, ELSEWHERE, "must be a barycenter of these inputs"
     yield barycenter_between, "second", barycenter(PREPARED, [1, 1, 0], GRID), "must give weight to the inputs that"

@@ -21,7 +21,7 @@ from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_beside, barycenter_between
+from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_between, barycenter_from_neighbor
 from ..workers import frame_workers
 from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
@@ -267,4 +267,6 @@ def _solve_from(
     if len(starts) == 2:
         rounds = min(_MOST_ROUNDS, settings.max_iterations)
         return barycenter_between(*starts, place.share, inputs, max_iterations=rounds, **options)
-    return barycenter_beside(starts[0], place.blend.weights, inputs, max_iterations=settings.max_iterations, **options)
+    return barycenter_from_neighbor(
+        starts[0], place.blend.weights, inputs, max_iterations=settings.max_iterations, **options
+    )

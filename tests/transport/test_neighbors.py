@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.progress import Control
-from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_beside, barycenter_between
+from convwass_addon.transport import Grid, Inputs, barycenter, barycenter_between, barycenter_from_neighbor
 from convwass_addon.transport.log_range import LOG_NOTHING
 from convwass_addon.transport.potentials import Potentials
 from convwass_addon.transport.region import Region
@@ -89,10 +89,10 @@ def test_beside_one_neighbor_it_is_the_barycenter(reach):
     options = {"sharpness": 0.75, "reach": reach, "tolerance": 1e-6, "max_iterations": 3000}
     first = barycenter(INPUTS, [0.5, 0.5, 0.0], GRID, **options)
     truth = barycenter(INPUTS, [0.42, 0.58, 0.0], GRID, **options)
-    found = barycenter_beside(only_finest(first), [0.42, 0.58, 0.0], INPUTS, **options)
+    found = barycenter_from_neighbor(only_finest(first), [0.42, 0.58, 0.0], INPUTS, **options)
     assert found.converged
     assert difference(found, truth) < 1e-4
-    quick = barycenter_beside(only_finest(first), [0.42, 0.58, 0.0], INPUTS, sharpness=0.75, reach=reach)
+    quick = barycenter_from_neighbor(only_finest(first), [0.42, 0.58, 0.0], INPUTS, sharpness=0.75, reach=reach)
     assert quick.converged
     assert difference(quick, truth) < 0.2 * difference(first, truth)
 

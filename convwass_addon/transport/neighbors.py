@@ -78,7 +78,7 @@ def barycenter_between(
     )
 
 
-def barycenter_beside(
+def barycenter_from_neighbor(
     neighbor: Barycenter,
     weights: Sequence[float] | NDArray[np.float64],
     inputs: Inputs,
