@@ -10,7 +10,20 @@ from dataclasses import dataclass, fields
 import bpy
 import pytest
 
+from convwass_addon.applications.densities.density_settings import DensitySettings
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.palettes.palette_settings import RecolorSettings, TableSettings
+from convwass_addon.applications.reflectance.reflectance_settings import ReflectanceSettings
+from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
+from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
+from convwass_addon.bridge.armatures.fit_request import FitRequest
+from convwass_addon.bridge.densities.density_request import DensityRequest
+from convwass_addon.bridge.morphs.morph_request import MorphRequest
+from convwass_addon.bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from convwass_addon.cli.from_schema import add_setting_options, given_settings
+from convwass_addon.cli.program import VERBS
 from convwass_addon.errors import InputError
 from convwass_addon.panels.from_schema import draw_settings
 from convwass_addon.properties.from_schema import arguments_of, values_of, with_properties
@@ -264,3 +277,38 @@ def test_the_docstring_lists_what_the_class_declares():
     assert 'kind : "near-by" or "far"\n    Which one. "near-by": The nearest. "far": Others.' in RichSettings.__doc__
     assert Finer.__doc__.endswith("Attributes\n----------\ncount : int, 1 to 90\n    How many.\n")
     assert [one.name for one in settings_of(Finer)] == [one.name for one in fields(Finer) if one.name != "inputs"]
+
+
+OWNERS = [
+    (MorphSettings, bpy.types.Scene, "convwass_morph", "morph"),
+    (FlatSettings, bpy.types.Scene, "convwass_morph", "morph"),
+    (MorphRequest, bpy.types.Scene, "convwass_morph", "morph"),
+    (DensitySettings, bpy.types.Object, "convwass_density", "density"),
+    (DensityRequest, bpy.types.Object, "convwass_density", "density"),
+    (SoftMapSettings, bpy.types.Scene, "convwass_soft_map", "softmap"),
+    (MapRequest, bpy.types.Scene, "convwass_soft_map", "softmap"),
+    (TransferRequest, bpy.types.Scene, "convwass_soft_map", "softmap"),
+    (SkeletonSettings, bpy.types.Scene, "convwass_armature", "armature"),
+    (FitRequest, bpy.types.Scene, "convwass_armature", "armature"),
+    (RecolorSettings, bpy.types.Scene, "convwass_recolor", "recolor"),
+    (TableSettings, bpy.types.Scene, "convwass_recolor", "recolor"),
+    (ReflectanceSettings, bpy.types.Scene, "convwass_reflectance", "reflect"),
+    (SkySettings, bpy.types.Scene, "convwass_sky", "sky"),
+]
+
+
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize(
+    ("kind", "owner", "group", "verb"), OWNERS, ids=lambda value: getattr(value, "__name__", value)
+)
+def test_every_setting_is_in_its_group_and_among_the_options_of_its_verb(kind, owner, group, verb):
+    held = owner.bl_rna.properties[group].fixed_type.properties
+    parser = ArgumentParser(add_help=False)
+    next(one for one in VERBS if one.name == verb).add_options(parser)
+    options = {word for action in parser._actions for word in action.option_strings}
+    settings = list(settings_of(kind))
+    assert settings
+    for one in settings:
+        assert all(name in held for name in one.properties), one.name
+        assert one.option is None or one.option in options, one.name
+    assert set(arguments_of(kind().as_dict(), kind)) <= {name for one in settings for name in one.properties}
