@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from .grid_halving import doubled, halved
+
 # Width, in cells of its grid, of the means that are taken at each resolution: fine to coarse.
 _FINEST_WIDTH, _WIDTH = 0.7, 1.2
 # What the means on the next coarser grid count against those here.
@@ -45,26 +47,5 @@ def _means(sums: NDArray[np.float64], width: float) -> NDArray[np.float64]:
         total = sums.sum(axis=(0, 1, 2))
         rest = np.broadcast_to(total[:-1] / total[-1], blurred[..., :-1].shape)
     else:
-        rest = _doubled(_means(_halved(sums), _WIDTH), sums.shape[:3])
+        rest = doubled(_means(halved(sums), _WIDTH), sums.shape[:3])
     return (blurred[..., :-1] + _COARSER_SHARE * rest) / (blurred[..., -1:] + _COARSER_SHARE)
-
-
-def _halved(field: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Means of 2 x 2 x 2 cells; odd sides are filled up with zeros."""
-    field = np.pad(field, [(0, size % 2) for size in field.shape[:3]] + [(0, 0)])
-    for axis in range(3):
-        even, odd = (slice(None),) * axis + (slice(0, None, 2),), (slice(None),) * axis + (slice(1, None, 2),)
-        field = 0.5 * (field[even] + field[odd])
-    return field
-
-
-def _doubled(field: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """Interpolate linearly between the centers of the cells, constant beyond the outer ones."""
-    for axis, size in enumerate(shape):
-        values = np.moveaxis(field, axis, 0)
-        before, after = np.concatenate([values[:1], values[:-1]]), np.concatenate([values[1:], values[-1:]])
-        doubled = np.empty((2 * len(values), *values.shape[1:]))
-        doubled[0::2] = 0.75 * values + 0.25 * before
-        doubled[1::2] = 0.75 * values + 0.25 * after
-        field = np.moveaxis(doubled[:size], 0, axis)
-    return field

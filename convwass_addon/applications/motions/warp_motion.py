@@ -168,7 +168,7 @@ def warp_motion(
         yield Progress(end, Sentence("Following the shapes"))
         courses[i][j] = warped[i].course(flows.first, flows.second, control)
         courses[j][i] = warped[j].course(flows.second, flows.first, control)
-        errors[i, j] = inverse_error(warped[i].points, courses[i][j], flows, control)
+        errors[i, j] = inverse_error(warped[i].nodes.positions, courses[i][j], flows, control)
     for shape, own in zip(warped, courses, strict=True):
         shape.take(own)
     motion = WarpMotion(tuple(rests), tuple(warped), lattice, coherence, dict.fromkeys(wanted))

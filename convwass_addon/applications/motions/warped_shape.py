@@ -24,21 +24,18 @@ _SOLID = 0.5
 
 @dataclass(frozen=True)
 class Course:
-    """Where a warp takes one shape on the way to another, in cells.
+    """Where a warp takes the nodes of one shape on the way to another, in cells.
 
     Attributes
     ----------
-    meeting : (n, 3) float64
-        Its vertices where the two shapes meet.
-    end : (n, 3) float64
-        Its vertices laid over the other shape.
-    nodes : (m, 3) float64
-        Its nodes likewise.
+    meeting : (m, 3) float64
+        Where the two shapes meet.
+    end : (m, 3) float64
+        Laid over the other shape.
     """
 
     meeting: NDArray[np.float64]
     end: NDArray[np.float64]
-    nodes: NDArray[np.float64]
 
 
 class WarpedShape:
@@ -61,21 +58,17 @@ class WarpedShape:
 
     def course(self, own: StepFlow, other: StepFlow, control: Control) -> Course:
         """Follow the shape's own flow to the meeting place, and that of the other shape back from there."""
-        count = len(self.points)
-        met = own.moved(np.concatenate([self.points, self.nodes.positions]), control)
-        ends = other.moved_back(met, control)
-        return Course(met[:count], ends[:count], ends[count:])
+        met = own.moved(self.nodes.positions, control)
+        return Course(met, other.moved_back(met, control))
 
     def take(self, courses: Mapping[int, Course]) -> None:
         """Take the courses to other shapes, by their numbers."""
         self._courses = dict(courses)
-        self._blend = SolidBlend(self.nodes, [course.nodes for course in courses.values()])
-        # What interpolation between the nodes leaves out.
-        self._rests = [c.end - self.points - self._displaced(c.nodes) for c in courses.values()]
+        self._blend = SolidBlend(self.nodes, [course.end for course in courses.values()])
         # From half of the way along the blend to the meeting place.
         halves = np.eye(len(self._courses)) / 2.0
         self._detours = [
-            course.meeting - self._along(list(half)) for course, half in zip(courses.values(), halves, strict=True)
+            course.meeting - self._blend.at(list(half)) for course, half in zip(courses.values(), halves, strict=True)
         ]
 
     @property
@@ -102,21 +95,12 @@ class WarpedShape:
             How far the way leads through the places where shapes meet, from 0 to 1.
         """
         shares = [weights[other] for other in self._courses]
-        moved = self._along([pace * share for share in shares])
+        nodes = self._blend.at([pace * share for share in shares])
         for share, way in zip(shares, self._detours, strict=True):
             both = weights[own] + share
             if share > 0:
-                moved += pace * detour * both * np.sin(np.pi * share / both) ** 2 * way
-        return moved
-
-    def _along(self, shares: list[float]) -> NDArray[np.float64]:
-        moved = self.points + self._displaced(self._blend.at(shares))
-        for share, rest in zip(shares, self._rests, strict=True):
-            moved += share * rest
-        return moved
-
-    def _displaced(self, nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self._interpolation @ (nodes - self.nodes.positions)
+                nodes += pace * detour * both * np.sin(np.pi * share / both) ** 2 * way
+        return self.points + self._interpolation @ (nodes - self.nodes.positions)
 
 
 def _nodes(points: NDArray[np.float64], mass: NDArray[np.floating]) -> SolidNodes:
