@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -85,7 +84,7 @@ def test_swapped_shapes_move_alike(pair):
 def test_coherence_is_a_dial(pair):
     weights = (0.4, 0.6)
     steps = np.linspace(0.0, 1.0, 21)
-    moves = [replace(pair, coherence=float(c)).moved(weights) for c in steps]
+    moves = [pair.with_coherence(float(c)).moved(weights) for c in steps]
     still = np.asarray(weights) @ pair.lattice.centers - pair.lattice.centers[0]
     np.testing.assert_allclose(moves[0][0].vertices, moves[0][0].rest.vertices + still, atol=1e-4)
     changes = [spread(a, b) for a, b in pairwise(moves)]
@@ -130,7 +129,10 @@ def test_it_is_the_same_in_another_process_and_the_next_time(pair):
 
 def test_its_record_is_ready_for_json(three):
     record = json.loads(json.dumps(three.record()))
-    assert [entry["pair"] for entry in record["pairs"]] == [[0, 1], [0, 2], [1, 2]]
+    assert [entry["shapes"] for entry in record["pairs"]] == [
+        [f"shape {i}" for i in pair] for pair in ((0, 1), (0, 2), (1, 2))
+    ]
+    assert record["kind"] == "warp"
 
 
 @pytest.mark.parametrize(
@@ -147,7 +149,8 @@ def test_its_record_is_ready_for_json(three):
 )
 def test_bad_meshes_move_too(shape):
     motion = warp([shape, LONG], effort=LEAST)
-    for move in motion.moved((0.5, 0.5)):
+    for move, own in zip(motion.moved((0.5, 0.5)), (shape, LONG), strict=True):
+        assert move.parents is None or set(move.parents) == set(range(len(own.faces)))
         assert np.isfinite(move.vertices).all()
         assert np.abs(move.vertices[move.rest.faces]).max() < 5.0
 
@@ -156,8 +159,10 @@ def test_what_makes_no_sense_is_refused():
     empty = TriangleMesh.from_arrays(np.zeros((3, 3)), np.zeros((0, 3), int))
     with pytest.raises(InputError, match="'shape 1' has no faces"):
         warp([LONG, empty])
-    with pytest.raises(InputError, match="Coherence"):
+    with pytest.raises(InputError, match="coherence"):
         warp([LONG, TALL], coherence=1.5)
+    with pytest.raises(InputError, match="coherence"):
+        warp([LONG, TALL], effort=LEAST).with_coherence(-0.1)
 
 
 def test_progress_rises_and_it_can_be_stopped():

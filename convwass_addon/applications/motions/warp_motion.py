@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
-from ...geometry.short_edges import with_short_edges
+from ...geometry.subdivision import Subdivision, with_short_edges
 from ...geometry.thicken import shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -29,6 +30,8 @@ from .warped_shape import Course, WarpedShape
 _SIGMA = 1.5
 # Longest edge of a mesh that is moved, in cells.
 _LONGEST_EDGE = 0.7
+# Splitting ends at so many vertices; a mesh that has more itself is moved as it is.
+_MOST_VERTICES = 200_000
 # Solids of fewer cells are taken for sheets, of this thickness in cells.
 _LEAST_CELLS, _SHEET = 20.0, 2.0
 # Coherence at which the motion is done fully, and how far it then leads through the meeting place.
@@ -64,8 +67,10 @@ class WarpMotion:
 
     Attributes
     ----------
-    rests : tuple of TriangleMesh
-        The inputs with their long edges split.
+    names : tuple of str
+        What the shapes are called.
+    rests : tuple of Subdivision
+        The inputs, facing outward, with their long edges split.
     shapes : tuple of WarpedShape
         In cells.
     lattice : Lattice
@@ -76,11 +81,14 @@ class WarpMotion:
         How well each pair fits, by the numbers of its two shapes.
     """
 
-    rests: tuple[TriangleMesh, ...]
+    names: tuple[str, ...]
+    rests: tuple[Subdivision, ...]
     shapes: tuple[WarpedShape, ...]
     lattice: Lattice
     coherence: float
     signals: dict[tuple[int, int], WarpSignals]
+
+    kind: ClassVar[str] = "warp"
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
@@ -98,16 +106,31 @@ class WarpMotion:
 
     def record(self) -> dict[str, object]:
         """Say how well every pair fits, ready for JSON."""
-        pairs = [{"pair": list(pair), **signals.record()} for pair, signals in self.signals.items()]
-        return {"motion": "warp", "coherence": self.coherence, "cells": list(self.lattice.shape), "pairs": pairs}
+        pairs = [
+            {"shapes": [self.names[index] for index in pair], **signals.record()}
+            for pair, signals in self.signals.items()
+        ]
+        settings = {"coherence": self.coherence, "cells": list(self.lattice.shape)}
+        return {"kind": self.kind, "settings": settings, "pairs": pairs}
+
+    def with_coherence(self, coherence: float) -> WarpMotion:
+        """Return the same motion with another coherence, at once.
+
+        Raises
+        ------
+        InputError
+            It does not lie between 0 and 1.
+        """
+        _check_coherence(coherence)
+        return replace(self, coherence=coherence)
 
     def _moved(self, index: int, weights: Sequence[float]) -> MovedShape:
-        rest = self.rests[index]
+        rest, parents = self.rests[index].mesh, self.rests[index].parents
         if weights[index] == 1.0:
-            return MovedShape(rest, rest.vertices)
+            return MovedShape(rest, rest.vertices, parents)
         middle = np.asarray(weights, np.float64) @ self.lattice.centers
         vertices = self.cells(index, weights) * self.lattice.spacing + self.lattice.origin + middle
-        return MovedShape(rest, vertices)
+        return MovedShape(rest, vertices, parents)
 
     def cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
         """Return the vertices of a shape in the blend with these weights, (n, 3) in cells."""
@@ -146,17 +169,16 @@ def warp_motion(
     InputError
         A shape without faces, or a coherence beyond its limits.
     """
-    if not 0.0 <= coherence <= 1.0:
-        raise InputError("Coherence must lie between 0 and 1, got {coherence}.", coherence=coherence)
+    _check_coherence(coherence)
     for shape, name in zip(shapes, names, strict=True):
         if not len(shape.faces):
             raise InputError("'{name}' has no faces, so there is nothing to move. Use a mesh with faces.", name=name)
     outward = [orient_outward(shape) for shape in shapes]
     lattice = Lattice.around(outward, effort.cells, _SIGMA)
     solids = [_filled(lattice.to_cells(shape, index), lattice) for index, shape in enumerate(outward)]
-    rests = [with_short_edges(shape, _LONGEST_EDGE * lattice.spacing) for shape in outward]
+    rests = [with_short_edges(shape, _LONGEST_EDGE * lattice.spacing, _MOST_VERTICES) for shape in outward]
     warped = [
-        WarpedShape((rest.vertices - center - lattice.origin) / lattice.spacing, solid)
+        WarpedShape((rest.mesh.vertices - center - lattice.origin) / lattice.spacing, solid)
         for rest, center, solid in zip(rests, lattice.centers, solids, strict=True)
     ]
     wanted = sorted({(min(pair), max(pair)) for pair in pairs})
@@ -171,10 +193,15 @@ def warp_motion(
         errors[i, j] = inverse_error(warped[i].nodes.positions, courses[i][j], flows, control)
     for shape, own in zip(warped, courses, strict=True):
         shape.take(own)
-    motion = WarpMotion(tuple(rests), tuple(warped), lattice, coherence, dict.fromkeys(wanted))
+    motion = WarpMotion(tuple(names), tuple(rests), tuple(warped), lattice, coherence, dict.fromkeys(wanted))
     for pair in wanted:
         motion.signals[pair] = _signals(motion, pair, solids, errors[pair], control)
     return motion
+
+
+def _check_coherence(coherence: float) -> None:
+    if not 0.0 <= coherence <= 1.0:
+        raise InputError("The coherence must lie between 0 and 1.")
 
 
 def _signals(
@@ -187,7 +214,7 @@ def _signals(
     """Measure a pair of a motion that is otherwise finished."""
     i, j = pair
     weights = [0.5 * (index in pair) for index in range(len(solids))]
-    half_way = [_filled(motion.cells(index, weights)[motion.rests[index].faces], motion.lattice) for index in pair]
+    half_way = [_filled(motion.cells(index, weights)[motion.rests[index].mesh.faces], motion.lattice) for index in pair]
     gradients = [motion.shapes[i].gradients(j), motion.shapes[j].gradients(i)]
     return WarpSignals(
         length_before=length_between(solids[i], solids[j], control),
