@@ -15,6 +15,7 @@ from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import unit_mass
 from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
 from ..bridge.blend_files import open_blend
+from ..bridge.frame_range import play_whole
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_group
@@ -61,9 +62,9 @@ class DensityScene:
         """The frame at which animations start."""
         return bpy.context.scene.frame_start
 
-    def extend(self, last: int) -> None:
-        """Let the scene run to a frame at least."""
-        bpy.context.scene.frame_end = max(bpy.context.scene.frame_end, last)
+    def play_to(self, last: int) -> None:
+        """Let the scene end with the animation that starts where it does."""
+        play_whole(bpy.context.scene, self.first_frame, last)
 
     def stands_for_weights(self, name: str) -> bool:
         """Whether a word means a group there is, or vertices."""

@@ -102,7 +102,7 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
     animate_density(scene.object, shown, frames.times, name, keys=keys, easing=request.easing, description=stored)
     if not any(scene.object.data.materials):
         scene.object.data.materials.append(heat_material(name))
-    scene.extend(int(keys[-1].frame))
+    scene.play_to(int(keys[-1].frame))
     record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records}
     return Answer.of_files(record, [save_blend(target)])
 

@@ -18,6 +18,7 @@ from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
+from ..bridge.frame_range import play_from_start
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked, write_group
 from ..errors import InputError
@@ -86,8 +87,7 @@ class CONVWASS_OT_interpolate_density(
         if self.add_material and not any(slot.material for slot in obj.material_slots):
             obj.active_material = heat_material(self.density)
         if keys:
-            scene = self._own_scene(context)
-            scene.frame_end = max(scene.frame_end, int(np.ceil(stops.frames[-1])))
+            play_from_start(self._own_scene(context), stops.frames[0], stops.frames[-1])
         text = rpt_("{:s}: {:d} steps from frame {:g} to {:g}")
         text = text.format(self.density, len(frames.times), stops.frames[0], stops.frames[-1])
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])

@@ -112,6 +112,24 @@ def test_scripts_name_groups_and_frames(obj):
     assert stored_density(obj, "Density").inputs == ["C", "C"]
 
 
+@pytest.mark.parametrize(
+    ("frames", "end"), [("1, 13", 13), ("1, 300.5", 301), ("", 3), ("20, 40", 250), ("20, 400", 400)]
+)
+def test_the_scene_ends_with_a_density_that_begins_where_it_does(obj, frames, end):
+    """One that begins later is played among all that the scene had."""
+    scene = bpy.context.scene
+    assert (scene.frame_start, scene.frame_end) == (1, 250)
+    call("interpolate_density", groups="A, C", frames=frames, steps=2)
+    assert (scene.frame_start, scene.frame_end) == (1, end)
+
+
+def test_keys_that_stay_leave_the_scene_as_it_is(obj):
+    call("interpolate_density", groups="A, C", frames="1, 13", steps=2)
+    bpy.context.scene.frame_end = 99
+    call("interpolate_density", groups="A, C", frames="1, 13", steps=2, set_keys=False)
+    assert bpy.context.scene.frame_end == 99
+
+
 @pytest.mark.parametrize("entropy_limit", ["OFF", "BETWEEN", "MAX", "NUMBER"])
 def test_the_bound_keeps_it_from_spreading(obj, entropy_limit):
     call("interpolate_density", groups="A, C", steps=4, entropy_limit=entropy_limit, entropy_bound=-1.8)

@@ -16,6 +16,7 @@ from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph_problem import MorphFrame
 from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
+from ..frame_range import play_among_others, play_whole
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..objects import write_mesh
@@ -208,7 +209,9 @@ class MorphBake:
             raise ConvwassError("No frame was finished, so there is no morph to keep.")
         if self._blends[0].frame is not None:
             self._show_in_time(collection, frames)
-            self._fit_range(scene, self._scene_frame(max(frames, key=self._scene_frame)))
+            is_first = self._stored.settings.get("start", "SCENE") == "SCENE"
+            last = self._scene_frame(max(frames, key=self._scene_frame))
+            (play_whole if is_first else play_among_others)(scene, self._stored.first_frame, last)
             scene.frame_set(self._stored.first_frame)
         bpy.context.view_layer.update()
         records = [
@@ -225,14 +228,6 @@ class MorphBake:
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)
         return collection
-
-    def _fit_range(self, scene: bpy.types.Scene, last: int) -> None:
-        """Let the scene end with a morph that begins where the scene does, and otherwise hold it among what it has."""
-        first = self._stored.first_frame
-        if self._stored.settings.get("start", "SCENE") != "SCENE":
-            first, last = min(first, scene.frame_start), max(last, scene.frame_end)
-        scene.frame_end = last
-        scene.frame_start = first
 
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
         """Let every object of a path be visible until the next one that there is."""
