@@ -14,6 +14,7 @@ from pathlib import Path
 
 from . import (
     coherence,
+    constants,
     correspondences,
     flat,
     midpoints,
@@ -41,6 +42,7 @@ _ALL = (
     "recolor",
     "sphere",
     "peers",
+    "constants",
 )
 
 
@@ -63,6 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
     names.add_parser("recolor", help=recolor.__doc__).set_defaults(run=lambda _options: recolor.main())
     _add_sphere(names.add_parser("sphere", help=sphere.__doc__))
     _add_peers(names.add_parser("peers", help=peers.__doc__))
+    _add_constants(names.add_parser("constants", help=constants.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
     for chosen in [arguments] if arguments else [[name] for name in _ALL]:
         options = parser.parse_args(chosen)
@@ -124,6 +127,11 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
             sheets=options.sheets,
         )
     )
+
+
+def _add_constants(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--cells", type=int, default=72, help="cells along each side (%(default)s)")
+    parser.set_defaults(run=lambda options: constants.main(options.cells))
 
 
 def _add_rivals(parser: argparse.ArgumentParser) -> None:

@@ -27,9 +27,10 @@ from .region import Region
 from .sharpening import entropy
 
 # Coarser levels are solved to this share of the tolerance: what they leave is what the finest level is slowest to mend,
-# but more than this changes nothing in its rounds.
+# but more than this changes nothing in its rounds (docs/performance.md, "Constants of the barycenter").
 _COARSE_TOLERANCE = 0.6
-# A region is widened by so many cells while more than this share of the tolerance lies at its rim.
+# A region is widened by so many cells while more than this share of the tolerance lies at its rim, so that what it
+# leaves out stays below the tolerance; a third or three times as much changes nothing (the same table).
 _RIM_SHARE = 0.1
 _RIM_CELLS = 3
 

@@ -19,22 +19,25 @@ from .potentials import Potentials
 from .region import Region
 from .sharpening import BOUNDED_STEP, sharpening_exponent
 
-# The debiasing density spans a few orders of magnitude where there is mass; elsewhere it does not matter.
+# The debiasing density spans a few orders of magnitude where there is mass; elsewhere it does not matter, but its
+# exponential must stay within float64, whose logarithms end at 709.
 _DEBIAS_RANGE = 700.0
-# Over-relaxation of v, which helps on grids, is given up once a round leaves more than this share of the error.
+# Over-relaxation of v, which helps on grids, is given up once a round leaves more than this share of the error. A
+# guard: where rounds converge as they should it never acts (docs/performance.md, "Constants of the barycenter").
 _STALLED = 0.95
 # Share of the step that d takes. Where the error of ln d varies slowly against the kernel, whole steps would overshoot;
-# where it varies faster, each leaves 1 - (1 - s) of it. Between them this leaves least, on shapes and on noise.
+# where it varies faster, each leaves 1 - (1 - s) of it. Between them this leaves least (the same table).
 _DEBIAS_STEP = 0.7
 # Share of its last step that ln d goes on by, as a heavy ball does, and how much less of it per lack of sharpness: the
-# errors of sharper barycenters are slower.
+# errors of sharper barycenters are slower. Measured for full sharpness, and for 0.75 (the same table).
 _DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
-# What a step leaves of the error of d, measured: about a half.
+# What a step leaves of the error of d: about a half. It allows d to be twice as far off before the last one, which
+# saves a round and costs no exactness (docs/performance.md, "Barycenters on grids", the row of the last step).
 _SETTLED = 0.5
 # The most that the last step, after which nothing is measured, changes ln d anywhere.
 _LAST_STEP = float(np.log(2.0))
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
-# finer levels, beyond a margin.
+# finer levels, beyond a margin (docs/performance.md, "Constants of the barycenter").
 _NEGLIGIBLE_SHARE = 0.3
 
 

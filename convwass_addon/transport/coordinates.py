@@ -19,6 +19,7 @@ from .inputs import Inputs
 from .sinkhorn import balancing, self_balancing
 
 # How much heavier the constraint that weights sum to one is than the quadratic form, in nonnegative least squares.
+# Its rounding, 1e4 x 1e-16, is far below the tolerance of any solve.
 _CONSTRAINT = 1e4
 # Weights are moved this far to see how the barycenter answers; less would drown in the solver's tolerance.
 _NUDGE = 1e-2

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # A coarser domain keeps the kernel of a finer one unless that is narrower, in its elements, than this; then it keeps
-# sigma.
+# sigma (docs/performance.md, "Constants of the barycenter").
 _NARROWEST_COARSE = 1.25
 
 

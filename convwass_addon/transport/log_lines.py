@@ -10,10 +10,12 @@ from scipy.linalg import blas
 
 from .log_range import LOG_NOTHING, NEGLIGIBLE, floored_log
 
-# Cells of a block, in standard deviations: across one the kernel falls by e^-100, which float64 holds with room.
+# Cells of a block, in standard deviations: across one the kernel falls by e^(-14^2 / 2) = e^-98, and
+# across two by e^-392: float64 holds e^-708 (times are in docs/performance.md, "Barycenters on grids").
 _BLOCK = 14.0
 _LEAST_BLOCK = 8
-# What is smaller than a sum by more than this does not change it.
+# What is smaller than a sum by more than this does not change it: e^-45 is 3e-20, and sums of float64 are exact to
+# 1e-16.
 _DEPTH = 45.0
 _LESS_THAN_NOTHING = -1e30
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, kve
 
-# The table reaches as far as logarithms of float64 do, and is fine enough for the interpolation to be right to 1e-5.
+# The table reaches as far as logarithms of float64 do, and is fine enough for the interpolation to be right to 1e-5
+# (tests/transport/test_matern.py).
 _REACH = 1500.0
 _ENTRIES = 20000
 _LARGE_ORDER = 60

@@ -19,7 +19,8 @@ from ..progress import UNINTERRUPTED, Control
 
 # Smaller meshes are solved as fast as coarser ones of them are made.
 _FEWEST_VERTICES = 8000
-# The share of the vertices that the next coarser mesh has.
+# The share of the vertices that the next coarser mesh has: of half the resolution, as on grids. What coarser meshes
+# gain is measured in docs/performance.md, "Meshes".
 _SHARE = 0.25
 
 

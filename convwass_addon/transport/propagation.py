@@ -20,7 +20,8 @@ from .propagation_sweeps import PropagationIteration
 from .rounds import COARSE_SHARE, RoundReports
 from .sharpening import entropy
 
-# Sweeps after which bounds are raised where that is allowed. What converges at all takes ten to thirty on meshes.
+# Sweeps after which bounds are raised where that is allowed. What converges at all takes ten to thirty on meshes,
+# and 57 in the worst case that was seen (docs/performance.md, "Meshes").
 _PATIENCE = 60
 
 

@@ -16,7 +16,8 @@ from .relaxation import AdaptiveRelaxation
 from .sharpening import BOUNDED_STEP, sharpening_exponent
 from .sinkhorn import KernelInLogarithms, log_density, marginal_errors
 
-# How much wider the range of the waves is than the exponent: with less, densities of two peaks do not converge.
+# How much wider the range of the waves is than the exponent: with less, densities of two peaks do not converge
+# (docs/performance.md, "Meshes").
 _RANGE = 2.0
 
 

@@ -17,7 +17,8 @@ from .checks import check_solver
 from .soft_map_problem import SoftMapProblem
 from .surface import Surface
 
-# gamma over the squared mean edge length of the target, which the whole map depends little on.
+# gamma over the squared mean edge length of the target, which the whole map depends little on: chosen by eye,
+# annealing it is as good or worse (docs/performance.md, "Soft maps").
 GAMMA_PER_SQUARED_EDGE = 1.7
 
 

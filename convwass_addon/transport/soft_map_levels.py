@@ -18,7 +18,8 @@ from .soft_map import GAMMA_PER_SQUARED_EDGE, SoftMap, soft_map_domain
 from .soft_map_problem import SoftMapProblem, SourceEdges, check_pairs
 from .surface import Surface
 
-# The coarse meshes have this share of the vertices: a map between them takes a thirtieth of the time, and is as right.
+# The coarse meshes have this share of the vertices: a map between them takes a thirtieth of the time, since a
+# sweep is a product of matrices (0.3^3 = 1/37), and is as right (docs/performance.md, "Soft maps").
 _SHARE = 0.3
 # Between smaller meshes maps are solved as fast as coarser ones are made.
 _FEWEST_VERTICES = 250

@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import dijkstra
 from benchmarks import (
     __main__ as command_line,
     barycenter_peers,
+    constants,
     geomloss_loop,
     measures,
     meshes,
@@ -137,6 +138,7 @@ def test_no_name_means_every_benchmark(monkeypatch):
         "recolor",
         "sphere",
         "peers",
+        "constants",
     )
     for name in modules:
         module = getattr(command_line, name)
@@ -155,7 +157,19 @@ def test_no_name_means_every_benchmark(monkeypatch):
         ("recolor",),
         ("sphere", [64, 128]),
         ("peers", [64, 100], 256, list(midpoints.SIZES), 300.0),
+        ("constants", 72),
     ]
+
+
+def test_constants_are_changed_one_at_a_time_and_are_as_before_in_the_end(capsys):
+    before = [getattr(varied.module, varied.name) for varied in constants.VARIED]
+    constants.main(16)
+    rows = capsys.readouterr().out.splitlines()
+    assert len(rows) == 3 + sum(len(varied.values) for varied in constants.VARIED)
+    # What is changed is heeded: the step of the debiasing density decides how its rounds go.
+    ends = {row.split(" | ")[0].strip("| "): row.split(" | ")[-1] for row in rows[2:]}
+    assert ends["_DEBIAS_STEP 0.7: 0.5"].split(",")[0] != ends["as it is"].split(",")[0]
+    assert [getattr(varied.module, varied.name) for varied in constants.VARIED] == before
 
 
 def test_options_reach_the_benchmarks(monkeypatch, tmp_path):

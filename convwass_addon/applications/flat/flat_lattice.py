@@ -18,7 +18,8 @@ from .flat_pieces import FlatPieces
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 16
-# Most bytes per cell at the peak, of a part of every shape and of a thread that solves, measured.
+# Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of a part of every shape and of a
+# thread that solves.
 _BYTES_PER_SHAPE, _BYTES_PER_WORKER = 60, 400
 
 

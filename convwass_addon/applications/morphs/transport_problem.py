@@ -18,8 +18,9 @@ from .parts import SplitShapes
 
 # Sketches are solved on the finest of the coarser levels that has so few cells.
 _SKETCH_CELLS = 300_000
-# Most bytes per cell of the level it is solved on, measured, that a sketch keeps until its blend is finished: for all
-# cells, for those that the largest shape fills, and for every further part.
+# Most bytes per cell of the level it is solved on that a sketch keeps until its blend is finished
+# (tests/applications/test_previews.py, test_what_sketches_keep_is_estimated): for all cells, for those that the largest
+# shape fills, and for every further part.
 _SKETCH_BYTES, _SKETCH_BYTES_FILLED, _SKETCH_BYTES_PART = 52, 85, 45
 
 

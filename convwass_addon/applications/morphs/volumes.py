@@ -29,8 +29,8 @@ _MARGIN = 4
 _LEAST_CELLS = 20.0
 # Sheets are given at least this thickness, in cells: what survives a morph.
 _LEAST_THICKNESS = 2.0
-# Most bytes per cell at the peak, measured, of every shape and of every thread that solves: for all cells of the grid,
-# for those that the largest shape fills, and for every further part.
+# Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of every shape and of every thread that
+# solves: for all cells of the grid, for those that the largest shape fills, and for every further part.
 _BYTES_PER_SHAPE, _BYTES_PER_SHAPE_FILLED, _BYTES_PER_SHAPE_PART = 18, 80, 4
 _BYTES_PER_WORKER, _BYTES_PER_WORKER_FILLED, _BYTES_PER_WORKER_PART = 90, 330, 12
 # Thin shapes fill little of the grid; what the solver keeps of them does not fall below this.

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The memory that a bake is said to need is what it needs at the peak: never less, and not several times as much."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.flat import flat_lattice
+from convwass_addon.applications.flat.flat_morph import flat_morph
+from convwass_addon.applications.flat.flat_problem import flat_problem
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.flat.flat_shapes import FlatShape
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.volumes import Lattice
+from convwass_addon.progress import drained
+from tests.flat_shapes import ellipse
+from tests.shapes import ball, box, torus
+
+BLENDS = path_blends(2, 4)
+
+
+def peak_of(work):
+    """The second time: what is imported and cached once is not counted."""
+    drained(work())
+    tracemalloc.start()
+    drained(work())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+@pytest.mark.parametrize("shapes", [[ball(), box()], [torus(1.0, 0.2), box((2.0, 0.3, 0.3))]], ids=["full", "slender"])
+def test_of_solids(shapes):
+    settings = MorphSettings(resolution=64)
+    lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
+    peak = peak_of(lambda: morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
+    assert 0.3 < peak / lattice.memory(shapes, 1, 1) < 1.0
+
+
+def test_of_flat_shapes():
+    shapes = [FlatShape((ellipse(radii=radii),)) for radii in ((1.0, 1.0), (0.5, 1.5))]
+    settings = FlatSettings(resolution=256)
+    cells = np.prod(flat_problem(shapes, ["a", "b"], settings).lattice.shape)
+    peak = peak_of(lambda: flat_morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
+    estimate = cells * (2 * flat_lattice._BYTES_PER_SHAPE + flat_lattice._BYTES_PER_WORKER)
+    assert 0.3 < peak / estimate < 1.0
