@@ -115,6 +115,7 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, bob and blub")
     parser.add_argument("--json", action="store_true", help="a line of JSON per pair and motion instead of tables")
     parser.add_argument("--sheets", type=Path, help="a folder to write pictures of every pair to")
+    parser.add_argument("--maps", action="store_true", help="only how well the shapes are mapped to each other")
     parser.set_defaults(
         run=lambda options: coherence.main(
             options.pairs,
@@ -125,6 +126,7 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
             meshes=options.meshes,
             as_json=options.json,
             sheets=options.sheets,
+            maps=options.maps,
         )
     )
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .coherence_cases import TRANSPORT, motions
+from .coherence_maps import print_maps
 from .coherence_pairs import ONE_BUILD, OTHER_BUILD, CoherencePair, half, pairs_named
 from .coherence_sheets import write_sheets
 from .processes import PROJECT, measured
@@ -47,6 +48,7 @@ def main(
     meshes: Path | None = None,
     as_json: bool = False,
     sheets: Path | None = None,
+    maps: bool = False,
 ) -> None:
     """Bake the pairs with every motion and print the tables.
 
@@ -66,8 +68,14 @@ def main(
         Print one line of JSON per pair and motion instead.
     sheets : Path or None
         A folder to write a picture per pair to, a row of frames for every motion.
+    maps : bool
+        Print how well the shapes are mapped to each other, and bake nothing.
     """
     pairs = list(half(meshes, tuned=not held_back)) if chosen is None else _named(chosen, meshes)
+    folder = None if meshes is None else str(meshes.absolute())
+    if maps:
+        print_maps(pairs, folder)
+        return
     ways = _offered(ways)
     if not as_json:
         print(_HEADING.format(frames=frames, cells=cells, half="Pairs held back." if held_back else ""))
@@ -82,7 +90,7 @@ def main(
                 motion=way,
                 cells=cells,
                 frames=frames,
-                meshes=None if meshes is None else str(meshes.absolute()),
+                meshes=folder,
                 keep=str(kept_frames(pair.name, way)),
             )
             found[pair.name, way] = figures

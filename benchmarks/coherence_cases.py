@@ -22,6 +22,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 from .blends import baked_frames
 from .clock import Clock
+from .coherence_maps import mapped
 from .coherence_measures import (
     Along,
     Evenness,
@@ -117,6 +118,12 @@ def passage(
     return {**held(bake, ends), **clean(bake), "records": [_brief(record) for record in bake.records]}
 
 
+def mapping(pair: str, meshes: str | None = None) -> dict[str, object]:
+    """Map the shapes of one pair to each other; see :func:`.coherence_maps.mapped`."""
+    (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
+    return mapped(chosen.ends())
+
+
 def held(bake: Bake, ends: Ends) -> dict[str, object]:
     """Measure whether frames hold together."""
     along = Along.of(bake.meshes, bake.times)
@@ -173,7 +180,7 @@ def _brief(record: dict[str, object]) -> dict[str, object]:
     return {key: record[key] for key in ("weights", "found", "mended", "motion") if key in record}
 
 
-CASES = {"passage": passage}
+CASES = {"passage": passage, "mapping": mapping}
 
 if __name__ == "__main__":
     case, options = sys.argv[1:]

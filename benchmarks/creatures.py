@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,15 @@ RAISED = (8.0, 55.0, 82.0, 70.0, 20.0)
 REACHING = (-10.0, 12.0, 22.0, 10.0, -8.0)
 
 
-def octopus(arms: Sequence[tuple[float, ...]], turns: Sequence[float], seed: int) -> Sculpture:
+@dataclass(frozen=True)
+class Creature:
+    """A body with the tips of its arms, (k, 3)."""
+
+    sculpture: Sculpture
+    tips: NDArray[np.float64]
+
+
+def octopus(arms: Sequence[tuple[float, ...]], turns: Sequence[float], seed: int) -> Creature:
     """Sculpt an octopus.
 
     Parameters
@@ -37,10 +46,12 @@ def octopus(arms: Sequence[tuple[float, ...]], turns: Sequence[float], seed: int
     clay.add(ellipsoid((0.06, 0, 0.54), (0.32, 0.32, 0.26)), 0.25)
     clay.add(both_sides(ellipsoid((0.25, 0.19, 0.76), (0.12, 0.12, 0.12))), 0.03)
     clay.carve(both_sides(ellipsoid((0.36, 0.25, 0.78), (0.05, 0.05, 0.06))), 0.02)
+    tips = []
     for number, (angles, turn) in enumerate(zip(arms, turns, strict=True)):
         yaw = np.radians(22.5 + 45.0 * number)
+        tips.append(octopus_arm(yaw, angles, turn)[-1])
         clay.add(tube(octopus_arm(yaw, angles, turn), _ARM_RADII, 4), 0.07)
-    return clay
+    return Creature(clay, np.array(tips))
 
 
 def octopus_arm(yaw: float, angles: Sequence[float], turn: float) -> NDArray[np.float64]:
@@ -55,10 +66,11 @@ def octopus_arm(yaw: float, angles: Sequence[float], turn: float) -> NDArray[np.
     return np.stack(points)
 
 
-def starfish(bends: Sequence[float], lifts: Sequence[float], seed: int) -> Sculpture:
+def starfish(bends: Sequence[float], lifts: Sequence[float], seed: int) -> Creature:
     """Sculpt a starfish seen from the front (-Y), its five arms bent in their plane and out of it, in degrees."""
     clay = Sculpture(seed)
     clay.add(ellipsoid((0, 0, 1.0), (0.20, 0.42, 0.42), (0, -1, 0)))
+    tips = []
     for number, (bend, lift) in enumerate(zip(bends, lifts, strict=True)):
         angle = np.radians(90.0 + 72.0 * number)
         point = np.array([0.18 * np.cos(angle), 0.0, 1.0 + 0.18 * np.sin(angle)])
@@ -67,10 +79,11 @@ def starfish(bends: Sequence[float], lifts: Sequence[float], seed: int) -> Sculp
             heading, out = angle + np.radians(bend) * step / 3.0, np.radians(lift) * step / 3.0
             direction = [np.cos(heading) * np.cos(out), -np.sin(out), np.sin(heading) * np.cos(out)]
             points.append(points[-1] + 0.23 * np.array(direction))
+        tips.append(points[-1])
         clay.add(tube(points, (0.21, 0.185, 0.15, 0.115, 0.075), 4), 0.12)
     for x in (-0.11, 0.11):
         clay.add(ellipsoid((x, -0.19, 1.12), (0.06, 0.06, 0.075), (0, -1, 0)), 0.012)
-    return clay
+    return Creature(clay, np.array(tips))
 
 
 def shark(seed: int) -> Sculpture:

@@ -6,15 +6,24 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Literal
 
 import numpy as np
 import pytest
 
-from benchmarks import __main__ as command_line, clean_frames, coherence, coherence_cases, coherence_sheets
+from benchmarks import (
+    __main__ as command_line,
+    clean_frames,
+    coherence,
+    coherence_cases,
+    coherence_maps,
+    coherence_sheets,
+)
 from benchmarks.coherence_cases import Bake, held, motions, passage, read_frames, residual, settings_for
 from benchmarks.coherence_pairs import Ends, pairs_named
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.geometry.closest_points import ClosestPointFinder
 from tests.shapes import ball
 
 FIGURES = {
@@ -70,7 +79,7 @@ def test_options_reach_the_benchmark(monkeypatch, tmp_path):
     command_line.main(["coherence", "--pairs", "man walks,A to B", "--resolution", "32", "--held-back", "--json"])
     ((options, more),) = started
     assert options == (["man walks", "A to B"], None, 32, 24)
-    assert more == {"held_back": True, "meshes": None, "as_json": True, "sheets": None}
+    assert more == {"held_back": True, "meshes": None, "as_json": True, "sheets": None, "maps": False}
 
 
 def test_tables_are_printed_with_the_worst_beside_the_goal(monkeypatch, capsys, tmp_path):
@@ -155,3 +164,30 @@ def test_clean_frames_are_told_with_the_worst_of_all(monkeypatch, capsys):
 
 def test_the_default_motion_is_that_of_the_settings():
     assert clean_frames.default_motion() in motions()
+
+
+class _Led:
+    """A motion between one mesh and itself whose map shifts the numbers of the vertices."""
+
+    def __init__(self, mesh, shift):
+        order = np.roll(np.arange(len(mesh.vertices)), shift)
+        images = ClosestPointFinder(mesh.corners).find(mesh.vertices[order])
+        self.carriers = [SimpleNamespace(mesh=mesh)] * 2
+        self.deformations = {key: SimpleNamespace(images=images) for key in ((0, 1), (1, 0))}
+
+
+def test_tips_that_a_map_leads_to_another_one_are_astray():
+    mesh = ball(points=40)
+    tips = np.stack([mesh.vertices[[3, 20, 33]]] * 2)
+    assert not coherence_maps.astray(_Led(mesh, 0), tips).any()
+    assert coherence_maps.astray(_Led(mesh, 17), tips)[0, 1]
+
+
+def test_maps_are_printed_with_what_is_wrong(monkeypatch, capsys):
+    said = {"score": 0.9, "confidence": 0.95, "doubtful": 0.1, "round_trip_95": 0.2, "left_99": 0.01, "stretch": 0.3}
+    answers = iter([{**said, "torn": 0.0, "folded": 0.0, "wrong": 2, "tips": 4, "cpu": 1.0}, {"error": "no map"}])
+    monkeypatch.setattr(coherence_maps, "measured", lambda *case, **options: next(answers))
+    coherence.main(["man walks", "A to B"], None, 32, 8, maps=True)
+    printed = capsys.readouterr().out
+    assert "2/4" in printed
+    assert "no map" in printed
