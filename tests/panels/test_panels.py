@@ -230,8 +230,8 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
     def refuse(*_arguments, **_options):
         raise AssertionError("drawing asked for work")
 
-    for name in ("check_shape", "triangle_mesh"):
-        monkeypatch.setattr(f"convwass_addon.operators.morph_inputs.{name}", refuse)
+    monkeypatch.setattr("convwass_addon.applications.morphs.shape_check.check_shape", refuse)
+    monkeypatch.setattr("convwass_addon.operators.morph_inputs.triangle_mesh", refuse)
     for name in ("morph", "aligned", "triangle_mesh"):
         monkeypatch.setattr(f"convwass_addon.bridge.morphs.job.{name}", refuse)
     monkeypatch.setattr("convwass_addon.bridge.morphs.bake.health", refuse)
