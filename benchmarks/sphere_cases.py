@@ -65,7 +65,7 @@ def lobes(pair: str, entropy: str) -> dict[str, object]:
     """Interpolate two materials half way, for all incoming directions."""
     turns = {"turns": 4, "incoming": 4} if pair != "round" else {}
     start = time.process_time()
-    blend = LobeBlend.of(_PAIRS[pair], ReflectanceSettings(entropy=entropy, **turns))
+    blend = LobeBlend.of(_PAIRS[pair], ReflectanceSettings(entropy_limit=entropy, **turns))
     prepared = time.process_time() - start
     start = time.process_time()
     found = drained(blend.steps([0.5, 0.5]))
