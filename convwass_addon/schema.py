@@ -26,7 +26,7 @@ from numbers import Integral, Real
 from typing import Any
 
 from .errors import InputError
-from .sentence import as_sentence
+from .sentence import Sentence, as_sentence
 
 _KEY = "convwass"
 
@@ -203,9 +203,16 @@ class Setting:
             self._check_choice(value)
         elif self.kind is bool:
             if value not in (True, False):
-                raise InputError("{name} must be on or off, not {value!r}.", name=as_sentence(self.label), value=value)
+                raise InputError("{name} must be on or off, not {value!r}.", name=self._said(), value=value)
         elif self.kind in (int, float) and not (value is None and self.default is None):
             self._check_number(value)
+
+    def _said(self) -> Sentence:
+        """Return the label, and the name of the field where that is another word, for those who write scripts."""
+        label = as_sentence(self.label)
+        if self.label.lower().replace(" ", "_") == self.name:
+            return label
+        return Sentence("{label} ({field})", {"label": label, "field": self.name})
 
     def _check_choice(self, value: object) -> None:
         if value in [choice.value for choice in self.choices if choice.value is not float]:
@@ -214,11 +221,11 @@ class Setting:
             return
         known = ", ".join(_shown(choice.value) for choice in self.choices)
         raise InputError(
-            "{name} must be one of {choices}, not {value!r}.", name=as_sentence(self.label), choices=known, value=value
+            "{name} must be one of {choices}, not {value!r}.", name=self._said(), choices=known, value=value
         )
 
     def _check_number(self, value: object) -> None:
-        name = as_sentence(self.label)
+        name = self._said()
         if not _is_number(value):
             raise InputError("{name} must be a number, not {value!r}.", name=name, value=value)
         if self.kind is int and not isinstance(value, Integral):

@@ -214,7 +214,7 @@ def two_of_each(tmp_path):
         (("{broken}", "{scene}"), "could not be read; it is damaged"),
         (("{scene}", "{broken}"), "could not be read; it is damaged"),
         (("{scene}:Rig", "{scene}:Tube"), "has faces; a skeleton is an armature"),
-        (("{scene}", "{scene}", "--blur", "-1"), "Blur must lie between 1e-05 and 1, not -1"),
+        (("{scene}", "{scene}", "--blur", "-1"), "Blur (gamma) must lie between 1e-05 and 1, not -1"),
         (("{scene}", "{scene}", "--report", "{folder}"), "is a folder"),
     ],
 )

@@ -100,6 +100,7 @@ class RichSettings(Settings):
     tolerance: float = setting(
         0.01, "Tolerance", "When it is done", least=0.0, most=1.0, open_ends=True, soft_least=1e-6, soft_most=0.5
     )
+    reach: int = setting(1, "Far End", "How far it goes", least=1)
     hidden: int = setting(1, "Hidden", "For scripts only", least=0, prop=None, option=None)
 
 
@@ -254,6 +255,7 @@ def test_help_says_what_holds_without_an_option():
         ({"angle": None}, "Angle must be a number, not None."),
         ({"tolerance": 0.0}, "Tolerance must be more than 0 and less than 1, not 0."),
         ({"width": 0.0}, "Width must be more than 0, not 0."),
+        ({"reach": 0}, "Far End (reach) must be 1 or more, not 0."),
         ({"hidden": -1}, "Hidden must be 0 or more, not -1."),
     ],
 )

@@ -254,9 +254,9 @@ def test_chains_end_at_pins_and_branches():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"gamma": 0.0}, "Blur must lie between 1e-05 and 1"),
+        ({"gamma": 0.0}, r"Blur \(gamma\) must lie between 1e-05 and 1"),
         ({"slack": -1.0}, "Slack"),
-        ({"weights": "even"}, "Lengths must be one of"),
+        ({"weights": "even"}, r"Lengths \(weights\) must be one of"),
         ({"links": 0}, "Links"),
         ({"placement": "middle"}, "Placement"),
         ({"outside_pins": "keep"}, "Pins Outside"),
