@@ -12,7 +12,7 @@ from ..operators.morph_guides import (
     CONVWASS_OT_morph_guides_from_names,
     CONVWASS_OT_remove_morph_guide,
 )
-from .sidebar import Sidebar
+from .sidebar import Sidebar, draw_numbered
 
 
 class CONVWASS_UL_morph_guides(bpy.types.UIList):
@@ -20,14 +20,7 @@ class CONVWASS_UL_morph_guides(bpy.types.UIList):
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
-        row.use_property_split = False
-        row.prop(item, "enabled", text="")
-        shown = row.row(align=True)
-        shown.active = item.enabled
-        number = shown.row(align=True)
-        number.ui_units_x = 1.1
-        number.label(text=str(index + 1), translate=False)
-        shown.prop(item, "label", text="")
+        shown = draw_numbered(row, item, index)
         shown.label(text=", ".join(point.object.name for point in item.points if point.object), translate=False)
         row.operator(CONVWASS_OT_remove_morph_guide.bl_idname, text="", icon="X", emboss=False).index = index
 

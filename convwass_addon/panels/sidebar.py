@@ -29,6 +29,19 @@ class ImageSidebar:
     bl_category = "Convwass"
 
 
+def draw_numbered(row: bpy.types.UILayout, item: bpy.types.PropertyGroup, index: int) -> bpy.types.UILayout:
+    """Begin the row of a list with an item's switch, number and name; return where the rest goes, gray if it is off."""
+    row.use_property_split = False
+    row.prop(item, "enabled", text="")
+    shown = row.row(align=True)
+    shown.active = item.enabled
+    number = shown.row(align=True)
+    number.ui_units_x = 1.1
+    number.label(text=str(index + 1), translate=False)
+    shown.prop(item, "label", text="")
+    return shown
+
+
 def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
     """Write a sentence on as many lines as the width of the region asks for, the first one with an icon."""
     # Without a window, as in a background Blender, the scale is 0.

@@ -33,7 +33,7 @@ from ..operators.soft_map_view import (
 )
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties, SoftMapProperties, TransferProperties
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_numbered, draw_wrapped, fill_operator
 
 
 class CONVWASS_UL_map_pairs(bpy.types.UIList):
@@ -41,14 +41,7 @@ class CONVWASS_UL_map_pairs(bpy.types.UIList):
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
-        row.use_property_split = False
-        row.prop(item, "enabled", text="")
-        shown = row.row(align=True)
-        shown.active = item.enabled
-        number = shown.row(align=True)
-        number.ui_units_x = 1.1
-        number.label(text=str(index + 1), translate=False)
-        shown.prop(item, "label", text="")
+        shown = draw_numbered(row, item, index)
         for name in ("source_vertex", "target_vertex"):
             vertex = shown.row(align=True)
             vertex.ui_units_x = 2.4

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_entropy_limit, check_pair, check_solver
 from .domain import Domain
-from .interpolation import Interpolation, check_times, furthest_numerics
+from .interpolation import Interpolation, SolvedFrame, check_times
 from .propagation import propagation
 from .sharpening import entropy, entropy_between
 
@@ -203,12 +203,12 @@ class _Path:
     tolerance: float
     max_iterations: int
     control: Control
-    frames: dict[float, _Frame] = field(default_factory=dict)
+    frames: dict[float, SolvedFrame] = field(default_factory=dict)
 
     def keep(self, times: NDArray[np.float64], densities: NDArray[np.float64]) -> None:
         """Take frames that are known exactly."""
         for time, density in zip(times.tolist(), densities, strict=True):
-            self.frames[time] = _Frame(density, entropy(density, self.domain.weights), 0.0, True, 0.0, "scaling")
+            self.frames[time] = SolvedFrame(density, entropy(density, self.domain.weights))
 
     def forget(self, times: NDArray[np.float64]) -> None:
         """Drop the frames at times that are to be solved again."""
@@ -272,7 +272,7 @@ class _Path:
                 frame, density=solved.densities[vertex], entropy=float(solved.entropies[vertex])
             )
         for vertex, time, raised in zip(new.tolist(), times.tolist(), inherited.tolist(), strict=True):
-            self.frames[time] = _Frame(
+            self.frames[time] = SolvedFrame(
                 density=solved.densities[vertex],
                 entropy=float(solved.entropies[vertex]),
                 error=float(solved.marginal_errors[vertex]),
@@ -286,26 +286,5 @@ class _Path:
         """Return the frames at the wanted times, or all in the order of time."""
         times = np.array(sorted(self.frames)) if wanted is None else wanted
         frames = [self.frames[time] for time in times.tolist()]
-        return Interpolation(
-            times=times,
-            densities=np.stack([frame.density for frame in frames]),
-            entropies=np.array([frame.entropy for frame in frames]),
-            marginal_errors=np.array([frame.error for frame in frames]),
-            converged=np.array([frame.converged for frame in frames]),
-            raised_limits=np.array([frame.raised for frame in frames]),
-            iterations=iterations,
-            numerics=furthest_numerics([frame.numerics for frame in self.frames.values()]),
-            areas=self.domain.weights,
-        )
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """One frame and how well it was solved; `raised` are nats by which the bound of its entropy was."""
-
-    density: NDArray[np.float64]
-    entropy: float
-    error: float
-    converged: bool
-    raised: float
-    numerics: str
+        numerics = [frame.numerics for frame in self.frames.values()]
+        return Interpolation.of(times, frames, iterations, numerics, self.domain.weights)

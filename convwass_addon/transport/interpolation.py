@@ -64,6 +64,40 @@ class Interpolation:
         """The distributions as histograms, (f, *shape), each of sum 1."""
         return self.densities * self.areas
 
+    @classmethod
+    def of(
+        cls,
+        times: NDArray[np.float64],
+        frames: Sequence[SolvedFrame],
+        iterations: tuple[int, ...],
+        numerics: Sequence[str],
+        areas: float | NDArray[np.float64],
+    ) -> Interpolation:
+        """Put frames, one per time, together; `numerics` are those of all solves."""
+        return cls(
+            times=times,
+            densities=np.stack([frame.density for frame in frames]),
+            entropies=np.array([frame.entropy for frame in frames]),
+            marginal_errors=np.array([frame.error for frame in frames]),
+            converged=np.array([frame.converged for frame in frames]),
+            raised_limits=np.array([frame.raised for frame in frames]),
+            iterations=iterations,
+            numerics=next((name for name in numerics if name != "scaling"), "scaling"),
+            areas=areas,
+        )
+
+
+@dataclass(frozen=True)
+class SolvedFrame:
+    """One frame and how well it was solved; `raised` are nats by which the bound of its entropy was."""
+
+    density: NDArray[np.float64]
+    entropy: float
+    error: float = 0.0
+    converged: bool = True
+    raised: float = 0.0
+    numerics: str = "scaling"
+
 
 def interpolate(
     mu0: ArrayLike,
@@ -112,11 +146,14 @@ def interpolate(
     check_solver(tolerance, max_iterations)
     shares = _shares(instants, ends, domain, max_iterations, control)
     inputs = Inputs.of(ends, domain)
-    frames: list[_Frame] = []
+    frames: list[SolvedFrame] = []
+    iterations: list[int] = []
     before = None
     for t, share in zip(instants, shares, strict=True):
         if t in (0.0, 1.0):
-            frames.append(_Frame(ends[int(t)], 0.0, True, 0, "scaling"))
+            end = ends[int(t)]
+            frames.append(SolvedFrame(end, entropy(end, domain.weights)))
+            iterations.append(0)
             continue
         before = barycenter(
             inputs,
@@ -129,30 +166,10 @@ def interpolate(
             max_iterations=max_iterations,
             control=control,
         )
-        error = before.marginal_error
-        frames.append(_Frame(before.density, error, before.converged, sum(before.iterations), before.numerics))
-    return Interpolation(
-        times=instants,
-        densities=np.stack([frame.density for frame in frames]),
-        entropies=np.array([entropy(frame.density, domain.weights) for frame in frames]),
-        marginal_errors=np.array([frame.error for frame in frames]),
-        converged=np.array([frame.converged for frame in frames]),
-        raised_limits=np.zeros(len(frames)),
-        iterations=tuple(frame.iterations for frame in frames),
-        numerics=furthest_numerics([frame.numerics for frame in frames]),
-        areas=domain.weights,
-    )
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """One frame of an interpolation and how well it was solved."""
-
-    density: NDArray[np.float64]
-    error: float
-    converged: bool
-    iterations: int
-    numerics: str
+        own = entropy(before.density, domain.weights)
+        frames.append(SolvedFrame(before.density, own, before.marginal_error, before.converged, 0.0, before.numerics))
+        iterations.append(sum(before.iterations))
+    return Interpolation.of(instants, frames, tuple(iterations), [frame.numerics for frame in frames], domain.weights)
 
 
 def _shares(
@@ -170,11 +187,6 @@ def _shares(
     length = max(whole.length / domain.unit_length, np.sqrt(domain.gamma) * 1e-3)
     done, left = domain.cost_slope(instants * length), domain.cost_slope((1.0 - instants) * length)
     return done / (done + left)
-
-
-def furthest_numerics(numerics: Sequence[str]) -> str:
-    """Return the first numerics that are other than scalings."""
-    return next((name for name in numerics if name != "scaling"), "scaling")
 
 
 def check_times(times: ArrayLike) -> NDArray[np.float64]:
