@@ -58,9 +58,6 @@ _RUNNING: set[_Running] = set()
 class BackgroundOperator:
     """What operators of long work have in common; they fill in the hooks at the end."""
 
-    _in_turn = False
-    """Whether the work touches Blender's data, and so has to be done on the main thread, a piece at a time."""
-
     _job: Job
     _background: BackgroundJob[None] | InlineJob[None]
     _running: _Running
@@ -105,7 +102,7 @@ class BackgroundOperator:
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
         self._in_background = True
-        self._background = (InlineJob if self._in_turn else BackgroundJob)(self._steps())
+        self._background = (InlineJob if self._in_turn() else BackgroundJob)(self._steps())
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         self._running = _Running(self._background, self._job, timer)
         _RUNNING.add(self._running)
@@ -214,6 +211,10 @@ class BackgroundOperator:
     def _steps(self) -> Callable[[Control], Work[None]]:
         """Return what does the work of the job, and touches nothing of Blender unless it is done in turn."""
         raise NotImplementedError
+
+    def _in_turn(self) -> bool:
+        """Return whether the work touches Blender's data: it is then done on the main thread, a piece at a time."""
+        return False
 
     def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
         """Leave the result in the file, and tell of it."""

@@ -66,8 +66,6 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
     bl_idname = "convwass.bake_density"
     bl_label = "Bake Density"
 
-    _in_turn = True
-
     density: density_property()
     uv_map: StringProperty(name="UV Map", description="Name of the UV map for images; empty for that of renders")
 
@@ -103,6 +101,9 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
 
     def _steps(self):
         return self._job.steps
+
+    def _in_turn(self):
+        return True
 
     def _title(self):
         return rpt_("Baking density")

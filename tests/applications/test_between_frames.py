@@ -42,7 +42,7 @@ def at(cache, *numbers, options=QUICK, **others):
 
 def solved(weights, options=QUICK, **others):
     blend = single_blend(weights, 2)
-    return next(s.frame for s in morph(SHAPES, NAMES, blend, options, **others) if s.frame)
+    return next(s.payload for s in morph(SHAPES, NAMES, blend, options, **others) if s.payload)
 
 
 def distance(one, other):

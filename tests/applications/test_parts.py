@@ -43,7 +43,7 @@ def of_pair(left, right):
 
 def blended(shapes, labels, weights, options=QUICK, **others):
     blend = single_blend(weights, len(shapes))
-    return next(s.frame for s in morph(shapes, ["A", "B"], blend, options, labels=labels, **others) if s.frame)
+    return next(s.payload for s in morph(shapes, ["A", "B"], blend, options, labels=labels, **others) if s.payload)
 
 
 def halves(mesh):
