@@ -314,3 +314,32 @@ def test_every_setting_is_in_its_group_and_among_the_options_of_its_verb(kind, o
         assert all(name in held for name in one.properties), one.name
         assert one.option is None or one.option in options, one.name
     assert set(arguments_of(kind().as_dict(), kind)) <= {name for one in settings for name in one.properties}
+
+
+def option_help(verb, option):
+    parser = ArgumentParser(add_help=False)
+    next(one for one in VERBS if one.name == verb).add_options(parser)
+    return next(action.help for action in parser._actions if option in action.option_strings)
+
+
+def test_the_tolerance_that_is_told_is_the_one_that_is_used():
+    usual, crisp = MorphSettings().stopping_error, MorphSettings(sharpness=1.0).stopping_error
+    told = f"{usual:g}, falling to {crisp:g} where"
+    assert told in MorphSettings.__doc__
+    assert told in option_help("morph", "--tolerance")
+
+
+@pytest.mark.usefixtures("empty_scene")
+@pytest.mark.parametrize(("kind", "name"), [(MorphSettings, "resolution"), (FlatSettings, "flat_resolution")])
+def test_the_resolution_is_the_same_everywhere(kind, name):
+    least, usual, most = 8, kind().resolution, 1024
+    for properties in (
+        bpy.types.Scene.bl_rna.properties["convwass_morph"].fixed_type.properties,
+        bpy.ops.convwass.bake_morph.get_rna_type().properties,
+    ):
+        assert (properties[name].hard_min, properties[name].default, properties[name].hard_max) == (least, usual, most)
+    assert f"({usual})" in option_help("morph", "--resolution")
+    assert kind(resolution=least).resolution == least and kind(resolution=most).resolution == most
+    for wrong in (least - 1, most + 1):
+        with pytest.raises(InputError, match="Resolution must lie between 8 and 1024"):
+            kind(resolution=wrong)
