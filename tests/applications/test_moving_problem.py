@@ -34,8 +34,6 @@ SHAPES = (ROD, turned(ROD, ANGLE))
 class Turning:
     """Both rods turn about the hinge, exactly."""
 
-    kind = "guided"
-
     def moved(self, weights):
         share = weights[1]
         turns = (share * ANGLE, (share - 1.0) * ANGLE)

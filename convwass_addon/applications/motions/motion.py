@@ -51,9 +51,6 @@ class Motion(Protocol):
     A motion can be sent to another process, and gives the same shapes there.
     """
 
-    kind: str
-    """What it is called in settings and records."""
-
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
 
@@ -63,5 +60,5 @@ class Motion(Protocol):
         ...
 
     def record(self) -> dict[str, object]:
-        """Say how well the motion fits, ready for JSON."""
+        """Say how well the motion fits, ready for JSON; its ``kind`` is what settings call it."""
         ...
