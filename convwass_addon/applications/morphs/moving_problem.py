@@ -102,7 +102,12 @@ class MovingProblem:
             solved, places = self._coinciding(problem, alone, shapes, solids, control)
         else:
             solved, places = self._transported(problem, alone, shapes, solids, control)
-        record = {**solved.record, "weights": blend.weights, "rest": solids.disagreement, "motion": self.motion.record()["kind"]}
+        record = {
+            **solved.record,
+            "weights": blend.weights,
+            "rest": solids.disagreement,
+            "motion": self.motion.record()["kind"],
+        }
         if not self.still.settings.carry:
             return MorphFrame(blend, solved.mesh, record)
         origins = moved_origins(places, shapes, active, solved.mesh.vertices, len(blend.weights))

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +17,17 @@ from ..soft_maps.map_solving import soft_map_steps
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..soft_maps.surface_maps import PointMap, SurfaceMap
 from .carriers import Carrier
+from .coinciding_places import coinciding_places
 
 # Guides are left out where the map without them is better by more than this: who clicks is right in case of doubt.
 _MARGIN = 0.08
 # A guide is doubted that the map without guides misses by more than this, in sizes of the surface.
 _ASTRAY = 0.15
+# A map of this score is not tried otherwise.
+_BEYOND_DOUBT = 0.9
+# Fewer places in which shapes coincide leave open how they are turned.
+_FEWEST = 4
+_NO_PAIRS = np.empty((0, 2), np.int64)
 
 
 @dataclass(frozen=True)
@@ -71,21 +78,61 @@ def pair_map(
     InputError
         The meshes cannot be mapped.
     """
+    seeds = coinciding_places(first.mesh, second.mesh)
     if not len(pairs):
-        found = yield from _soft_map(first, second, pairs, settings, control)
-        return PairMap(found, pairs, _score(first, second, found), None, 0)
-    plain = yield from within(_soft_map(first, second, pairs[:0], settings, control), 0.0, 0.33)
-    without = _score(first, second, plain)
-    best = PairMap(plain, pairs[:0], without, without, len(pairs))
-    kept = _missed(first, second, plain, pairs) < _ASTRAY
+        return (yield from _without_guides(first, second, seeds, settings, control))
+    plain = yield from within(_without_guides(first, second, seeds, settings, control), 0.0, 0.4)
+    kept = _missed(first, second, plain.found, pairs) < _ASTRAY
     tries = [pairs] if kept.all() or not kept.any() else [pairs, pairs[kept]]
     for number, chosen in enumerate(tries):
-        begin = 0.33 * (1 + number)
-        found = yield from within(_soft_map(first, second, chosen, settings, control), begin, begin + 0.33)
+        begin = 0.4 + 0.3 * number
+        both = np.concatenate([chosen, *(_beside(own, chosen, first, second) for own in seeds[:1])])
+        found = yield from within(_soft_map(first, second, both, settings, control), begin, begin + 0.3)
         score = _score(first, second, found)
-        if score >= without - _MARGIN:
-            return PairMap(found, chosen, score, without, len(pairs))
-    return best
+        if score >= plain.score - _MARGIN:
+            return PairMap(found, chosen, score, plain.score, len(pairs))
+    return replace(plain, score_without=plain.score, guides=len(pairs))
+
+
+def _without_guides(
+    first: Carrier,
+    second: Carrier,
+    seeds: Sequence[NDArray[np.int64]],
+    settings: SoftMapSettings,
+    control: Control,
+) -> Work[PairMap]:
+    """Solve the map from where the shapes coincide, and otherwise while that does not give a map beyond doubt.
+
+    Shapes may coincide in places that do not belong together: the places are tried again without those that the map
+    without any misses.
+    """
+    tried: list[PairMap] = []
+
+    def attempt(start: NDArray[np.int64]) -> Work[bool]:
+        begin, end = (number / (2 * len(seeds) + 1) for number in (len(tried), len(tried) + 1))
+        found = yield from within(_soft_map(first, second, start, settings, control), begin, end)
+        tried.append(PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0))
+        return tried[-1].score >= _BEYOND_DOUBT
+
+    for start in (*seeds, _NO_PAIRS):
+        if (yield from attempt(start)):
+            return tried[-1]
+    plain = tried[-1].found
+    for own in seeds:
+        sound = _missed(first, second, plain, own) < _ASTRAY
+        if not sound.all() and sound.sum() >= _FEWEST and (yield from attempt(own[sound])):
+            return tried[-1]
+    return max(tried, key=lambda one: one.score)
+
+
+def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], first: Carrier, second: Carrier) -> NDArray[np.int64]:
+    """Return the seeds, (s, 2), that are far enough from all pairs on both shapes to say nothing against them."""
+    far = np.ones(len(seeds), bool)
+    for side, carrier in enumerate((first, second)):
+        places, marked = carrier.mesh.vertices[seeds[:, side]], carrier.mesh.vertices[pairs[:, side]]
+        apart = np.linalg.norm(places[:, None] - marked[None], axis=2).min(axis=1, initial=np.inf)
+        far &= apart > _ASTRAY * carrier.size
+    return seeds[far]
 
 
 def _soft_map(

@@ -42,7 +42,7 @@ def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: 
     spread = other - other.mean(axis=0)
     size = np.sqrt(np.square(laid).sum(axis=1).mean())
     laid *= np.sqrt(np.square(spread).sum(axis=1).mean()) / max(size, np.finfo(float).tiny)
-    chosen = _far_apart(laid, min(_PAIRS, len(laid), len(spread)))
+    chosen = far_apart(laid, min(_PAIRS, len(laid), len(spread)))
     nearest = cKDTree(spread).query(laid[chosen])[1]
     _, first = np.unique(nearest, return_index=True)
     return np.stack([match.source[chosen[first]], match.target[nearest[first]]], axis=1)
@@ -55,9 +55,9 @@ def _turn(points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[n
     return left @ right
 
 
-def _far_apart(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Return the places of points far from each other, (count,)."""
-    chosen = [int(np.square(points).sum(axis=1).argmax())]
+def far_apart(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    """Return the indices of points each of which is as far as possible from those before, (count,)."""
+    chosen = [int(np.square(points - points.mean(axis=0)).sum(axis=1).argmax())]
     apart = np.full(len(points), np.inf)
     while len(chosen) < count:
         apart = np.minimum(apart, np.square(points - points[chosen[-1]]).sum(axis=1))

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Places where two shapes lie on each other already: between poses of one body, most of it does.
+
+What a soft map knows of a shape is the same left and right, and it may exchange the legs of a man who raises an arm. A
+few points that lie on each other and face the same way settle that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import vertex_normals
+from ..soft_maps.guessed_pairs import far_apart
+
+# Points lie on each other that are no farther apart than this share of the surface's size (the root of its area) or
+# than its triangles are long, and whose normals have at least this cosine.
+_APART, _FACING = 0.02, 0.8
+# Shapes coincide where at least this share of their surfaces does.
+_LEAST_SHARE = 0.03
+# And beyond doubt as they stand where this share does.
+_ENOUGH = 0.25
+_PAIRS = 8
+
+
+def coinciding_places(first: TriangleMesh, second: TriangleMesh) -> list[NDArray[np.int64]]:
+    """Find places where two shapes coincide: as they stand, and with their centers and sizes made equal.
+
+    Returns
+    -------
+    list of (k, 2) int64
+        For each placement in which the shapes coincide, a few vertices of both that lie on each other, far apart.
+    """
+    placed = _found(first, first.vertices, second, second.vertices)
+    if placed.share >= _ENOUGH:
+        return [placed.pairs]
+    return [way.pairs for way in (placed, _found(first, _unit(first), second, _unit(second))) if len(way.pairs)]
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Vertices of two meshes that lie on each other, (k, 2), and the share of the first surface that does."""
+
+    pairs: NDArray[np.int64]
+    share: float
+
+
+def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return the vertices in units of the first shape's size about the middle of the surface."""
+    middle = mesh.vertex_areas @ mesh.vertices / mesh.area
+    return (mesh.vertices - middle) / np.sqrt(mesh.area)
+
+
+def _found(
+    first: TriangleMesh, points: NDArray[np.float64], second: TriangleMesh, others: NDArray[np.float64]
+) -> _Places:
+    used = np.unique(second.faces)
+    size = np.sqrt(TriangleMesh(points, first.faces).area)
+    apart, nearest = cKDTree(others[used]).query(points)
+    nearest = used[nearest]
+    facing = np.einsum("nd,nd->n", vertex_normals(points, first.faces), vertex_normals(others, second.faces)[nearest])
+    together = (apart <= size * max(_APART, len(first.faces) ** -0.5)) & (facing >= _FACING)
+    areas = first.vertex_areas * together
+    share = float(areas.sum() / first.area)
+    places = np.flatnonzero(areas > 0)
+    if share < _LEAST_SHARE or len(places) < _PAIRS:
+        return _Places(np.empty((0, 2), np.int64), share)
+    chosen = places[far_apart(points[places], _PAIRS)]
+    partners, once = np.unique(nearest[chosen], return_index=True)
+    return _Places(np.stack([chosen[once], partners], axis=1), share)
