@@ -81,17 +81,37 @@ def pair_map(
     seeds = coinciding_places(first.mesh, second.mesh)
     if not len(pairs):
         return (yield from _without_guides(first, second, seeds, settings, control))
-    plain = yield from within(_without_guides(first, second, seeds, settings, control), 0.0, 0.4)
-    kept = _missed(first, second, plain.found, pairs) < _ASTRAY
+    plain = yield from within(_soft_map(first, second, _NO_PAIRS, settings, control), 0.0, 0.2)
+    without = _score(first, second, plain)
+    kept = _missed(first, second, plain, pairs) < _ASTRAY
     tries = [pairs] if kept.all() or not kept.any() else [pairs, pairs[kept]]
     for number, chosen in enumerate(tries):
-        begin = 0.4 + 0.3 * number
-        both = np.concatenate([chosen, *(_beside(own, chosen, first, second) for own in seeds[:1])])
-        found = yield from within(_soft_map(first, second, both, settings, control), begin, begin + 0.3)
-        score = _score(first, second, found)
-        if score >= plain.score - _MARGIN:
-            return PairMap(found, chosen, score, plain.score, len(pairs))
-    return replace(plain, score_without=plain.score, guides=len(pairs))
+        begin = 0.2 * (1 + 2 * number)
+        work = _with_guides(first, second, chosen, seeds, settings, control)
+        found = yield from within(work, begin, begin + 0.4)
+        if found.score >= without - _MARGIN:
+            return replace(found, score_without=without, guides=len(pairs))
+    return PairMap(plain, pairs[:0], without, without, len(pairs))
+
+
+def _with_guides(
+    first: Carrier,
+    second: Carrier,
+    pairs: NDArray[np.int64],
+    seeds: Sequence[NDArray[np.int64]],
+    settings: SoftMapSettings,
+    control: Control,
+) -> Work[PairMap]:
+    """Solve the map that follows guides, alone and with places where the shapes coincide, and keep the better one."""
+    starts = [pairs, *(np.concatenate([pairs, _beside(own, pairs, first, second)]) for own in seeds[:1])]
+    tried = []
+    for number, start in enumerate(starts):
+        begin, end = number / len(starts), (number + 1) / len(starts)
+        found = yield from within(_soft_map(first, second, start, settings, control), begin, end)
+        tried.append(PairMap(found, pairs, _score(first, second, found), None, len(pairs)))
+        if tried[-1].score >= _BEYOND_DOUBT:
+            break
+    return max(tried, key=lambda one: one.score)
 
 
 def _without_guides(

@@ -12,7 +12,7 @@ from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.progress import Control, drained
+from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.applications.maps import arm, shuffled
 from tests.grids import figure
 from tests.shapes import ball, box, joined, square
@@ -20,7 +20,7 @@ from tests.shapes import ball, box, joined, square
 QUICK = GuidedSettings(map_vertices=300, carrier_vertices=1000)
 
 
-def motion_of(*shapes, settings=QUICK, pairs=((0, 1),), guides=(), control=None):
+def motion_of(*shapes, settings=QUICK, pairs=((0, 1),), guides=(), control=UNINTERRUPTED):
     names = [f"shape {k}" for k in range(len(shapes))]
     return drained(guided_motion(shapes, names, pairs, settings, guides, control))
 
