@@ -56,6 +56,10 @@ class WarpEffort:
     rounds: int = 16
 
 
+USUAL_EFFORT = WarpEffort()
+"""What was measured to be worth it."""
+
+
 @dataclass(frozen=True)
 class WarpMotion:
     """A warp between shapes; see :class:`.motion.Motion`.
@@ -145,7 +149,7 @@ def warp_motion(
     pairs: Sequence[tuple[int, int]],
     coherence: float,
     control: Control,
-    effort: WarpEffort = WarpEffort(),
+    effort: WarpEffort = USUAL_EFFORT,
 ) -> Work[WarpMotion]:
     """Make the warps between pairs of shapes.
 
@@ -162,7 +166,7 @@ def warp_motion(
     control : Control
         Stops the work.
     effort : WarpEffort
-        How finely; the default is what was measured to be worth it.
+        How finely.
 
     Raises
     ------

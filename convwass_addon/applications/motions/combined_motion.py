@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A motion that a warp completes: what two shapes still differ by half way is warped, and carried along with limbs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.surface_rotations import surface_rotations
+from ...progress import Control, Work, within
+from .guided_motion import GuidedMotion
+from .motion import MovedShape
+from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
+
+
+@dataclass(frozen=True)
+class CombinedMotion:
+    """A guided motion and, for every two shapes, a warp between them as they are half way; a :class:`.motion.Motion`.
+
+    With weights w, s = w_j / (w_i + w_j), the displacement d_ij(s) of shape i by the warp, and the rotations R_ij from
+    half way to where the guided motion takes the surface, its vertices get the sum of (w_i + w_j) R_ij d_ij(s) over the
+    other shapes j.
+
+    Attributes
+    ----------
+    guided : GuidedMotion
+        What moves the shapes first.
+    warps : mapping of (int, int) to WarpMotion
+        Between the two shapes of a pair, the smaller number first.
+    """
+
+    guided: GuidedMotion
+    warps: Mapping[tuple[int, int], WarpMotion]
+
+    kind: ClassVar[str] = "combined"
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every shape as it is in a blend; see :meth:`.motion.Motion.moved`."""
+        shapes = self.guided.moved(weights)
+        active = [index for index, weight in enumerate(weights) if weight > 0]
+        added: dict[int, NDArray[np.float64]] = {index: np.zeros_like(shapes[index].vertices) for index in active}
+        for pair in [(i, j) for i in active for j in active if i < j]:
+            total = weights[pair[0]] + weights[pair[1]]
+            warp = self.warps[pair]
+            warped = warp.moved([weights[index] / total for index in pair])
+            for place, index in enumerate(pair):
+                # The warp may have cut more triangles; vertices of the shape come first.
+                count = len(added[index])
+                half_way = warp.rests[place].mesh.vertices[:count]
+                turns = surface_rotations(half_way, shapes[index].vertices, shapes[index].rest.faces)
+                displaced = warped[place].vertices[:count] - half_way
+                added[index] += total * np.einsum("nij,nj->ni", turns, displaced)
+        return [
+            None if shape is None else MovedShape(shape.rest, shape.vertices + added[index], shape.parents)
+            for index, shape in enumerate(shapes)
+        ]
+
+    def record(self) -> dict[str, object]:
+        """Return how well both fit, ready for JSON."""
+        warps = [pair for warp in self.warps.values() for pair in warp.record()["pairs"]]
+        return {**self.guided.record(), "kind": self.kind, "warps": warps}
+
+    def with_coherence(self, coherence: float) -> CombinedMotion:
+        """Return the same motion with another coherence, at once.
+
+        The warps stay those between the shapes as they were half way.
+
+        Raises
+        ------
+        InputError
+            It does not lie between 0 and 1.
+        """
+        warps = {pair: warp.with_coherence(coherence) for pair, warp in self.warps.items()}
+        return CombinedMotion(self.guided.with_coherence(coherence), warps)
+
+
+def combined_motion(
+    guided: GuidedMotion,
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    coherence: float,
+    control: Control,
+    effort: WarpEffort = USUAL_EFFORT,
+) -> Work[CombinedMotion]:
+    """Make the warps that complete a motion.
+
+    Parameters
+    ----------
+    guided : GuidedMotion
+        What moves the shapes first, prepared for these pairs.
+    names : sequence of str
+        What messages call the shapes.
+    pairs : sequence of (int, int)
+        Which of the shapes are blended with each other.
+    coherence, control, effort
+        As for :func:`.warp_motion.warp_motion`.
+
+    Raises
+    ------
+    InputError
+        A coherence beyond its limits.
+    """
+    wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
+    warps = {}
+    for number, pair in enumerate(wanted):
+        moved = guided.moved([0.5 * (index in pair) for index in range(len(names))])
+        work = warp_motion(
+            [moved[index].mesh for index in pair],
+            [names[index] for index in pair],
+            [(0, 1)],
+            coherence,
+            control,
+            effort,
+        )
+        warps[pair] = yield from within(work, number / len(wanted), (number + 1) / len(wanted))
+    return CombinedMotion(guided, warps)
