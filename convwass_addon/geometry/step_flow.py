@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
-from .grid_halving import doubled
 from .grid_sampling import sampled
 
 # Neighboring cells differ by no more than this in a step, in cells. The derivative of the interpolated step then stays
@@ -31,21 +30,18 @@ class StepFlow:
     ----------
     shape : (int, int, int)
         Cells of the grid along each axis, two or more.
-    before : StepFlow, optional
-        What comes first, on a grid of half the resolution over the same space.
 
     Attributes
     ----------
     steps : list of (nx, ny, nz, 3) float64
-        Displacements at the centers of the cells, in cells; without those of `before`.
+        Displacements at the centers of the cells, in cells.
     """
 
-    def __init__(self, shape: Sequence[int], before: StepFlow | None = None) -> None:
+    def __init__(self, shape: Sequence[int]) -> None:
         self.shape = tuple(shape)
-        self.before = before
         self.steps: list[NDArray[np.float64]] = []
         # Displacement of the inverse at the cells' centers: resampled with each step, to pull whole grids back.
-        self._back = np.zeros((*self.shape, 3)) if before is None else 2.0 * doubled(before._back, self.shape)
+        self._back = np.zeros((*self.shape, 3))
 
     def add(self, step: NDArray[np.float64]) -> None:
         """Append a step, (nx, ny, nz, 3) in cells, scaled down where it would not be invertible."""
@@ -57,8 +53,6 @@ class StepFlow:
 
     def moved(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
         """Return where points, (n, 3) in cells, are taken to."""
-        if self.before is not None:
-            points = 2.0 * self.before.moved(points / 2.0, control)
         for step in self.steps:
             control.check()
             points = points + sampled(step, points)
@@ -69,7 +63,7 @@ class StepFlow:
         for step in reversed(self.steps):
             control.check()
             points = _undone(step, points, _CLOSE)
-        return points if self.before is None else 2.0 * self.before.moved_back(points / 2.0, control)
+        return points
 
     def carried(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a field, (nx, ny, nz), as it is after its cells have been moved: values at the inverse's places."""

@@ -74,16 +74,3 @@ def test_it_can_be_stopped():
     control.cancel()
     with pytest.raises(Cancelled):
         wild_flow(1).moved_back(np.zeros((1, 3)), control)
-
-
-def test_a_flow_begun_on_a_coarser_grid_goes_on():
-    coarse = StepFlow(tuple(size // 2 for size in SHAPE))
-    coarse.add(np.broadcast_to((1.0, 0.0, -0.5), (*coarse.shape, 3)))
-    flow = StepFlow(SHAPE, coarse)
-    flow.add(np.broadcast_to((0.5, 1.0, 0.0), (*SHAPE, 3)))
-    points = RANDOM.uniform(4.0, 16.0, (50, 3))
-    np.testing.assert_allclose(flow.moved(points), points + np.array([2.5, 1.0, -1.0]), atol=1e-12)
-    np.testing.assert_allclose(flow.moved_back(flow.moved(points)), points, atol=1e-6)
-    np.testing.assert_allclose(
-        flow.carried(ball((9.5, 10.0, 12.0), 5.0)), StepFlow(SHAPE).carried(ball((12.0, 11.0, 11.0), 5.0)), atol=0.3
-    )

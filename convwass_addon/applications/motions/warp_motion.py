@@ -185,7 +185,7 @@ def warp_motion(
         WarpedShape((rest.mesh.vertices - center - lattice.origin) / lattice.spacing, solid)
         for rest, center, solid in zip(rests, lattice.centers, solids, strict=True)
     ]
-    wanted = sorted({(min(pair), max(pair)) for pair in pairs})
+    wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     courses: list[dict[int, Course]] = [{} for _ in shapes]
     errors = {}
     for number, (i, j) in enumerate(wanted):

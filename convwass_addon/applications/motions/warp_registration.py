@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ...geometry.divergence import divergence_free
 from ...geometry.elastic_steps import elastic_step
 from ...geometry.field_extension import extended
-from ...geometry.grid_halving import halved
 from ...geometry.solid_cells import SolidCells
 from ...geometry.step_flow import StepFlow
 from ...progress import Control, Progress, Work
@@ -23,8 +22,6 @@ from ...transport.meeting import meeting
 # What goes down geometrically from the first round to the last, in cells: the blur of the plans, how far mass goes
 # before it fades, and the size of the parts that move together.
 _SIGMAS, _REACHES, _WIDTHS = (2.0, 1.0), (12.0, 6.0), (7.0, 1.5)
-# A narrower blur does not reach on either grid, in its cells.
-_LEAST_SIGMA = 1.0
 # Springs per width: measured, stiffer ones keep limbs, softer ones fit.
 _STIFFNESS = 0.7
 # Cells of which less is filled do not belong to a solid.
@@ -52,7 +49,6 @@ def registered(
 
     In every round both, as they have been moved so far, get displacements from one unbalanced plan; each is made an
     elastic step of the solid's cells without divergence, and carried on outside. Blur, reach and stiffness go down.
-    The first half of the rounds is done on a grid of half the resolution.
 
     Parameters
     ----------
@@ -63,19 +59,14 @@ def registered(
     control : Control
         Stops the work.
     """
-    fine = [np.asarray(solid, np.float64) for solid in (first, second)]
-    coarse = [halved(solid) for solid in fine]
-    flows = [StepFlow(solid.shape) for solid in coarse]
-    begun = rounds // 2
+    rests = [np.asarray(solid, np.float64) for solid in (first, second)]
+    flows = [StepFlow(rest.shape) for rest in rests]
     solved = None
     for turn in range(rounds):
         yield Progress(turn / rounds, Sentence("Drawing the shapes together"))
-        if turn == begun:
-            flows, solved = [StepFlow(solid.shape, flow) for solid, flow in zip(fine, flows, strict=True)], None
-        rests, cell = (coarse, 2.0) if turn < begun else (fine, 1.0)
-        sigma, reach, width = (_annealed(ends, turn / (rounds - 1)) / cell for ends in (_SIGMAS, _REACHES, _WIDTHS))
+        sigma, reach, width = (_annealed(ends, turn / (rounds - 1)) for ends in (_SIGMAS, _REACHES, _WIDTHS))
         masses = [np.clip(flow.carried(rest), 0.0, 1.0) for flow, rest in zip(flows, rests, strict=True)]
-        met = meeting(*masses, Grid(rests[0].shape, max(sigma, _LEAST_SIGMA)), reach, control, solved)
+        met = meeting(*masses, Grid(rests[0].shape, sigma), reach, control, solved)
         solved = met.solved
         for flow, mass, aims in zip(flows, masses, met.displacements, strict=True):
             flow.add(_step(mass, aims, _STIFFNESS * width, control))
