@@ -5,9 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import is_dataclass
 
 import numpy as np
 
+# Of what is shown by its kind alone within another record.
+_NAME = "represent_on_one_line"
 # Arrays of so many values are written out.
 _FEW = 4
 
@@ -21,11 +24,11 @@ def one_line(*names: str) -> Callable[[object], str]:
         Attributes, in the order in which they are shown.
     """
 
-    def represent(record: object) -> str:
+    def represent_on_one_line(record: object) -> str:
         shown = ", ".join(f"{name}={_short(getattr(record, name))}" for name in names)
         return f"{type(record).__name__}({shown})"
 
-    return represent
+    return represent_on_one_line
 
 
 def _short(value: object) -> str:
@@ -36,6 +39,8 @@ def _short(value: object) -> str:
             return f"<{len(value)} items>"
         shown = ", ".join(map(_short, value))
         return f"({shown})" if isinstance(value, tuple) else f"[{shown}]"
+    if is_dataclass(value) and type(value).__repr__.__name__ == _NAME:
+        return f"<{type(value).__name__}>"
     if isinstance(value, float | np.floating):
         return f"{value:.4g}"
     return repr(value)

@@ -9,6 +9,8 @@ import pickle
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.layouts import Blend
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.errors import ConvwassError, InputError
 from convwass_addon.transport import (
     Grid,
@@ -69,3 +71,11 @@ def test_bad_arguments_are_value_errors():
     assert isinstance(error, ConvwassError)
     assert isinstance(error, ValueError)
     assert str(error) == "A has no faces."
+
+
+def test_records_within_records_are_named_only():
+    frame = MorphFrame(Blend((0.5, 0.5)), box(), {}, origins=np.zeros((2, 8, 3), np.float32))
+    assert repr(frame) == (
+        "MorphFrame(blend=Blend(weights=(0.5, 0.5), frame=None, place=(0.0, 0.0)), mesh=<TriangleMesh>, "
+        "origins=<float32 (2, 8, 3)>)"
+    )

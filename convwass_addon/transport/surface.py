@@ -87,7 +87,7 @@ class Surface(ThroughWholeArrays):
     relaxation = 1.0
     far_numerics = "dense log domain"
 
-    __repr__ = one_line("mesh", "gamma", "steps")
+    __repr__ = one_line("shape", "gamma", "steps", "mean_edge_length")
 
     def __init__(
         self,

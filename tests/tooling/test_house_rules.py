@@ -45,7 +45,17 @@ MAY_IMPORT = {
     "transport": {"errors", "one_line", "progress", "sentence", "geometry"},
     "geometry": {"errors", "one_line", "progress", "sentence"},
     "array_files": set(),
-    "applications": {"array_files", "drafts", "errors", "progress", "schema", "sentence", "transport", "geometry"},
+    "applications": {
+        "array_files",
+        "drafts",
+        "errors",
+        "one_line",
+        "progress",
+        "schema",
+        "sentence",
+        "transport",
+        "geometry",
+    },
     "bridge": {
         "array_files",
         "disk_room",

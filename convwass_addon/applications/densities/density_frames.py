@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...one_line import one_line
 from ...transport import Surface
 from .density_pieces import on_same_pieces
 from .density_settings import DensitySettings
@@ -39,6 +40,8 @@ class DensityFrames:
     densities: NDArray[np.float64]
     records: list[dict[str, object]]
     surface: Surface
+
+    __repr__ = one_line("times", "densities")
 
     @property
     def covered(self) -> NDArray[np.float64]:

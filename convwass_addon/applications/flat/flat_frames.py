@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.outlines import Outline
+from ...one_line import one_line
 from ..morphs.layouts import Blend
 from .flat_origins import FlatOrigins
 
@@ -32,6 +33,8 @@ class FlatDensity:
     values: NDArray[np.float32]
     pixel: float
     corner: tuple[float, float]
+
+    __repr__ = one_line("values", "pixel", "corner")
 
 
 @dataclass(frozen=True)
@@ -80,3 +83,5 @@ class FlatFrame:
     density: FlatDensity | None = None
     origins: FlatOrigins | None = None
     regions: tuple[ColoredOutline, ...] = ()
+
+    __repr__ = one_line("blend", "outline", "density", "regions")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.outlines import Rule
+from ...one_line import one_line
 
 # Squares of lengths up to this are numbers in single precision too.
 _FARTHEST = 1e18
@@ -39,6 +40,8 @@ class FlatShape:
     rule: Rule = "non-zero"
     colors: NDArray[np.float64] | None = None
     letters: tuple[int, ...] | None = None
+
+    __repr__ = one_line("rings", "rule", "letters")
 
     def __post_init__(self) -> None:
         """Refuse what no shape can be.
@@ -89,6 +92,8 @@ class FlatImage:
     corner: tuple[float, float] = (0.0, 0.0)
     kind: Literal["density", "silhouette"] = "density"
     colors: NDArray[np.floating] | None = None
+
+    __repr__ = one_line("values", "pixel", "corner", "kind")
 
     def __post_init__(self) -> None:
         """Refuse what no image can be.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry.connectivity import Connectivity
 from ...geometry.mesh import TriangleMesh
+from ...one_line import one_line
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .part_potentials import PartPotentials
@@ -49,6 +50,8 @@ class MorphFrame:
     potentials: tuple[PartPotentials, ...] = ()
     origins: NDArray[np.float32] | None = None
     tangents: NDArray[np.float32] | None = None
+
+    __repr__ = one_line("blend", "mesh", "origins")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
+from ...one_line import one_line
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,8 @@ class MovedShape:
     rest: TriangleMesh
     vertices: NDArray[np.float64]
     parents: NDArray[np.int64] | None = None
+
+    __repr__ = one_line("rest", "vertices")
 
     @cached_property
     def mesh(self) -> TriangleMesh:

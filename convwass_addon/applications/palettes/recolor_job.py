@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from .palette_settings import RecolorSettings
@@ -46,6 +47,8 @@ class Picture:
     mask: NDArray[np.float32] | None = None
     weights: NDArray[np.float64] | None = None
 
+    __repr__ = one_line("pixels", "pixel_format", "mask", "weights")
+
     def palette(self) -> Palette:
         """Measure the palette; raises InputError where no pixel counts."""
         return image_palette(self.pixels, self.pixel_format, self.mask, self.weights)
@@ -65,6 +68,8 @@ class Recolored:
 
     change: Recoloring
     pixels: NDArray[np.float32]
+
+    __repr__ = one_line("change", "pixels")
 
 
 def recolor_steps(

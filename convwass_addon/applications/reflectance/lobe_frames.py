@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from .ggx_fit import GgxFit, fit_ggx
@@ -49,6 +50,8 @@ class LobeFrame:
     fit: GgxFit
     record: dict[str, object]
     notices: tuple[Sentence, ...]
+
+    __repr__ = one_line("weights", "table", "image", "notices")
 
 
 def path_weights(steps: int, count: int) -> NDArray[np.float64]:

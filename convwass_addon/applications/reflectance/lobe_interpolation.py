@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Inputs, KernelTooNarrowError, Sphere
@@ -50,6 +51,8 @@ class InterpolatedLobes:
     starts: tuple[Barycenter, ...]
     record: dict[str, object]
     notices: tuple[Sentence, ...] = ()
+
+    __repr__ = one_line("table", "weights", "notices")
 
 
 class LobeBlend:

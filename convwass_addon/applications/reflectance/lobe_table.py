@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...one_line import one_line
 from ...transport.sphere import directions, solid_angles
 from .materials import Material
 
@@ -41,6 +42,8 @@ class LobeTable:
     phi_in: NDArray[np.float64]
     lobes: NDArray[np.float64]
     albedo: NDArray[np.float64]
+
+    __repr__ = one_line("theta_in", "phi_in", "lobes", "albedo")
 
     @property
     def is_isotropic(self) -> bool:

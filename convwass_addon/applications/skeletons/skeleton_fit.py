@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...geometry.inner_balls import inner_balls
 from ...geometry.mesh import TriangleMesh
+from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
@@ -60,6 +61,8 @@ class FittedSkeleton:
     projected: NDArray[np.bool_]
     record: dict[str, object]
     notices: tuple[Sentence, ...]
+
+    __repr__ = one_line("positions", "inside", "notices")
 
 
 def fit_steps(

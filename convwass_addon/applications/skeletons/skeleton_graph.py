@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...one_line import one_line
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class JointGraph:
     pinned: NDArray[np.bool_]
     names: tuple[str, ...]
     rest: NDArray[np.float64]
+
+    __repr__ = one_line("positions", "edges", "pinned")
 
     @classmethod
     def from_arrays(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...one_line import one_line
 from ...transport.barycenter import Barycenter
 from .glow_travel import GlowTravel
 from .lamps import Lamp, matched, split_lamps
@@ -42,6 +43,8 @@ class SkyFrame:
     image: NDArray[np.float32]
     lamps: tuple[Lamp, ...]
     record: dict[str, object]
+
+    __repr__ = one_line("time", "image", "lamps")
 
 
 class Skies:

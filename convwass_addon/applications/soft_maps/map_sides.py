@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
+from ...one_line import one_line
 
 
 @dataclass(frozen=True)
@@ -30,3 +31,5 @@ class MapSide:
     mesh: TriangleMesh
     name: str
     groups: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+
+    __repr__ = one_line("name", "mesh")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...one_line import one_line
 from ...sentence import Sentence
 
 
@@ -39,6 +40,8 @@ class PointMap:
     spread: NDArray[np.float32]
     entropy: NDArray[np.float32]
     confidence: NDArray[np.float32]
+
+    __repr__ = one_line("faces", "barycentric", "confidence")
 
     def __len__(self) -> int:
         """How many vertices there are."""
@@ -139,6 +142,8 @@ class SurfaceMap:
     coarse: CoarseRows
     record: Mapping[str, object] = field(default_factory=dict)
     notices: tuple[Sentence, ...] = ()
+
+    __repr__ = one_line("forward", "backward", "notices")
 
 
 def distribution_of(found: SurfaceMap, source_vertex: int) -> NDArray[np.float64]:
