@@ -17,7 +17,7 @@ from ...geometry.component_links import component_links
 from ...geometry.edges import distinct_corners
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
-from ...geometry.poisson_deformation import PoissonDeformation
+from ...geometry.poisson_deformation import Links, PoissonDeformation
 from ...geometry.subdivision import with_short_edges
 from ...progress import Control
 from ..far_meshes import refuse_far
@@ -141,6 +141,31 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     control.check()
     poisson = PoissonDeformation(outward, component_links(outward, control))
     return Carrier(name, rest, cut.parents, outward, seeds, blend, poisson)
+
+
+def coarser(carrier: Carrier, kept: NDArray[np.int64], count: int, control: Control) -> Carrier:
+    """Return a mesh of about `count` vertices that carries a carrier's mesh, or that mesh itself where there is none.
+
+    Parameters
+    ----------
+    carrier : Carrier
+        Of a shape.
+    kept : (k,) int64
+        Vertices of its mesh that are to be among the coarser one's.
+    count : int
+        Wanted number of vertices.
+    control : Control
+        Stops the work.
+    """
+    mesh = carrier.mesh
+    if len(mesh.vertices) > _NEAR_ENOUGH * count:
+        found = coarsened(mesh, mesh.vertex_areas, count, kept, control=control)
+        if found is not None:
+            blend = _with_loose(found.prolongation, mesh, found.mesh)
+            poisson = PoissonDeformation(found.mesh, Links.none())
+            return Carrier(carrier.name, mesh, None, found.mesh, found.seeds, blend, poisson)
+    poisson = PoissonDeformation(mesh, Links.none())
+    return Carrier(carrier.name, mesh, None, mesh, np.arange(len(mesh.vertices)), None, poisson)
 
 
 def _with_loose(prolongation: csr_array, fine: TriangleMesh, coarse: TriangleMesh) -> csr_array:

@@ -25,6 +25,7 @@ from ...geometry.rotation_fields import rotation_matrices
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
+from ..soft_maps.surface_maps import PointMap
 from ..workers import one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
@@ -32,12 +33,13 @@ from .guides import Guide, check_guides, guide_pairs, guide_vertices
 from .map_quality import MapQuality, map_quality
 from .motion import MovedShape
 from .pair_maps import PairMap, pair_map
-from .shape_deformations import ShapeDeformation, laid_points, split_deformation
+from .pair_registration import Laid, laid_on_each_other
+from .shape_deformations import ShapeDeformation, split_deformation
 
 # Where the map is not trusted at all, points still say a little about how shapes are laid on each other.
 _LEAST_TRUST = 0.01
-# Share of the work on a pair after which its map is there.
-_MAPPED = 0.6
+# Shares of the work on a pair after which its map is there, and after which the shapes lie on each other.
+_MAPPED, _LAID = 0.6, 0.9
 
 
 @dataclass(frozen=True)
@@ -256,15 +258,21 @@ def _deformed(
     found = yield from within(pair_map(one, other, pairs, map_settings, control), 0.0, _MAPPED)
     message = Sentence("Laying {first} on {second}", {"first": one.name, "second": other.name})
     yield Progress(_MAPPED, message)
-    forward, backward = found.found.forward, found.found.backward
+    starts = (_start(one, other, found.found.forward), _start(other, one, found.found.backward))
     with one_blas_thread():
-        there = laid_points(one, other, forward, found.pairs, control)
-        there = split_deformation(one, other, there, forward.confidence.astype(np.float64), None, control)
-    yield Progress(0.5 * (1.0 + _MAPPED), message)
+        laid = laid_on_each_other((one, other), starts, found.pairs, control)
+    yield Progress(_LAID, message)
     with one_blas_thread():
-        back = laid_points(other, one, backward, found.pairs[:, ::-1], control)
-        back = split_deformation(other, one, back, backward.confidence.astype(np.float64), there, control)
+        there = split_deformation(one, other, laid[0], None, control)
+        back = split_deformation(other, one, laid[1], there, control)
     return there, back, found
+
+
+def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
+    """Return where a map puts the vertices of a shape."""
+    places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)
+    # Little confidence is still more than no point at all.
+    return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:

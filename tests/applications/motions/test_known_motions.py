@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.motions.pair_registration import Laid
 from convwass_addon.applications.motions.shape_deformations import split_deformation
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -44,7 +45,7 @@ def known_motion(shapes, pairs=None, **settings):
             here, there = (carriers[shape] for shape in ends)
             trust = np.ones(len(here.mesh.vertices))
             back = found.get(ends[::-1])
-            found[ends] = split_deformation(here, there, there.mesh.vertices, trust, back, Control())
+            found[ends] = split_deformation(here, there, Laid(there.mesh.vertices, trust), back, Control())
     return GuidedMotion(tuple(carriers), found, {}, GuidedSettings(**settings))
 
 

@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edges of meshes, parts of them, and parts that go with the others."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...geometry.rotations import nearest_rotations
+
+# Vertices around a part without counterpart that say how it moves.
+_AROUND = 40
+
+
+def mesh_edges(faces: NDArray[np.int64], further: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
+    """Return the edges of triangles, and further pairs of vertices, each once, (e, 2)."""
+    parts = [faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], *([] if further is None else [further])]
+    edges = np.sort(np.concatenate(parts), axis=1)
+    edges = edges[edges[:, 0] < edges[:, 1]]
+    keys = np.unique(edges[:, 0] << 32 | edges[:, 1])
+    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
+
+
+def renumbered(faces: NDArray[np.int64], own: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return the triangles of some vertices only, (f, 3), in their numbers."""
+    if len(own) == count:
+        return faces
+    place = np.full(count, -1, np.int64)
+    place[own] = np.arange(len(own))
+    kept = place[faces]
+    return kept[(kept >= 0).all(axis=1)]
+
+
+def with_others(rest: NDArray[np.float64], own: NDArray[np.int64], moved: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Let all other vertices go, turned and scaled, with the moved ones around each, (n, 3)."""
+    points = np.empty_like(rest)
+    points[own] = moved
+    others = np.setdiff1d(np.arange(len(rest)), own)
+    if not len(others):
+        return points
+    nearest = cKDTree(rest[own]).query(rest[others], min(_AROUND, len(own)))[1].reshape(len(others), -1)
+    before, after = rest[own][nearest], moved[nearest]
+    here, there = before.mean(axis=1), after.mean(axis=1)
+    before, after = before - here[:, None], after - there[:, None]
+    fitted = nearest_rotations(np.einsum("nki,nkj->ijn", after, before))
+    scales = fitted.traces / np.maximum(np.square(before).sum(axis=(1, 2)), np.finfo(float).tiny)
+    turned = np.einsum("ijn,nj->ni", fitted.rotations, rest[others] - here)
+    points[others] = there + np.maximum(scales, 0.0)[:, None] * turned
+    return points
