@@ -262,16 +262,18 @@ def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
         gc.collect()
         return sum(one() is not None for one in sketched)
 
-    most = 0
-    for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 11), QUICK, previews=True, workers=1):
+    blends, most, made = path_blends(2, 11), 0, 0
+    for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, previews=True, workers=1):
         if isinstance(step.payload, MorphPreview):
             most = max(most, alive())
-        if step.fraction == 1.0:
+        made += isinstance(step.payload, MorphFrame)
+        if made == len(blends):
             # The last frame waits to be taken, and the thread that solved it may be about to let go.
             deadline = time.monotonic() + 10
             while alive() and time.monotonic() < deadline:
                 time.sleep(0.005)
             assert not alive()
+    assert made == len(blends)
     assert most == 10
 
 
