@@ -94,7 +94,7 @@ def main(
                 keep=str(kept_frames(pair.name, way)),
             )
             found[pair.name, way] = figures
-            shown = {"pair": pair.name, "build": pair.build, "motion": way, "cells": cells, **figures}
+            shown = {"cells": cells, **figures, "pair": pair.name, "build": pair.build, "way": way}
             print(json.dumps(shown) if as_json else line(pair.name, way, figures), flush=True)
     if not as_json:
         _print_summary(pairs, ways, found)

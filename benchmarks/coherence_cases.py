@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import get_args, get_type_hints
@@ -33,6 +32,7 @@ from .coherence_measures import (
     worst_angle,
 )
 from .coherence_pairs import Ends, pairs_named
+from .left_to_transport import left_to_transport, motions_noted
 from .rival_measures import Hold
 
 TRANSPORT = "transport"
@@ -110,12 +110,17 @@ def passage(
     (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
     ends = chosen.ends()
     try:
-        bake = Bake.of(ends, settings_for(motion, cells), frames)
+        with motions_noted() as noted:
+            bake = Bake.of(ends, settings_for(motion, cells), frames)
     except ConvwassError as error:
         return {"error": str(error)}
     if keep is not None:
         _write(Path(keep), bake)
-    return {**held(bake, ends), **clean(bake), "records": [_brief(record) for record in bake.records]}
+    figures = {**held(bake, ends), **clean(bake), "records": [_brief(record) for record in bake.records]}
+    if noted:
+        figures["residual"] = left_to_transport(noted[-1], [ends.first, ends.second])
+        figures["motion"] = noted[-1].record()
+    return figures
 
 
 def mapping(pair: str, meshes: str | None = None) -> dict[str, object]:
@@ -138,7 +143,7 @@ def held(bake: Bake, ends: Ends) -> dict[str, object]:
         "reach": float(along.reach.min()),
         "volume": float(np.abs(along.volume - 1.0).max()),
         "limb": limb,
-        "residual": residual(bake.records),
+        "residual": None,
         **bake.seconds,
     }
 
@@ -155,12 +160,6 @@ def clean(bake: Bake) -> dict[str, object]:
         "crossing": max(crossing_share(mesh) for mesh in between[::_CROSSINGS_EVERY]),
         "triangles": int(np.mean([len(mesh.faces) for mesh in between])),
     }
-
-
-def residual(records: Sequence[dict[str, object]]) -> float | None:
-    """Return the largest W2 that is left to transport over that of the shapes; None where no record says so."""
-    shares = [record["motion"]["residual"] for record in records if "residual" in (record.get("motion") or {})]
-    return max(shares, default=None)
 
 
 def read_frames(path: Path) -> list[TriangleMesh]:

@@ -20,7 +20,7 @@ from benchmarks import (
     coherence_maps,
     coherence_sheets,
 )
-from benchmarks.coherence_cases import Bake, held, motions, passage, read_frames, residual, settings_for
+from benchmarks.coherence_cases import Bake, held, motions, passage, read_frames, settings_for
 from benchmarks.coherence_pairs import Ends, pairs_named
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.geometry.closest_points import ClosestPointFinder
@@ -51,11 +51,6 @@ def test_frames_torn_are_those_in_more_pieces_than_the_shapes_before_mending():
     found = held(bake, Ends(shape, shape))
     assert found["pieces"] == 3
     assert found["torn"] == pytest.approx(2 / 3)
-
-
-def test_what_is_left_to_transport_is_read_from_the_records():
-    assert residual([{}, {"motion": None}]) is None
-    assert residual([{"motion": {"residual": 0.1}}, {"motion": {"residual": 0.3}}, {"motion": {}}]) == 0.3
 
 
 def test_motions_are_those_that_the_settings_offer(monkeypatch):

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a motion leaves to transport, on pairs of balls between which the distance is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from benchmarks.left_to_transport import TIMES, left_to_transport, motions_noted
+from convwass_addon.applications.morphs.moving_problem import MovingProblem
+from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.shapes import ball, joined
+
+
+def two_balls(apart: float) -> TriangleMesh:
+    """Two balls, each so far from the middle."""
+    return joined(ball(radius=0.5, center=(-apart, 0, 0)), ball(radius=0.5, center=(apart, 0, 0)))
+
+
+@dataclass(frozen=True)
+class Closing:
+    """Moves balls at 1 and at 2 towards each other and leaves a share of their distance."""
+
+    left: float
+
+    def moved(self, weights):
+        t, done = weights[1], 1.0 - self.left
+        return [
+            MovedShape(shape, two_balls(place).vertices)
+            for shape, place in ((two_balls(1.0), 1.0 + done * t), (two_balls(2.0), 2.0 - done * (1.0 - t)))
+        ]
+
+    def record(self):
+        return {}
+
+
+@pytest.mark.parametrize("left", [1.0, 0.4])
+def test_what_is_left_is_the_share_of_the_way_that_a_motion_does_not_go(left):
+    assert 0.5 in TIMES
+    found = left_to_transport(Closing(left), [two_balls(1.0), two_balls(2.0)])
+    assert found == pytest.approx(left, rel=0.05)
+
+
+def test_motions_are_noted_and_morphs_made_as_before(monkeypatch):
+    made = []
+    monkeypatch.setattr(MovingProblem, "of", classmethod(lambda kind, *given: made.append(given) or np.pi))
+    before = MovingProblem.__dict__["of"]
+    with motions_noted() as noted:
+        assert MovingProblem.of("still", "motion", "blends") == np.pi
+    assert noted == ["motion"]
+    assert made == [("still", "motion", "blends")]
+    assert MovingProblem.__dict__["of"] is before
