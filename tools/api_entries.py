@@ -16,6 +16,9 @@ APPLICATIONS = {
         "guided_motion": ("guided_motion", "GuidedMotion", "GuidedPair"),
         "guided_settings": ("GuidedSettings",),
         "map_quality": ("MapQuality",),
+        "warp_motion": ("warp_motion", "WarpMotion", "WarpEffort"),
+        "warp_signals": ("WarpSignals",),
+        "combined_motion": ("combined_motion", "CombinedMotion"),
         "motion": ("Motion", "MovedShape"),
     },
     "flat": {
