@@ -30,8 +30,13 @@ LISTING = PROJECT / "assets" / "listing"
 NOT_SHIPPED = {"cluster.py"}
 SHIPPED = sorted({path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py")} - NOT_SHIPPED)
 
-# Only these may look at where they lie, and only to read: presets, the samples of a checkout, their own code.
-MAY_LOOK_AROUND = {"solver_presets.py", "cli/demo_verb.py", "applications/morphs/code_digest.py"}
+# Only these may look at where they lie, and only to read: presets, translations, samples of a checkout, their own code.
+MAY_LOOK_AROUND = {
+    "solver_presets.py",
+    "translations/__init__.py",
+    "cli/demo_verb.py",
+    "applications/morphs/code_digest.py",
+}
 NETWORK = {"asyncio", "dask", "distributed", "ftplib", "http", "requests", "smtplib", "socket", "ssl", "urllib"}
 NETWORK |= {"webbrowser", "xmlrpc"}
 PROCESSES = {"multiprocessing", "pip", "subprocess"}

@@ -57,8 +57,9 @@ def manifest_in(path: Path) -> dict:
 
 
 def shipped_files(project: Path) -> list[str]:
-    """All that the extension needs: its two files for Blender, the licence and the package's own modules."""
-    package_files = {path.relative_to(project).as_posix() for path in (project / "convwass_addon").rglob("*.py")}
+    """All that the extension needs: two files for Blender, the licence, the own modules and their translations."""
+    found = (path for kind in ("*.py", "*.po") for path in (project / "convwass_addon").rglob(kind))
+    package_files = {path.relative_to(project).as_posix() for path in found}
     assert package_files >= NOT_SHIPPED
     return sorted(["LICENSE", "__init__.py", "blender_manifest.toml", *package_files - NOT_SHIPPED])
 
