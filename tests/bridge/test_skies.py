@@ -16,9 +16,10 @@ from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
-from convwass_addon.bridge.skies.sky_sequence import SkyFiles, fitting_height, sky_steps
+from convwass_addon.bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
 from convwass_addon.errors import ConvwassError, InputError
+from convwass_addon.progress import payloads
 from tests.lights import sky
 
 
@@ -149,8 +150,8 @@ def test_folders_that_cannot_be_used_are_refused(tmp_path):
 def written(folder, first=7):
     """Write two frames, but do not finish."""
     files = SkyFiles(folder, first, 2)
-    for step in sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()):
-        files.write(step)
+    for made in payloads(sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()), PlacedSky):
+        files.write(made)
     return files
 
 
@@ -195,9 +196,9 @@ def test_a_folder_that_cannot_be_made_is_told_and_discarding_says_nothing(tmp_pa
     (tmp_path / "gone").mkdir()
     files = SkyFiles(tmp_path / "gone" / "new", 1, 2)
     (tmp_path / "gone").rmdir()
-    (step,) = (step for step in sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()) if step.place == 1)
+    _, second = payloads(sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()), PlacedSky)
     with pytest.raises(ConvwassError, match=r"sky.0002.exr could not be written"):
-        files.write(step)
+        files.write(second)
     files.discard()
     assert not list(tmp_path.iterdir())
 
@@ -214,7 +215,7 @@ def test_nothing_is_replaced_until_every_file_is_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(sky_sequence, "write_sky", cut)
     files = SkyFiles(tmp_path, 7, 2)
     for place, image in enumerate((whole, 2.0 * whole)):
-        files.write(sky_sequence.PlacedSky(place, SimpleNamespace(image=image)))
+        files.write(PlacedSky(place, SimpleNamespace(image=image)))
     with pytest.raises(ConvwassError, match=r"sky.0008.exr could not be written"):
         files.finish()
     files.discard()
