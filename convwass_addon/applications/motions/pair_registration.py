@@ -46,6 +46,8 @@ _SEAM = 1.0
 _FINE = 0.35
 # A point from which the way there and back ends so far from home, in sizes of the surface, is trusted by 0.6.
 _MISSED = 0.08
+# For two shapes to agree, 95 % of the area must come this near to home.
+_NEAR_HOME = 0.06
 # Shapes that are turned by less than this against each other are taken as they stand, radians.
 _TURNED = np.radians(30.0)
 
@@ -141,7 +143,7 @@ def _drafted(
     """Lay coarse meshes on each other by the best of several ways."""
     both = pairs, pairs[:, ::-1]
     best = [_proposed(drafts, k, starts[k], both[k], _FROM_MAP, control) for k in (0, 1)]
-    if max(found.misfit for found in best) <= _FINE:
+    if max(found.misfit for found in best) <= _FINE and all(_agree(drafts, best, k) for k in (0, 1)):
         return [_trusted(found) for found in best]
     inverses = [found.inverse for found in best]
     for k in (0, 1):
@@ -149,10 +151,15 @@ def _drafted(
         ways = [(inverses[1 - k], _FROM_MAP), (placed, _FROM_PLACE)]
         best[k] = _mended(drafts, k, best[k], ways, both[k], control)
     for k in (1, 0):
-        home = _home(drafts[k], drafts[1 - k], best[k].points, best[1 - k].points)
-        if _share_95(home, drafts[k].mesh.vertex_areas) > _MISSED:
+        if not _agree(drafts, best, k):
             best[k] = _mended(drafts, k, best[k], [(best[1 - k].inverse, _FROM_MAP)], both[k], control)
     return [_trusted(found) for found in best]
+
+
+def _agree(drafts: tuple[Carrier, Carrier], found: list[_Proposal], k: int) -> bool:
+    """Tell whether the way there and back comes home."""
+    home = _home(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
+    return _share_95(home, drafts[k].mesh.vertex_areas) <= _NEAR_HOME
 
 
 def _mended(
