@@ -54,14 +54,19 @@ def saved_frames(path):
 def test_a_path_through_three_formats(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     files = [str(shapes / name) for name in ("cube.obj", "ball.ply", "cone.stl")]
-    assert cli.main(["morph", *files, *QUICK, "--out", str(out)]) == 0
+    assert cli.main(["morph", "--motion", "transport", *files, *QUICK, "--out", str(out)]) == 0
     assert len(saved_frames(out)) == 5
 
 
 def test_objects_of_a_blend_and_a_single_blend(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball", "Cone")]
-    assert cli.main(["morph", *words, "--weights", "2,1,1", "--resolution", "24", "--out", str(out)]) == 0
+    assert (
+        cli.main(
+            ["morph", "--motion", "transport", *words, "--weights", "2,1,1", "--resolution", "24", "--out", str(out)]
+        )
+        == 0
+    )
     (blend,) = saved_frames(out)
     assert list(blend["convwass_weights"]) == pytest.approx([0.5, 0.25, 0.25])
 
@@ -70,7 +75,7 @@ def test_shapes_can_be_laid_onto_the_first(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball")]
     options = ["--align", "principal-axes", "--scale", "equal-volume", *QUICK]
-    assert cli.main(["morph", *words, *options, "--out", str(out)]) == 0
+    assert cli.main(["morph", "--motion", "transport", *words, *options, "--out", str(out)]) == 0
     first, _, last = saved_frames(out)
     low, high = (np.array(obj.bound_box).reshape(8, 3)[[0, 6]] for obj in (first, last))
     np.testing.assert_allclose(low.mean(axis=0), high.mean(axis=0), atol=1e-3)
@@ -81,7 +86,7 @@ def test_outputs_show_every_frame(shapes, tmp_path, capfd, output, files):
     out = tmp_path / "morph.blend"
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", output]
     capfd.readouterr()
-    assert cli.main(["morph", *words, *QUICK, "--out", str(out)]) == 0
+    assert cli.main(["morph", "--motion", "transport", *words, *QUICK, "--out", str(out)]) == 0
     assert len(capfd.readouterr().out.splitlines()) >= 1 + files
     bpy.ops.wm.open_mainfile(filepath=str(out))
     assert (
@@ -99,9 +104,39 @@ def test_outputs_show_every_frame(shapes, tmp_path, capfd, output, files):
 def test_a_pad_is_for_sheets(shapes, tmp_path, capfd):
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), str(shapes / "cone.stl"), "--output", "pad"]
     assert (
-        cli.main(["morph", *words, "--layout", "triangle", "--steps", "2", *QUICK, "--out", str(tmp_path / "a")]) == 0
+        cli.main(
+            [
+                "morph",
+                "--motion",
+                "transport",
+                *words,
+                "--layout",
+                "triangle",
+                "--steps",
+                "2",
+                *QUICK,
+                "--out",
+                str(tmp_path / "a"),
+            ]
+        )
+        == 0
     )
-    assert cli.main(["morph", *words[:2], "--output", "pad", *QUICK, "--out", str(tmp_path / "b.blend")]) == 3
+    assert (
+        cli.main(
+            [
+                "morph",
+                "--motion",
+                "transport",
+                *words[:2],
+                "--output",
+                "pad",
+                *QUICK,
+                "--out",
+                str(tmp_path / "b.blend"),
+            ]
+        )
+        == 3
+    )
     assert not (tmp_path / "b.blend").exists()
 
 
@@ -109,7 +144,12 @@ def test_a_pad_is_for_sheets(shapes, tmp_path, capfd):
 def test_sheets(shapes, tmp_path, layout, count, expected):
     out = tmp_path / "sheet.blend"
     words = [str(shapes / name) for name in ("cube.obj", "ball.ply", "cone.stl", "cube.obj")][:count]
-    assert cli.main(["morph", *words, "--layout", layout, "--steps", "3", *QUICK, "--out", str(out)]) == 0
+    assert (
+        cli.main(
+            ["morph", "--motion", "transport", *words, "--layout", layout, "--steps", "3", *QUICK, "--out", str(out)]
+        )
+        == 0
+    )
     assert len(saved_frames(out)) == expected
 
 
@@ -118,7 +158,7 @@ def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply")]
     options = ["--json", "--sharpness", "0.5", "--entropy-limit", "max", "--export", str(tmp_path / "mesh.obj")]
     capfd.readouterr()
-    assert cli.main(["morph", *words, *QUICK, *options, "--out", str(out)]) == 0
+    assert cli.main(["morph", "--motion", "transport", *words, *QUICK, *options, "--out", str(out)]) == 0
     printed, _ = capfd.readouterr()
     result = json.loads(printed)
     assert result["settings"]["sharpness"] == 0.5
@@ -132,7 +172,21 @@ def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
 def test_written_files_are_named(shapes, tmp_path, capfd):
     out = tmp_path / "morph.blend"
     capfd.readouterr()
-    assert cli.main(["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(out)]) == 0
+    assert (
+        cli.main(
+            [
+                "morph",
+                "--motion",
+                "transport",
+                str(shapes / "cube.obj"),
+                str(shapes / "ball.ply"),
+                *QUICK,
+                "--out",
+                str(out),
+            ]
+        )
+        == 0
+    )
     assert capfd.readouterr().out.split() == [str(out)]
 
 
@@ -193,7 +247,7 @@ def test_errors_have_codes_and_say_what_to_do(shapes, tmp_path, capfd, words, co
     words = [word.replace("{in}", str(shapes)) for word in words]
     if "--out" not in words:
         words += ["--out", str(tmp_path / "morph.blend")]
-    assert cli.main(["morph", *words]) == code
+    assert cli.main(["morph", "--motion", "transport", *words]) == code
     assert message in capfd.readouterr().err
     assert sorted(tmp_path.rglob("*")) == before
 
@@ -201,7 +255,7 @@ def test_errors_have_codes_and_say_what_to_do(shapes, tmp_path, capfd, words, co
 def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: 10_000_000)
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--out", str(tmp_path / "morph.blend")]
-    assert cli.main(["morph", *words, "--resolution", "200"]) == 4
+    assert cli.main(["morph", "--motion", "transport", *words, "--resolution", "200"]) == 4
     assert "would fit" in capfd.readouterr().err
     assert not (tmp_path / "morph.blend").exists()
 
@@ -209,13 +263,36 @@ def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):
 def test_damaged_files_are_refused(shapes, tmp_path, capfd):
     damaged = tmp_path / "damaged.ply"
     damaged.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement vertex 900\n\x00\x01")
-    assert cli.main(["morph", str(shapes / "cube.obj"), str(damaged), "--out", str(tmp_path / "m.blend")]) == 3
+    assert (
+        cli.main(
+            [
+                "morph",
+                "--motion",
+                "transport",
+                str(shapes / "cube.obj"),
+                str(damaged),
+                "--out",
+                str(tmp_path / "m.blend"),
+            ]
+        )
+        == 3
+    )
     assert "damaged.ply" in capfd.readouterr().err
 
 
 def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path, capfd):
     out, cache = tmp_path / "morph.blend", tmp_path / "frames"
-    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--resolution", "16", "--frames", "10"]
+    words = [
+        "morph",
+        "--motion",
+        "transport",
+        str(shapes / "cube.obj"),
+        str(shapes / "ball.ply"),
+        "--resolution",
+        "16",
+        "--frames",
+        "10",
+    ]
     words += ["--out", str(out), "--cache", str(cache), "--json"]
     made = []
     for wanted in ("5", "0-1", "8-10"):
@@ -242,7 +319,7 @@ def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path
 
 
 def test_frames_of_a_cluster_are_those_of_threads(shapes, tmp_path, capfd):
-    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--json"]
+    words = ["morph", "--motion", "transport", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--json"]
     words += ["--out", str(tmp_path / "morph.blend")]
     results = []
     with local_cluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp") as cluster:
@@ -261,14 +338,24 @@ def test_an_interrupt_says_what_is_left(shapes, tmp_path, capfd, monkeypatch, ca
     monkeypatch.setattr(MorphJob, "write", interrupt)
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(tmp_path / "morph.blend")]
     at = str(tmp_path / "frames")
-    assert cli.main(["morph", *words, *(word.format(at=at) for word in cache)]) == 130
+    assert cli.main(["morph", "--motion", "transport", *words, *(word.format(at=at) for word in cache)]) == 130
     assert left.format(at=at) in capfd.readouterr().err
     assert not (tmp_path / "morph.blend").exists()
 
 
 def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):
     cache = tmp_path / "frames"
-    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--resolution", "16", "--frames", "2"]
+    words = [
+        "morph",
+        "--motion",
+        "transport",
+        str(shapes / "cube.obj"),
+        str(shapes / "ball.ply"),
+        "--resolution",
+        "16",
+        "--frames",
+        "2",
+    ]
     words += ["--out", str(tmp_path / "morph.blend"), "--cache", str(cache)]
     assert cli.main(words) == 0
     damaged = next(cache.iterdir())
@@ -280,7 +367,17 @@ def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):
 
 def test_between_frames_of_a_cache(shapes, tmp_path, capfd):
     out, cache = tmp_path / "between.blend", tmp_path / "frames"
-    words = ["morph", str(shapes / "cube.obj"), str(shapes / "cone.stl"), "--resolution", "24", "--frames", "8"]
+    words = [
+        "morph",
+        "--motion",
+        "transport",
+        str(shapes / "cube.obj"),
+        str(shapes / "cone.stl"),
+        "--resolution",
+        "24",
+        "--frames",
+        "8",
+    ]
     words += ["--cache", str(cache), "--at", "4.25,5,5.5", "--out", str(out), "--json"]
     capfd.readouterr()
     assert cli.main([*words, "--export", str(tmp_path / "mesh.obj")]) == 0
@@ -320,7 +417,7 @@ def test_as_a_module(shapes, tmp_path, project):
     out = tmp_path / "morph.blend"
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(out), "--json"]
     done = subprocess.run(
-        [sys.executable, "-m", "convwass_addon", "morph", *words],
+        [sys.executable, "-m", "convwass_addon", "morph", "--motion", "transport", *words],
         cwd=project,
         capture_output=True,
         text=True,

@@ -68,6 +68,12 @@ def _add_layout_options(parser: ArgumentParser) -> None:
 def _add_solver_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("how it is made")
     add_setting_options(group, MorphSettings, FlatSettings)
+    group.add_argument(
+        "--guides",
+        metavar="groups|empties|bones|FILE",
+        help="points of the shapes that belong together: small vertex groups, Empties or ends of bones of the same "
+        'name, or a JSON file such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
+    )
 
 
 def _add_computing_options(parser: ArgumentParser) -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
+from dataclasses import replace
 
 import bpy
 
@@ -20,6 +21,7 @@ from ..bridge.flat.choosing import asks_for_flat
 from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.flat.picture_bake import pictures_of
 from ..bridge.morphs.exports import export_frames
+from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.outputs import save_as
 from ..progress import Progress
 from .answer import Answer
@@ -64,7 +66,8 @@ def run_morph(options: Namespace) -> Answer:
         inputs += imported_shape(text)
     if asks_for_flat(inputs, bpy.context.evaluated_depsgraph_get(), settings.thickness):
         settings = flat_settings_of(options)
-    stored = request.as_dict()
+    guides = guides_asked_for(options.guides, inputs, bpy.context.evaluated_depsgraph_get())
+    stored = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
     collection, records = baked(inputs, blends, settings, stored, computing)

@@ -67,6 +67,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         options={"SKIP_SAVE"},
     )
 
+    guides: StringProperty(
+        name="Guides",
+        description='Points that belong together, such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]; '
+        "empty for those on the list of guides",
+        options={"SKIP_SAVE"},
+    )
     replaces: StringProperty(
         name="Replaces",
         description="Name of a morph's collection whose frames the new ones take the place of; empty for a new morph",
@@ -94,11 +100,13 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.flat.flat_job import FlatJob
         from ..bridge.flat.picture_job import PictureJob
         from ..bridge.morphs.job import MorphJob
+        from ..bridge.morphs.morph_guides import parsed_guides
 
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
         weights = chosen.weights if self.layout == "BLEND" else None
-        request = self.request(weights)
+        guides = parsed_guides(self.guides) if self.guides else context.scene.convwass_guides.named
+        request = self.request(weights, guides)
         blends = request.blends(len(chosen.objects))
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
         are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 
 import bpy
@@ -170,6 +171,7 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
         **known,
         "inputs": "\n".join(obj.name for obj in inputs),
         "weights": ",".join(str(weight) for weight in weights),
+        "guides": json.dumps(stored.settings.get("guides", [])),
         "start": "CUSTOM",
         "frame_start": stored.first_frame,
         "hide_inputs": all(obj.hide_render for obj in inputs),

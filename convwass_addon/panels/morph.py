@@ -94,6 +94,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
             column.prop(settings, "words")
         elif shapes:
             column.prop(settings, "resolution")
+            draw_settings(column, settings, MorphSettings, "motion")
 
         needed = _NEEDED.get(settings.layout)
         row = layout.row()

@@ -11,6 +11,7 @@ from bpy.props import BoolProperty
 
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.morphs.morph_guides import NamedGuide
 from ..bridge.morphs.morph_request import MorphRequest
 from .from_schema import arguments_of, values_of, with_properties
 from .morph_solver import OF_FLAT, SolverProperties
@@ -24,9 +25,14 @@ class MorphProperties(SolverProperties):
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
     )
 
-    def request(self, weights: Sequence[float] | None = None) -> MorphRequest:
+    def request(self, weights: Sequence[float] | None = None, guides: Sequence[NamedGuide] = ()) -> MorphRequest:
         """Return what is stored with a morph besides the settings of its solver; of a single blend its `weights`."""
-        return MorphRequest(**values_of(self, MorphRequest), words=self.words, weights=weights)
+        return MorphRequest(
+            **values_of(self, MorphRequest),
+            words=self.words,
+            weights=weights,
+            guides=[guide.as_dict() for guide in guides],
+        )
 
     def first_frame(self, scene: bpy.types.Scene) -> int:
         """Return the scene frame in which the morph begins."""
@@ -52,8 +58,9 @@ class MorphProperties(SolverProperties):
 def stored_arguments(stored: Mapping[str, object]) -> dict[str, object]:
     """Return what a baked morph was asked for as values of :class:`MorphProperties`; ValueError for unknown choices.
 
-    What an earlier version did not store is left out.
+    What an earlier version did not store is left out; before there were motions, everything was transported.
     """
+    stored = {"motion": "transport", **stored}
     found = arguments_of(stored, MorphSettings) | arguments_of(stored, MorphRequest)
     found |= arguments_of(stored, FlatSettings, only=OF_FLAT)
     # Both have one, and only that of the shapes at hand is stored.

@@ -21,7 +21,7 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
 from tests.shapes import ball, box, joined
 
-QUICK = MorphSettings(resolution=32)
+QUICK = MorphSettings(motion="transport", resolution=32)
 PATH = path_blends(2, 12)
 # No two balls: something turns and something changes its size.
 SHAPES = (

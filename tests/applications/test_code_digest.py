@@ -27,7 +27,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 
 shape = TriangleMesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 2, 1]])
-cache = FrameCache(Path(sys.argv[1])).of([shape, shape], ["a", "b"], None, MorphSettings())
+cache = FrameCache(Path(sys.argv[1])).of([shape, shape], ["a", "b"], None, MorphSettings(motion="transport"))
 print(*(path.name for path in cache.paths(path_blends(2, 3))))
 """
 

@@ -29,7 +29,7 @@ from tests.controls import CountingControl
 from tests.shapes import ball, box
 
 SHAPES = (ball(), box())
-QUICK = MorphSettings(resolution=32)
+QUICK = MorphSettings(motion="transport", resolution=32)
 BLENDS = path_blends(2, 96)
 RUNS = 25
 """Enough for work to be left when a worker is killed after the first of them."""

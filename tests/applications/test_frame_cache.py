@@ -29,7 +29,7 @@ from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from tests.controls import ConditionalControl
 from tests.shapes import ball, box
 
-QUICK = MorphSettings(resolution=16)
+QUICK = MorphSettings(motion="transport", resolution=16)
 KEY = "0" * 64
 BLENDS = path_blends(2, 10)
 SHAPES = (ball(), box())

@@ -17,7 +17,7 @@ from convwass_addon.geometry.occupancy import occupancy
 
 from ..shapes import ball, box, joined
 
-SETTINGS = MorphSettings(resolution=64).as_dict()
+SETTINGS = MorphSettings(motion="transport", resolution=64).as_dict()
 GOOD = {"converged": True, "marginal_error": 0.005, "sigma": 1.0, "wall": 0.0}
 
 
@@ -70,7 +70,7 @@ def test_the_wall_is_the_outermost_layer_of_cells():
 def test_a_blur_wider_than_the_automatic_one_is_told_and_one_that_was_asked_for_is_not():
     assert kinds([GOOD, GOOD | {"sigma": 1.5625}]) == ["WIDENED"]
     assert kinds([GOOD | {"sigma": 3.0}], SETTINGS | {"blur": 3.0}) == ["GOOD"]
-    assert kinds([GOOD | {"sigma": 2.0}], MorphSettings(resolution=160).as_dict()) == ["GOOD"]
+    assert kinds([GOOD | {"sigma": 2.0}], MorphSettings(motion="transport", resolution=160).as_dict()) == ["GOOD"]
 
 
 def test_notices_about_parts_are_passed_on_once():

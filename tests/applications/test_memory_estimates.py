@@ -37,7 +37,7 @@ def peak_of(work):
 
 @pytest.mark.parametrize("shapes", [[ball(), box()], [torus(1.0, 0.2), box((2.0, 0.3, 0.3))]], ids=["full", "slender"])
 def test_of_solids(shapes):
-    settings = MorphSettings(resolution=64)
+    settings = MorphSettings(motion="transport", resolution=64)
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
     peak = peak_of(lambda: morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
     assert 0.3 < peak / lattice.memory(shapes, 1, 1) < 1.0

@@ -23,7 +23,7 @@ from convwass_addon.sentence import Sentence
 from tests.controls import CountingControl, cancelled_control
 from tests.shapes import ball, box, joined, square, torus, with_faces
 
-QUICK = MorphSettings(resolution=32)
+QUICK = MorphSettings(motion="transport", resolution=32)
 
 
 def frames_of(shapes, blends, settings=QUICK):
@@ -33,7 +33,7 @@ def frames_of(shapes, blends, settings=QUICK):
 
 def test_every_blend_is_closed_outward_of_the_right_volume_and_solved():
     shapes = [torus(1.0, 0.35), joined(ball(0.6, (-1, 0, 0)), box(center=(1, 0, 0))), ball(0.9)]
-    frames = frames_of(shapes, path_blends(3, 4), MorphSettings(resolution=48))
+    frames = frames_of(shapes, path_blends(3, 4), MorphSettings(motion="transport", resolution=48))
     volumes = np.array([shape.volume for shape in shapes])
     assert len(frames) == 9
     for frame in frames:
@@ -68,7 +68,7 @@ def test_distance_in_the_scene_costs_no_cells():
 
 
 def test_a_blend_of_a_ball_with_itself_is_the_ball():
-    (frame,) = frames_of([ball(), ball()], single_blend([1, 1], 2), MorphSettings(resolution=48))
+    (frame,) = frames_of([ball(), ball()], single_blend([1, 1], 2), MorphSettings(motion="transport", resolution=48))
     radii = np.linalg.norm(frame.mesh.vertices, axis=1)
     cell = 2 / 40
     assert np.abs(radii - 1).max() < 0.5 * cell
@@ -76,7 +76,7 @@ def test_a_blend_of_a_ball_with_itself_is_the_ball():
 
 def test_balls_blend_to_a_ball_of_the_mean_radius_before_the_volume_is_set():
     """Scaled copies interpolate by scaling, so the half-way level of the density is at the mean radius."""
-    settings = MorphSettings(resolution=64, sharpness=1.0, level="half-max")
+    settings = MorphSettings(motion="transport", resolution=64, sharpness=1.0, level="half-max")
     (frame,) = frames_of([ball(1.0), ball(0.5)], single_blend([1, 1], 2), settings)
     assert np.linalg.norm(frame.mesh.vertices, axis=1).mean() == pytest.approx(0.75, rel=0.03)
 
@@ -84,7 +84,7 @@ def test_balls_blend_to_a_ball_of_the_mean_radius_before_the_volume_is_set():
 def test_the_level_can_be_half_of_the_maximum():
     shapes = [torus(), box()]
     by_volume, by_half = (
-        frames_of(shapes, single_blend([1, 1], 2), MorphSettings(resolution=32, level=level))[0]
+        frames_of(shapes, single_blend([1, 1], 2), MorphSettings(motion="transport", resolution=32, level=level))[0]
         for level in ("volume", "half-max")
     )
     assert by_volume.record["level"] != by_half.record["level"]
@@ -103,7 +103,7 @@ def test_a_sheet_is_refused_by_name_and_taken_with_thickness():
     shapes, blend = [ball(), square(2)], single_blend([1, 1], 2)
     with pytest.raises(InputError, match=r"'shape 1' encloses no volume .* thickness"):
         frames_of(shapes, blend)
-    (frame,) = frames_of(shapes, blend, MorphSettings(resolution=32, thickness=0.2))
+    (frame,) = frames_of(shapes, blend, MorphSettings(motion="transport", resolution=32, thickness=0.2))
     assert topology(frame.mesh).closed
 
 
@@ -111,7 +111,7 @@ def test_a_sheet_is_refused_by_name_and_taken_with_thickness():
     ("small", "thickness"), [(ball(0.01), 0.0), (box((0.02, 0.02, 0.02)), 0.0), (square(0.02), 0.001)]
 )
 def test_a_shape_a_hundred_times_smaller_is_refused_for_its_size(small, thickness):
-    settings = MorphSettings(resolution=48, thickness=thickness)
+    settings = MorphSettings(motion="transport", resolution=48, thickness=thickness)
     with pytest.raises(InputError, match=r"'shape 1' is too small beside .* 0\.\d+ cells long.* Equal Volume"):
         frames_of([ball(), small], single_blend([1, 1], 2), settings)
 
@@ -129,18 +129,22 @@ def test_a_rod_thinner_than_the_cells_is_not_called_too_small_beside_the_others(
 
 
 def test_sharpness_rises_towards_the_ends_only_by_itself():
-    automatic = [MorphSettings().sharpness_at((1 - t, t)) for t in (0.001, 0.1, 0.5, 0.9, 0.999)]
+    automatic = [MorphSettings(motion="transport").sharpness_at((1 - t, t)) for t in (0.001, 0.1, 0.5, 0.9, 0.999)]
     assert automatic[2] == 0.75
     assert automatic[0] > automatic[1] > 0.75
     assert automatic[0] == pytest.approx(automatic[4])
-    assert MorphSettings(sharpness=0.0).sharpness_at((0.001, 0.999)) == 0.0
+    assert MorphSettings(motion="transport", sharpness=0.0).sharpness_at((0.001, 0.999)) == 0.0
 
 
 def test_the_automatic_tolerance_is_smaller_where_full_sharpness_is_asked_for():
-    assert MorphSettings().stopping_error == MorphSettings(sharpness=0.9).stopping_error == 0.01
-    assert MorphSettings(sharpness=1.0).stopping_error == pytest.approx(0.001)
-    assert MorphSettings(sharpness=0.96).stopping_error < 0.01
-    assert MorphSettings(sharpness=1.0, tolerance=0.05).stopping_error == 0.05
+    assert (
+        MorphSettings(motion="transport").stopping_error
+        == MorphSettings(motion="transport", sharpness=0.9).stopping_error
+        == 0.01
+    )
+    assert MorphSettings(motion="transport", sharpness=1.0).stopping_error == pytest.approx(0.001)
+    assert MorphSettings(motion="transport", sharpness=0.96).stopping_error < 0.01
+    assert MorphSettings(motion="transport", sharpness=1.0, tolerance=0.05).stopping_error == 0.05
 
 
 def test_progress_never_goes_back_and_ends_at_one():
@@ -252,14 +256,14 @@ def test_a_single_blend_is_scaled_to_sum_one():
         (lambda: single_blend([1, -1], 2), "positive"),
         (lambda: single_blend([0, 0], 2), "zero"),
         (lambda: single_blend([1, float("nan")], 2), "positive numbers"),
-        (lambda: MorphSettings(resolution=4), "Resolution"),
-        (lambda: MorphSettings(blur=0.1), "Blur"),
-        (lambda: MorphSettings(sharpness=1.2), "Sharpness"),
-        (lambda: MorphSettings(entropy_limit=float("nan")), "Entropy Limit"),
-        (lambda: MorphSettings(level="middle"), "Surface"),
-        (lambda: MorphSettings(thickness=-1), "Thickness"),
-        (lambda: MorphSettings(tolerance=0), "Tolerance"),
-        (lambda: MorphSettings(max_iterations=0), "Iterations"),
+        (lambda: MorphSettings(motion="transport", resolution=4), "Resolution"),
+        (lambda: MorphSettings(motion="transport", blur=0.1), "Blur"),
+        (lambda: MorphSettings(motion="transport", sharpness=1.2), "Sharpness"),
+        (lambda: MorphSettings(motion="transport", entropy_limit=float("nan")), "Entropy Limit"),
+        (lambda: MorphSettings(motion="transport", level="middle"), "Surface"),
+        (lambda: MorphSettings(motion="transport", thickness=-1), "Thickness"),
+        (lambda: MorphSettings(motion="transport", tolerance=0), "Tolerance"),
+        (lambda: MorphSettings(motion="transport", max_iterations=0), "Iterations"),
         (lambda: Lattice.around([ball(), box()], 12, 1.0), "too coarse"),
     ],
 )
@@ -271,7 +275,7 @@ def test_what_makes_no_sense_is_refused(make, message):
 def test_the_automatic_blur_widens_where_it_does_not_reach(monkeypatch):
     monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
     shapes = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))]
-    frames = frames_of(shapes, path_blends(2, 4), MorphSettings(resolution=96))
+    frames = frames_of(shapes, path_blends(2, 4), MorphSettings(motion="transport", resolution=96))
     solved = [frame.record for frame in frames if frame.mesh]
     assert all(record["converged"] for record in solved)
     assert max(record["sigma"] for record in solved) > 0.5

@@ -21,7 +21,7 @@ from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, joined as one_mesh, torus
 
-QUICK = MorphSettings(resolution=48)
+QUICK = MorphSettings(motion="transport", resolution=48)
 BALL_FACES = len(ball().faces)
 
 
@@ -100,7 +100,12 @@ def test_parts_have_the_mean_of_their_volumes():
 @pytest.mark.parametrize("sharpness", [None, 1.0])
 def test_equal_shapes_with_equal_parts_are_given_back(sharpness):
     shape = torus()
-    frame = blended([shape, shape], [halves(shape)] * 2, [0.5, 0.5], MorphSettings(resolution=48, sharpness=sharpness))
+    frame = blended(
+        [shape, shape],
+        [halves(shape)] * 2,
+        [0.5, 0.5],
+        MorphSettings(motion="transport", resolution=48, sharpness=sharpness),
+    )
     ring = np.linalg.norm(frame.mesh.vertices[:, :2], axis=1) - 1
     cell = 2.7 / 40
     assert np.abs(np.hypot(ring, frame.mesh.vertices[:, 2]) - 0.35).max() < 0.5 * cell
@@ -244,7 +249,7 @@ def test_a_bound_of_the_entropy_is_shared_out():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blend_solver, "merged_parts", spy)
         for chosen in (None, labels):
-            blended(shapes, chosen, [0.5, 0.5], MorphSettings(resolution=48, entropy_limit=-2.5))
+            blended(shapes, chosen, [0.5, 0.5], MorphSettings(motion="transport", resolution=48, entropy_limit=-2.5))
     entropies = [-(d[d > 0] * np.log(d[d > 0])).mean() * (d > 0).mean() for d in densities]
     assert entropies[0] == pytest.approx(-2.5, abs=0.02)
     assert entropies[1] == pytest.approx(-2.5, abs=0.02)

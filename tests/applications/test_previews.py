@@ -32,7 +32,7 @@ from tests.shapes import ball, box, joined, torus
 
 SHAPES = [torus(1.0, 0.4), box((1.5, 1, 1), center=(4, 0, 0)), ball(0.8)]
 NAMES = ["a", "b", "c"]
-QUICK = MorphSettings(resolution=32)
+QUICK = MorphSettings(motion="transport", resolution=32)
 
 
 def steps_of(shapes=SHAPES, blends=None, settings=QUICK, previews=True, **options):
@@ -66,7 +66,7 @@ def test_every_blend_is_previewed_before_any_is_finished():
 
 
 def test_previews_have_about_the_volume_and_the_place_of_the_frames():
-    steps = steps_of(settings=MorphSettings(resolution=48))
+    steps = steps_of(settings=MorphSettings(motion="transport", resolution=48))
     previews = {preview.frame.blend: preview.frame.mesh for preview in payloads(steps, MorphPreview)}
     compared = 0
     for frame in frames_of(steps):
@@ -86,10 +86,10 @@ def test_previews_have_about_the_volume_and_the_place_of_the_frames():
     "settings",
     [
         QUICK,
-        MorphSettings(resolution=48, blur=0.8),
-        MorphSettings(resolution=32, locality=0.4),
-        MorphSettings(resolution=32, entropy_limit="max"),
-        MorphSettings(resolution=32, level="half-max", thin_parts=False),
+        MorphSettings(motion="transport", resolution=48, blur=0.8),
+        MorphSettings(motion="transport", resolution=32, locality=0.4),
+        MorphSettings(motion="transport", resolution=32, entropy_limit="max"),
+        MorphSettings(motion="transport", resolution=32, level="half-max", thin_parts=False),
     ],
 )
 def test_frames_are_the_same_with_previews_and_without(settings):
@@ -101,7 +101,7 @@ def test_frames_are_the_same_with_previews_and_without(settings):
 def test_and_so_they_are_where_the_blur_has_to_grow(monkeypatch):
     """Then the finest levels of some blends cannot go on from the sketch, nor those after them."""
     monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
-    shapes, settings = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))], MorphSettings(resolution=96)
+    shapes, settings = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))], MorphSettings(motion="transport", resolution=96)
     blends = path_blends(2, 4)
     with_previews = frames_of(steps_of(shapes, blends, settings))
     sigmas = {frame.record["sigma"] for frame in with_previews if frame.mesh}
@@ -159,7 +159,10 @@ def test_sketches_are_small_on_any_grid(sides, sketched):
 
 
 def test_a_grid_that_cannot_be_halved_has_no_previews():
-    settings, shapes = MorphSettings(resolution=16, blur=0.5), [box((1.0, 0.9, 0.15)), box((0.9, 1.0, 0.15))]
+    settings, shapes = (
+        MorphSettings(motion="transport", resolution=16, blur=0.5),
+        [box((1.0, 0.9, 0.15)), box((0.9, 1.0, 0.15))],
+    )
     assert min(problem_of(shapes, settings).lattice.shape) < 16
     steps = steps_of(shapes, path_blends(2, 2), settings)
     assert not any(isinstance(step.payload, MorphPreview) for step in steps)
@@ -234,7 +237,7 @@ def test_no_more_is_sketched_than_there_is_memory_for(monkeypatch):
 @pytest.mark.parametrize("shapes", [[ball(), box()], [torus(1.0, 0.2), box((2.0, 0.3, 0.3))], parted_boxes()])
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
 def test_what_sketches_keep_is_estimated(shapes, sharpness):
-    labels, settings = None, MorphSettings(resolution=64, sharpness=sharpness)
+    labels, settings = None, MorphSettings(motion="transport", resolution=64, sharpness=sharpness)
     if isinstance(shapes, tuple):
         shapes, labels = shapes
     problem, run = problem_of(shapes, settings, labels), path_blends(2, 5)[1:-1]
@@ -316,7 +319,7 @@ def test_a_job_can_be_stopped_among_its_previews(monkeypatch):
 
 
 def test_a_glance_comes_before_everything_else():
-    blends, fine = path_blends(2, 11), MorphSettings(resolution=96)
+    blends, fine = path_blends(2, 11), MorphSettings(motion="transport", resolution=96)
     steps = morph(SHAPES[:2], NAMES[:2], blends, fine, previews=True, looked_at=7)
     first = next(steps)
     steps.close()
@@ -330,7 +333,14 @@ def test_a_glance_comes_before_everything_else():
 @pytest.mark.parametrize(("looked_at", "expected"), [(0, 1), (11, 10), (5, 5)])
 def test_a_glance_is_at_the_nearest_blend_that_is_not_known_already(looked_at, expected):
     blends = path_blends(2, 11)
-    steps = morph(SHAPES[:2], NAMES[:2], blends, MorphSettings(resolution=96), previews=True, looked_at=looked_at)
+    steps = morph(
+        SHAPES[:2],
+        NAMES[:2],
+        blends,
+        MorphSettings(motion="transport", resolution=96),
+        previews=True,
+        looked_at=looked_at,
+    )
     assert blends.index(next(steps).payload.frame.blend) == expected
     steps.close()
 
@@ -338,6 +348,12 @@ def test_a_glance_is_at_the_nearest_blend_that_is_not_known_already(looked_at, e
 def test_where_there_is_nothing_to_glance_at_the_morph_just_begins():
     thin, beside = box((2.0, 0.01, 0.01)), box((2.0, 0.01, 0.01), center=(0, 1, 0))
     for shapes, resolution in ((SHAPES[:2], 64), ((thin, beside), 96)):
-        steps = morph(shapes, NAMES[:2], path_blends(2, 3), MorphSettings(resolution=resolution), previews=True)
+        steps = morph(
+            shapes,
+            NAMES[:2],
+            path_blends(2, 3),
+            MorphSettings(motion="transport", resolution=resolution),
+            previews=True,
+        )
         assert next(steps).payload is None
         steps.close()

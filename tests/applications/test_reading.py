@@ -21,7 +21,7 @@ from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, joined, piece_count, torus
 
 ASSETS = Path(__file__).parents[2] / "assets" / "shapes"
-PLAIN = MorphSettings(resolution=64, thin_parts=False, mend=False)
+PLAIN = MorphSettings(motion="transport", resolution=64, thin_parts=False, mend=False)
 
 
 def animals():
@@ -48,7 +48,7 @@ def test_what_tears_is_mended():
     shapes = animals()
     torn = [piece_count(frame.mesh) for frame in frames_of(shapes, 8, PLAIN)]
     assert max(torn) > 2
-    for frame in frames_of(shapes, 8, MorphSettings(resolution=64)):
+    for frame in frames_of(shapes, 8, MorphSettings(motion="transport", resolution=64)):
         found = topology(frame.mesh)
         assert found.closed
         assert (piece_count(frame.mesh), found.euler) == (1, 2)
@@ -58,10 +58,10 @@ def test_what_tears_is_mended():
 
 def test_a_blend_may_have_what_one_of_its_shapes_has():
     pair = joined(ball(0.5, (-0.8, 0, 0)), ball(0.5, (0.8, 0, 0)))
-    for frame in frames_of([pair, torus()], 4, MorphSettings(resolution=48)):
+    for frame in frames_of([pair, torus()], 4, MorphSettings(motion="transport", resolution=48)):
         assert frame.record["found"]["pieces"] <= 2
         assert frame.record["found"]["handles"] <= 1
-    first, *_ = frames_of([pair, torus()], 8, MorphSettings(resolution=48))
+    first, *_ = frames_of([pair, torus()], 8, MorphSettings(motion="transport", resolution=48))
     assert first.record["found"]["pieces"] == 2
 
 
@@ -83,7 +83,7 @@ def test_thin_legs_keep_their_volume():
         return float(inside[:, :, start:stop].sum()) * spacing**3 / ((stop - start) * spacing)
 
     shapes = [table(1.0), table(1.4)]
-    thin = MorphSettings(resolution=80)
+    thin = MorphSettings(motion="transport", resolution=80)
     for frame in frames_of(shapes, 2, thin):
         assert below(frame.mesh) == pytest.approx(0.04, rel=0.15)
     for frame in frames_of(shapes, 2, dataclasses.replace(thin, thin_parts=False)):
@@ -91,7 +91,7 @@ def test_thin_legs_keep_their_volume():
 
 
 def test_connectivity_of_shapes():
-    settings = MorphSettings(resolution=40)
+    settings = MorphSettings(motion="transport", resolution=40)
     assert connectivity_of(filled(torus()), settings) == Connectivity(1, 1, 0)
     two = joined(ball(0.5, (-0.8, 0, 0)), ball(0.5, (0.8, 0, 0)))
     assert connectivity_of(filled(two), settings) == Connectivity(2, 0, 0)
@@ -100,7 +100,7 @@ def test_connectivity_of_shapes():
 @pytest.mark.parametrize("changes", [{}, {"mend": False}, {"thin_parts": False}, {"level": "half-max"}])
 def test_records_say_what_was_found_and_lost(changes):
     density = filled(ball()).astype(float)
-    settings = MorphSettings(resolution=40, **changes)
+    settings = MorphSettings(motion="transport", resolution=40, **changes)
     reading = read_surface(density, float(density.sum()), 1.0, [Connectivity(1, 0, 0)], settings)
     record = json.loads(json.dumps(reading.record))
     assert record["found"] == {"pieces": 1, "handles": 0, "bubbles": 0}

@@ -12,7 +12,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from tests.shapes import ball, box
 
-QUICK = MorphSettings(resolution=24)
+QUICK = MorphSettings(motion="transport", resolution=24)
 
 
 def frames_of(shapes, **options):

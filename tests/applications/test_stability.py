@@ -16,7 +16,7 @@ from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, joined, torus
 
 FRAMES = 100
-SETTINGS = MorphSettings(resolution=40)
+SETTINGS = MorphSettings(motion="transport", resolution=40)
 
 
 def beast():

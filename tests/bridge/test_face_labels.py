@@ -125,7 +125,7 @@ def test_groups_survive_being_read_from_a_file(make_object, tmp_path, depsgraph)
 
 
 def job_of(scene, depsgraph, objects, parts):
-    settings = MorphSettings(resolution=40, parts=parts)
+    settings = MorphSettings(motion="transport", resolution=40, parts=parts)
     return MorphJob(scene, depsgraph, objects, path_blends(2, 2), settings, {}, 1)
 
 

@@ -45,7 +45,7 @@ def picture(name, pixels, x=0.0):
 def bake(place, *objects, **options):
     settings = {"frames": 4, "flat_resolution": 256, "flat_output": "PICTURE", "folder": str(place)}
     settings["inputs"] = ",".join(obj.name for obj in objects)
-    return bpy.ops.convwass.bake_morph(**{**settings, **options})
+    return bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{**settings, **options})
 
 
 def pixels_of(path):

@@ -74,7 +74,8 @@ def bake(scene, inputs, steps=2, **settings):
     import bpy
 
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    job = MorphJob(scene, depsgraph, inputs, path_blends(2, steps), MorphSettings(32, **settings), {}, 1)
+    settings = MorphSettings(32, motion="transport", **settings)
+    job = MorphJob(scene, depsgraph, inputs, path_blends(2, steps), settings, {}, 1)
     for step in job.steps(how=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
@@ -283,7 +284,7 @@ def test_without_carrying_frames_are_bare(bare_scene, make_object):
 def test_a_bake_that_is_discarded_leaves_nothing(bare_scene, make_object, depsgraph, inventory):
     inputs = [add_shape(make_object, name, ball(points=300), material(name)) for name in "AB"]
     before = inventory()
-    job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32), {}, 1)
+    job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32, motion="transport"), {}, 1)
     for step in job.steps(how=Computation(workers=1)):
         job.write(step)
     job.discard()

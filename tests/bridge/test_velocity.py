@@ -33,7 +33,7 @@ def bake_a_moving_ball(scene, make_object, fps, fps_base=1.0, places=(-DISTANCE 
         bpy.context.evaluated_depsgraph_get(),
         inputs,
         path_blends(len(places), STEPS),
-        MorphSettings(resolution=32, **settings),
+        MorphSettings(motion="transport", resolution=32, **settings),
         {},
         1,
     )

@@ -37,7 +37,7 @@ from tests.flat_shapes import ellipse
 from tests.shapes import ball
 
 _BALL = ball(points=80)
-_SOLID = MorphSettings(resolution=20, blur=1.0)
+_SOLID = MorphSettings(motion="transport", resolution=20, blur=1.0)
 _FLAT = FlatSettings(resolution=32, blur=1.0)
 
 

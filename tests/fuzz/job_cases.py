@@ -103,7 +103,8 @@ def two_skies(folder: Path) -> None:
 _SMALL = {"frames": 2, "resolution": 16, "use_custom_blur": True, "blur": 0.6}
 
 CASES: dict[str, tuple[Callable[[Path], None], dict[str, object]]] = {
-    "bake_morph": (two_cubes, _SMALL),
+    "bake_morph": (two_cubes, {**_SMALL, "motion": "TRANSPORT"}),
+    "bake_morph guided": (two_cubes, {**_SMALL, "motion": "GUIDED"}),
     "bake_morph flat": (two_circles, {"frames": 2, "flat_resolution": 256}),
     "bake_morph pictures": (
         two_grays,

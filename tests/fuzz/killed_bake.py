@@ -19,7 +19,7 @@ FRAMES = 12
 
 def bake(cache: FrameCache | None) -> list[MorphFrame]:
     """Return all frames."""
-    settings = MorphSettings(resolution=16)
+    settings = MorphSettings(motion="transport", resolution=16)
     steps = morph([ball(points=200), box()], ["a", "b"], path_blends(2, FRAMES), settings, cache=cache, workers=1)
     return [step.payload for step in steps if step.payload]
 

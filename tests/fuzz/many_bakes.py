@@ -28,7 +28,7 @@ def main(count: int) -> int:
         stages.painted_cubes()
         left = []
         for number in range(count + 1):
-            bpy.ops.convwass.bake_morph(frames=3, resolution=24, inputs="In 0, In 1")
+            bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24, inputs="In 0, In 1")
             bpy.ops.convwass.delete_morph()
             bpy.context.view_layer.objects.active = bpy.data.objects["In 0"]
             bpy.ops.convwass.interpolate_density(first="A", second="B", steps=2, max_iterations=20)

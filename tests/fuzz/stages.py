@@ -245,7 +245,9 @@ def _morph(random: Random, scene: bpy.types.Scene, call: object) -> None:
     for place in (0, 3):
         bpy.ops.mesh.primitive_cube_add(location=(place, 0, 0))
         bpy.context.object.name = f"In {place}"
-    call.bake_morph(frames=2, resolution=16, inputs="In 0, In 3", use_custom_blur=True, blur=0.6, carry=False)
+    call.bake_morph(
+        motion="TRANSPORT", frames=2, resolution=16, inputs="In 0, In 3", use_custom_blur=True, blur=0.6, carry=False
+    )
     if random.random() < 0.5:
         call.make_player()
     if random.random() < 0.5:

@@ -57,7 +57,7 @@ def morph(empty_scene):
     for place in (0, 3):
         bpy.ops.mesh.primitive_cube_add(location=(place, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(frames=3, resolution=32)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32)
     return next(own for own in bpy.data.collections if own.name.startswith("Morph"))
 
 

@@ -81,7 +81,9 @@ def test_a_thickness_beyond_all_measure_is_refused(thickness):
         bpy.ops.mesh.primitive_plane_add(location=(place, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
     with pytest.raises(RuntimeError, match=r"[Tt]hickness"):
-        bpy.ops.convwass.bake_morph(frames=2, resolution=24, thickness=thickness, flat_output="MESH")
+        bpy.ops.convwass.bake_morph(
+            motion="TRANSPORT", frames=2, resolution=24, thickness=thickness, flat_output="MESH"
+        )
 
 
 @pytest.mark.usefixtures("empty_scene")

@@ -39,7 +39,17 @@ def test_two_processes_that_write_the_same_files_leave_whole_ones(name, project,
 def test_two_verbs_may_write_one_file_and_share_a_cache(project, tmp_path):
     shapes = [project / "assets" / "shapes" / f"{name}.ply" for name in ("letter_a", "letter_b")]
     target = tmp_path / "out.blend"
-    command = [sys.executable, "-m", "convwass_addon", "morph", *map(str, shapes), "--frames", "2"]
+    command = [
+        sys.executable,
+        "-m",
+        "convwass_addon",
+        "morph",
+        "--motion",
+        "transport",
+        *map(str, shapes),
+        "--frames",
+        "2",
+    ]
     command += ["--resolution", "32", "--cache", str(tmp_path / "cache"), "--out", str(target)]
     children = [
         subprocess.Popen(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for _ in range(2)

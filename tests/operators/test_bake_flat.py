@@ -55,7 +55,7 @@ def enclosed(obj):
 def test_a_word_becomes_another_with_the_originals_at_both_ends():
     first, last = text("A", extrude=0.2, bevel_depth=0.02), text("B", 4.0)
     choose(first, last)
-    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
     frames = frame_objects(morph())
     assert [obj.type for obj in frames] == ["FONT", "CURVE", "CURVE", "FONT"]
     assert [frames[0].data.body, frames[-1].data.body] == ["A", "B"]
@@ -76,7 +76,7 @@ def test_frames_lie_between_the_planes_of_the_inputs():
     first, last = text("A"), text("A", 6.0)
     last.location.z = 3.0
     choose(first, last)
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph())[1:-1], strict=True):
         points = np.array([point.co[:] for spline in obj.data.splines for point in spline.bezier_points])
         world = points @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
@@ -88,7 +88,7 @@ def test_frames_lie_between_the_planes_of_the_inputs():
 def test_letters_travel_to_letters():
     first, last = text("IO"), text("OI", 0.0)
     choose(first, last)
-    bpy.ops.convwass.bake_morph(words="LETTERS", **QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     stored = stored_settings(morph())
     assert stored["words"] == "LETTERS"
     assert len(frame_objects(morph())) == 4
@@ -97,7 +97,7 @@ def test_letters_travel_to_letters():
 def test_meshes_and_a_player_are_made_on_request():
     first, last = text("A", extrude=0.1), text("B", 3.0)
     choose(first, last)
-    assert bpy.ops.convwass.bake_morph(output="PLAYER", **QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", output="PLAYER", **QUICK) == {"FINISHED"}
     frames = frame_objects(morph())
     assert {obj.type for obj in frames} == {"MESH"}
     assert all(len(obj.data.polygons) > 10 for obj in frames)
@@ -117,14 +117,16 @@ def test_curves_meshes_and_words_mix():
     bpy.ops.mesh.primitive_plane_add(location=(4, 0, 0))
     plane = bpy.context.object
     choose(ring, plane, text("A"))
-    assert bpy.ops.convwass.bake_morph(inputs=f"{ring.name},{plane.name},A", **QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs=f"{ring.name},{plane.name},A", **QUICK) == {
+        "FINISHED"
+    }
     assert [obj.type for obj in frame_objects(morph())] == ["CURVE"] * 3 + ["MESH"] + ["CURVE"] * 2 + ["FONT"]
 
 
 def test_a_sheet_lies_in_the_plane_of_the_shapes():
     letters = [text(sign, 5.0 * index) for index, sign in enumerate("ABC")]
     choose(*letters)
-    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, flat_resolution=256)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=256)
     frames = frame_objects(morph())
     places = np.array([obj.matrix_world.translation for obj in frames])
     assert len(frames) == 6
@@ -135,7 +137,7 @@ def test_a_sheet_lies_in_the_plane_of_the_shapes():
 def test_shapes_are_centered_and_made_as_large():
     first, last = text("O"), text("O", 7.0, size=3.0)
     choose(first, last)
-    bpy.ops.convwass.bake_morph(alignment="CENTERED", scaling="EQUAL_VOLUME", **QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", alignment="CENTERED", scaling="EQUAL_VOLUME", **QUICK)
     bpy.context.view_layer.update()
     boxes = []
     for obj in frame_objects(morph()):
@@ -149,10 +151,10 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     cube, word = bpy.context.object, text("A")
     choose(cube, word)
     with pytest.raises(RuntimeError, match="A is flat and Cube is solid"):
-        bpy.ops.convwass.bake_morph(frames=2, resolution=32)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=32)
     assert not any(collection.name.startswith("Morph") for collection in bpy.data.collections)
     word.data.extrude = 0.2
-    assert bpy.ops.convwass.bake_morph(frames=2, resolution=32) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=32) == {"FINISHED"}
     assert {obj.type for obj in frame_objects(morph())} == {"MESH"}
 
 
@@ -170,21 +172,21 @@ def test_what_cannot_be_morphed_is_told_and_leaves_nothing(change, message):
     choose(first, last)
     before = census()
     with pytest.raises(RuntimeError, match=message):
-        bpy.ops.convwass.bake_morph(**QUICK)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert census() == before
 
 
 def test_volumes_are_refused():
     choose(text("A"), text("B", 3.0))
     with pytest.raises(RuntimeError, match="Flat shapes have no volume"):
-        bpy.ops.convwass.bake_morph(output="VOLUME", **QUICK)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", output="VOLUME", **QUICK)
 
 
 def test_a_flat_morph_is_baked_again_and_deleted():
     first, last = text("A"), text("B", 3.0)
     choose(first, last)
     before = census()
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert changed_inputs(morph()) == []
     last.data.body = "C"
     assert changed_inputs(morph()) == ["B"]
@@ -205,7 +207,7 @@ def test_a_shared_material_is_kept():
     for letter in letters:
         letter.data.materials.append(material)
     choose(*letters)
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert {slot.material for obj in frame_objects(morph()) for slot in obj.material_slots} == {material}
 
 
@@ -221,7 +223,7 @@ def test_drawings_are_checked_on_the_list():
 
 def test_curves_become_meshes_for_a_player_and_stay_so():
     choose(text("A", extrude=0.1), text("B", 3.0))
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     before = frame_objects(morph())
     names, places = [obj.name for obj in before], [obj.matrix_world.translation.copy() for obj in before]
     assert bpy.ops.convwass.make_player() == {"FINISHED"}
@@ -265,7 +267,7 @@ def region(obj, number):
 
 def test_letters_keep_their_colors_and_share_materials():
     choose(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
-    bpy.ops.convwass.bake_morph(words="LETTERS", **QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     first, *between, _ = frame_objects(morph())
     assert [slot.material.name for slot in first.material_slots] == ["IO 0", "IO 1"]
     for share, obj in zip((1 / 3, 2 / 3), between, strict=True):
@@ -279,7 +281,7 @@ def test_letters_keep_their_colors_and_share_materials():
 
 def test_a_player_of_curves_shows_the_colors_of_regions():
     choose(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
-    bpy.ops.convwass.bake_morph(words="LETTERS", **QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     bpy.ops.convwass.make_player()
     painted = frame_objects(morph())[1].data
     assert [material.name for material in painted.materials] == ["Convwass Regions"]
@@ -295,7 +297,7 @@ def test_colored_frames_are_deleted_with_their_materials():
         choose(*letters)
         for obj in letters:
             obj.hide_set(False)
-        bpy.ops.convwass.bake_morph(inputs="IO,OI", flat_output=kind, **QUICK)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs="IO,OI", flat_output=kind, **QUICK)
         bpy.context.view_layer.objects.active = frame_objects(morph())[0]
         assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
         after = census()
@@ -319,7 +321,7 @@ def test_one_drawing_has_a_keyframe_per_frame():
     first, last = colored(text("A"), RED), colored(text("B", 3.0), BLUE)
     last.location.z = 2.0
     choose(first, last)
-    assert bpy.ops.convwass.bake_morph(flat_output="DRAWING", **QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK) == {"FINISHED"}
     (obj,) = frame_objects(morph())
     assert obj.type == "GREASEPENCIL"
     assert not obj.hide_render
@@ -342,7 +344,9 @@ def test_one_drawing_has_a_keyframe_per_frame():
 
 def test_drawings_of_a_sheet_are_objects_of_their_own():
     choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
-    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, flat_resolution=256, flat_output="DRAWING")
+    bpy.ops.convwass.bake_morph(
+        motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=256, flat_output="DRAWING"
+    )
     frames = frame_objects(morph())
     assert [obj.type for obj in frames] == ["GREASEPENCIL"] * 6
     assert np.ptp([obj.matrix_world.translation.y for obj in frames]) > 1.0
@@ -350,14 +354,14 @@ def test_drawings_of_a_sheet_are_objects_of_their_own():
 
 def test_what_shows_meshes_refuses_drawings():
     choose(text("A"), text("B", 3.0))
-    bpy.ops.convwass.bake_morph(flat_output="DRAWING", **QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     with pytest.raises(RuntimeError, match="bake it again with meshes"):
         bpy.ops.convwass.make_player()
 
 
 def test_a_drawing_is_drawn_again_without_leaving_materials():
     choose(colored(text("A"), RED), colored(text("B", 3.0), BLUE))
-    bpy.ops.convwass.bake_morph(flat_output="DRAWING", **QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     before = len(bpy.data.materials)
     bpy.context.view_layer.objects.active = frame_objects(morph())[0]
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
@@ -369,7 +373,7 @@ def test_a_drawing_is_drawn_again_without_leaving_materials():
 def test_what_is_refused_leaves_the_curves(operator):
     """The file was never saved, and two shapes are no sheet."""
     choose(text("A"), text("B", 3.0))
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     kinds = [obj.type for obj in frame_objects(morph())]
     assert set(kinds) <= {"CURVE", "FONT"}
     with pytest.raises(RuntimeError, match=r"save that first|no whole sheet"):
@@ -379,7 +383,7 @@ def test_what_is_refused_leaves_the_curves(operator):
 
 def test_a_sheet_has_no_player_and_keeps_its_curves():
     choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
-    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=2, flat_resolution=256)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=2, flat_resolution=256)
     with pytest.raises(RuntimeError, match="no morph along a path"):
         bpy.ops.convwass.make_player()
     assert not any(obj.type == "MESH" for obj in frame_objects(morph()))

@@ -48,7 +48,7 @@ def vertices(obj):
 
 def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends():
     two_shapes()
-    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
     frames = frame_objects(morph_collection())
     assert [obj.name for obj in frames] == ["Morph 0001", "Morph 0002", "Morph 0003", "Morph 0004"]
     scene = bpy.context.scene
@@ -63,7 +63,7 @@ def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends()
 
 def test_blends_lie_where_the_inputs_are():
     two_shapes()
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph_collection())[1:-1], strict=True):
         center = vertices(obj).mean(axis=0)
         np.testing.assert_allclose(center, np.array([-3, 0, 0]) + share * np.array([6, 0, 1]), atol=0.1)
@@ -75,7 +75,7 @@ def test_transforms_and_modifiers_are_respected():
     cube.scale = (0.5, 1.0, 1.0)
     cube.modifiers.new("Array", "ARRAY").count = 2
     bpy.context.view_layer.update()
-    bpy.ops.convwass.bake_morph(frames=4, resolution=40)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=4, resolution=40)
     near_cube = vertices(frame_objects(morph_collection())[1])
     ends = vertices(frame_objects(morph_collection())[0])
     assert np.ptp(ends[:, 0]) == pytest.approx(2.0, abs=1e-4)
@@ -84,7 +84,7 @@ def test_transforms_and_modifiers_are_respected():
 
 def test_inputs_are_hidden_on_request_only():
     cube, ball = two_shapes()
-    bpy.ops.convwass.bake_morph(**QUICK, hide_inputs=False)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, hide_inputs=False)
     assert not cube.hide_render
     assert not ball.hide_get()
 
@@ -93,7 +93,7 @@ def test_undo_takes_the_morph_away():
     two_shapes()
     bpy.ops.ed.undo_push(message="shapes")
     before = census()
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     bpy.ops.ed.undo_push(message="morph")
     bpy.ops.ed.undo()
     assert census() == before
@@ -103,7 +103,7 @@ def test_suzanne_works_untouched():
     add("monkey")
     add("torus", location=(3, 0, 0))
     bpy.data.objects["Suzanne"].select_set(True)
-    assert bpy.ops.convwass.bake_morph(frames=2, resolution=48) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=48) == {"FINISHED"}
 
 
 def test_sheets_stand_side_by_side():
@@ -112,7 +112,7 @@ def test_sheets_stand_side_by_side():
     add("torus", location=(6, 0, 0))
     for obj in bpy.data.objects:
         obj.select_set(True)
-    assert bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, resolution=32) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, resolution=32) == {"FINISHED"}
     frames = frame_objects(morph_collection())
     assert len(frames) == 6
     places = {tuple(np.round(vertices(obj).mean(axis=0), 1)) for obj in frames}
@@ -122,7 +122,9 @@ def test_sheets_stand_side_by_side():
 
 def test_settings_are_stored_and_taken_back():
     cube, ball = two_shapes()
-    bpy.ops.convwass.bake_morph(frames=5, resolution=24, use_custom_sharpness=True, sharpness=0.4, entropy_limit="MAX")
+    bpy.ops.convwass.bake_morph(
+        motion="TRANSPORT", frames=5, resolution=24, use_custom_sharpness=True, sharpness=0.4, entropy_limit="MAX"
+    )
     stored = stored_settings(morph_collection())
     assert stored["sharpness"] == pytest.approx(0.4)
     assert (stored["frames"], stored["resolution"], stored["entropy_limit"]) == (5, 24, "max")
@@ -132,13 +134,13 @@ def test_settings_are_stored_and_taken_back():
     assert (settings.frames, settings.resolution, settings.entropy_limit) == (5, 24, "MAX")
     assert settings.use_custom_sharpness
     assert {obj.name for obj in bpy.context.selected_objects} == {cube.name, ball.name}
-    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
 
 
 def test_delete_leaves_nothing_and_shows_the_inputs():
     cube, _ = two_shapes()
     before = census()
-    bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert cube.hide_render
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
     after = census()
@@ -185,7 +187,7 @@ def test_bad_shapes_are_named_and_nothing_is_left(bad):
     cube.select_set(True)
     before = census()
     with pytest.raises(RuntimeError, match=obj.name):
-        bpy.ops.convwass.bake_morph(**QUICK)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert census() == before
 
 
@@ -193,14 +195,14 @@ def test_a_plane_with_thickness_works():
     add("cube")
     plane()
     bpy.data.objects["Cube"].select_set(True)
-    assert bpy.ops.convwass.bake_morph(**QUICK, thickness=0.2) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, thickness=0.2) == {"FINISHED"}
 
 
 def test_a_grid_needs_four_shapes():
     two_shapes()
     before = census()
     with pytest.raises(RuntimeError, match="four shapes"):
-        bpy.ops.convwass.bake_morph(layout="GRID", resolution=32)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="GRID", resolution=32)
     assert census() == before
 
 
@@ -209,18 +211,18 @@ def test_too_fine_a_resolution_says_which_fits(monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: 200_000_000)
     before = census()
     with pytest.raises(RuntimeError, match=r"needs about .* GB .* Resolution \d+ would fit"):
-        bpy.ops.convwass.bake_morph(frames=2, resolution=256)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=256)
     assert census() == before
 
 
 def test_poll_says_what_is_missing():
     add("cube")
     with pytest.raises(RuntimeError, match="Select at least two shapes"):
-        bpy.ops.convwass.bake_morph()
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT")
     two_shapes()
     bpy.ops.object.mode_set(mode="EDIT")
     with pytest.raises(RuntimeError, match="Object Mode"):
-        bpy.ops.convwass.bake_morph()
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT")
     bpy.ops.object.mode_set(mode="OBJECT")
     for name in ("select_morph_inputs", "delete_morph"):
         with pytest.raises(RuntimeError, match="Select an object of a baked morph"):
@@ -268,7 +270,7 @@ def test_parts_of_one_material_travel_together(parts, width):
     """Two cubes that change places meet half-way."""
     for obj in (two_cubes("A", "Red", "Blue"), two_cubes("B", "Blue", "Red")):
         obj.select_set(True)
-    assert bpy.ops.convwass.bake_morph(frames=2, resolution=40, parts=parts) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=40, parts=parts) == {"FINISHED"}
     assert stored_settings(morph_collection())["parts"] == parts
     assert np.ptp(vertices(frame_objects(morph_collection())[1]), axis=0)[0] == pytest.approx(width, abs=0.25)
     assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}

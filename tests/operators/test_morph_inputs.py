@@ -166,20 +166,20 @@ def test_the_list_is_baked_rather_than_the_selection(shapes):
     bpy.ops.convwass.move_morph_input(index=0, direction="DOWN")
     settings().inputs[2].enabled = False
     select(shapes[2])
-    assert bpy.ops.convwass.bake_morph(**QUICK) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
     assert [obj.name for obj in stored_inputs(morph_collection())] == ["B", "A"]
 
 
 def test_names_are_baked_rather_than_the_list(shapes):
     bpy.ops.convwass.add_morph_inputs()
     select()
-    assert bpy.ops.convwass.bake_morph(**QUICK, inputs="C, A") == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="C, A") == {"FINISHED"}
     assert stored_morph(morph_collection()).inputs == ["C", "A"]
 
 
 def test_names_with_commas_stand_on_lines_of_their_own(shapes):
     shapes[0].name = "Cow, brown"
-    bpy.ops.convwass.bake_morph(**QUICK, inputs="Cow, brown\nA\n")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="Cow, brown\nA\n")
     assert stored_morph(morph_collection()).inputs == ["Cow, brown", "A"]
     assert split_names(" a ,b,, c d ") == ["a", "b", "c d"]
 
@@ -196,7 +196,7 @@ def test_names_with_commas_stand_on_lines_of_their_own(shapes):
 )
 def test_wrong_arguments_are_refused_and_leave_nothing(shapes, arguments, message):
     with pytest.raises(RuntimeError, match=message):
-        bpy.ops.convwass.bake_morph(**QUICK, **arguments)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, **arguments)
     assert not bpy.data.collections.get("Morph A to B")
     assert len(bpy.data.objects) == 3
 
@@ -206,7 +206,7 @@ def test_a_shape_that_was_deleted_is_told(shapes):
     select(shapes[0])
     bpy.ops.object.delete()
     with pytest.raises(RuntimeError, match="has been deleted"):
-        bpy.ops.convwass.bake_morph(**QUICK)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     bpy.ops.convwass.check_morph_inputs()
     assert settings().inputs[1].verdict == "UNUSABLE"
 
@@ -215,14 +215,14 @@ def test_a_single_blend_takes_the_weights_of_the_list(shapes):
     bpy.ops.convwass.add_morph_inputs()
     for item, weight in zip(settings().inputs, (3.0, 1.0, 0.0), strict=True):
         item.weight = weight
-    assert bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24) == {"FINISHED"}
     (blend,) = frame_objects(morph_collection())
     np.testing.assert_allclose(blend["convwass_weights"], (0.75, 0.25, 0.0))
     assert not blend.hide_render
 
 
 def test_weights_can_be_named(shapes):
-    bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
     np.testing.assert_allclose(frame_objects(morph_collection())[0]["convwass_weights"], (0.25, 0.75))
 
 
@@ -238,7 +238,13 @@ def test_aligned_shapes_stand_at_the_place_of_the_first_in_all_frames(shapes):
     ball.scale = (1.5, 0.7, 1.0)
     bpy.context.view_layer.update()
     bpy.ops.convwass.bake_morph(
-        frames=3, resolution=32, inputs="B, A", alignment="CENTERED", scaling="EQUAL_VOLUME", hide_inputs=False
+        motion="TRANSPORT",
+        frames=3,
+        resolution=32,
+        inputs="B, A",
+        alignment="CENTERED",
+        scaling="EQUAL_VOLUME",
+        hide_inputs=False,
     )
     frames = frame_objects(morph_collection())
     assert len(frames) == 4
@@ -272,7 +278,9 @@ def test_principal_axes_turn_a_copy_back(shapes):
     bpy.context.scene.collection.objects.link(other)
     other.name, other.location, other.rotation_euler = "Other", (5, 1, 0), (0.8, 0.3, 1.9)
     bpy.context.view_layer.update()
-    bpy.ops.convwass.bake_morph(frames=2, resolution=24, inputs="One, Other", alignment="PRINCIPAL_AXES")
+    bpy.ops.convwass.bake_morph(
+        motion="TRANSPORT", frames=2, resolution=24, inputs="One, Other", alignment="PRINCIPAL_AXES"
+    )
     first, _, last = frame_objects(morph_collection())
     np.testing.assert_allclose(world_points(last), world_points(first), atol=1e-4)
 
@@ -293,13 +301,13 @@ def test_a_morph_begins_where_it_is_told(shapes, arguments, first, span):
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 5, 50
     scene.frame_set(40)
-    bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", **arguments)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", **arguments)
     assert stored_morph(morph_collection()).first_frame == first
     assert (scene.frame_start, scene.frame_end) == span
 
 
 def test_a_step_makes_a_mesh_for_every_so_many_frames_and_for_every_shape(shapes):
-    bpy.ops.convwass.bake_morph(frames=5, frame_step=2, resolution=24, inputs="A,B,C")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=5, frame_step=2, resolution=24, inputs="A,B,C")
     frames = frame_objects(morph_collection())
     assert len(frames) == 7
     scene = bpy.context.scene
@@ -319,7 +327,7 @@ def test_health_is_stored_with_a_morph(shapes):
     bpy.context.view_layer.objects.active = ball
     bpy.ops.object.join()
     ball.name = "A"
-    bpy.ops.convwass.bake_morph(frames=2, resolution=40, inputs="A, B", thickness=0.1)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=40, inputs="A, B", thickness=0.1)
     collection = morph_collection()
     kinds = {note.kind for note in stored_health(collection)}
     assert "TOO_COARSE" in kinds
@@ -330,16 +338,16 @@ def test_health_is_stored_with_a_morph(shapes):
 
 
 def test_selecting_the_inputs_of_a_morph_brings_back_their_order_and_weights(shapes):
-    bpy.ops.convwass.bake_morph(**QUICK, inputs="B, A")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="B, A")
     bpy.ops.convwass.select_morph_inputs()
     assert listed() == ["B", "A"]
     delete_morph()
-    bpy.ops.convwass.bake_morph(layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
     bpy.ops.convwass.select_morph_inputs()
     assert [item.weight for item in settings().inputs] == [1.0, 3.0]
     assert settings().layout == "BLEND"
     delete_morph()
-    bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B")
     bpy.ops.convwass.select_morph_inputs()
     assert listed() == []
 
@@ -360,7 +368,7 @@ def delete_morph():
 )
 def test_the_output_is_made_of_the_morph(shapes, arguments, kind):
     before = set(bpy.data.objects)
-    bpy.ops.convwass.bake_morph(**{**QUICK, "inputs": "A,B", **arguments})
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{**QUICK, "inputs": "A,B", **arguments})
     frames = set(frame_objects(morph_collection()))
     made = set(bpy.data.objects) - before - frames
     assert bool(made) == (kind is not None)
@@ -371,7 +379,7 @@ def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path):
     """A folder cannot be made inside of a file."""
     (tmp_path / "file").touch()
     folder = str(tmp_path / "file" / "folder")
-    made = bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output="CACHE", folder=folder)
+    made = bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output="CACHE", folder=folder)
     assert made == {"FINISHED"}
     assert len(frame_objects(morph_collection())) == 3
 
@@ -381,10 +389,12 @@ def test_a_folder_that_cannot_be_is_refused_before_the_bake(shapes, tmp_path, ou
     """A file that was never saved has no folder beside it."""
     known = len(bpy.data.objects)
     with pytest.raises(RuntimeError, match="Save the file first"):
-        bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output=output)
     (tmp_path / "file").touch()
     with pytest.raises(RuntimeError, match="is a file; choose a folder"):
-        bpy.ops.convwass.bake_morph(**QUICK, inputs="A,B", output=output, folder=str(tmp_path / "file"))
+        bpy.ops.convwass.bake_morph(
+            motion="TRANSPORT", **QUICK, inputs="A,B", output=output, folder=str(tmp_path / "file")
+        )
     assert len(bpy.data.objects) == known
 
 

@@ -19,7 +19,7 @@ def morph(empty_scene):
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(frames=3, resolution=24)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24)
     return next(c for c in bpy.data.collections if "convwass_morph" in c)
 
 
@@ -74,7 +74,9 @@ def test_a_bake_puts_its_files_where_it_is_told(empty_scene, tmp_path, output, k
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(frames=2, resolution=24, output=output, folder=str(tmp_path), cache_format=kind)
+    bpy.ops.convwass.bake_morph(
+        motion="TRANSPORT", frames=2, resolution=24, output=output, folder=str(tmp_path), cache_format=kind
+    )
     assert {file.suffix for file in tmp_path.rglob("*.*") if file.is_file()} == {suffix}
     assert bpy.context.object["convwass_output"] == output.lower()
 
@@ -86,7 +88,7 @@ def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     assert "MB to the file" in capfd.readouterr().out
 
 
@@ -98,7 +100,7 @@ def two_bakes():
     made = []
     for start in (1, 11):
         settings = {"frames": 3, "resolution": 24, "start": "CUSTOM", "frame_start": start, "hide_inputs": False}
-        bpy.ops.convwass.bake_morph(inputs=f"{first},{second}", **settings)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs=f"{first},{second}", **settings)
         made.append(bpy.context.object.users_collection[0])
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 11, 14
     return made
@@ -134,7 +136,7 @@ def test_what_stands_still_has_no_cache_and_leaves_nothing_behind(empty_scene, t
     for x in (0.0, 3.0, 6.0, 9.0)[: 4 if layout == "GRID" else 2]:
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(layout=layout, steps=2, resolution=16)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout=layout, steps=2, resolution=16)
     frames = len(bpy.context.object.users_collection[0].objects)
     with pytest.raises(RuntimeError, match="bake an animation"):
         bpy.ops.convwass.make_cache(folder=str(tmp_path))
@@ -161,7 +163,9 @@ def test_a_first_shape_that_lasts_is_written_from_its_beginning(empty_scene, tmp
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(frames=4, frame_step=2, resolution=16, start="CUSTOM", frame_start=5)
+    bpy.ops.convwass.bake_morph(
+        motion="TRANSPORT", frames=4, frame_step=2, resolution=16, start="CUSTOM", frame_start=5
+    )
     bpy.ops.convwass.make_volume(folder=str(tmp_path))
     assert [file.stem[-4:] for file in sorted(tmp_path.rglob("*.vdb"))] == ["0005", "0006", "0007", "0008", "0009"]
 
@@ -172,7 +176,7 @@ def test_the_morph_of_the_scene_that_it_began_in_is_handed_over(morph, tmp_path,
     own, frames = bpy.context.scene, list(morph.objects)
     names = "\n".join(obj.name for obj in own.objects if "convwass_weights" not in obj)
     settings = {"frames": 2, "resolution": 24, "folder": str(tmp_path)}
-    pressed = Pressed(CONVWASS_OT_bake_morph, inputs=names, output=output, **settings)
+    pressed = Pressed(CONVWASS_OT_bake_morph, motion="TRANSPORT", inputs=names, output=output, **settings)
     window = window_context()
     assert pressed._start(window) == {"RUNNING_MODAL"}
     other = show_other_scene(window)

@@ -35,14 +35,14 @@ def shown():
 @pytest.fixture
 def path(empty_scene):
     add_shapes(2)
-    bpy.ops.convwass.bake_morph(frames=3, resolution=32)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32)
     return bpy.context.object.users_collection[0]
 
 
 @pytest.fixture
 def sheet(empty_scene):
     add_shapes(3)
-    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=3, resolution=32)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, resolution=32)
     return bpy.context.object.users_collection[0]
 
 

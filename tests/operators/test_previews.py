@@ -199,7 +199,7 @@ def test_a_finished_bake_is_not_stopped_again(press, context):
 
 def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context):
     two_shapes()
-    bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     name = morph_collection().name
     bpy.ops.object.select_all(action="DESELECT")
     for shape in stored_inputs(morph_collection()):
@@ -253,7 +253,9 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
     for blends, expected in ((path_blends(2, 6), number), (single_blend([1, 1], 2), 0)):
         depsgraph = bpy.context.evaluated_depsgraph_get()
         shapes = bpy.context.selected_objects
-        baking = job.MorphJob(bpy.context.scene, depsgraph, shapes, blends, MorphSettings(resolution=32), {}, 1)
+        baking = job.MorphJob(
+            bpy.context.scene, depsgraph, shapes, blends, MorphSettings(motion="transport", resolution=32), {}, 1
+        )
         baking.steps(how=Computation(previews=True))
         assert asked["looked_at"] == expected
 
@@ -262,7 +264,7 @@ def test_without_a_window_nothing_is_previewed(monkeypatch):
     two_shapes()
     previews = []
     monkeypatch.setattr(job.MorphJob, "write", noting(job.MorphJob.write, previews))
-    assert bpy.ops.convwass.bake_morph(frames=3, resolution=32) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32) == {"FINISHED"}
     assert previews
     assert not any(previews)
 

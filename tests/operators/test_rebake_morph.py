@@ -25,7 +25,7 @@ def bake(**options):
     for obj in made:
         obj.select_set(True)
     before = set(bpy.data.collections)
-    bpy.ops.convwass.bake_morph(**{"frames": 3, "resolution": 24, **options})
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{"frames": 3, "resolution": 24, **options})
     return next(collection for collection in bpy.data.collections if collection not in before)
 
 

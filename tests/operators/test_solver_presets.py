@@ -148,10 +148,10 @@ def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monk
     spare = Preferences(None, tmp_path / "spare", 1_000_000_000, 1)
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: spare)
     two_shapes()
-    bpy.ops.convwass.bake_morph(inputs="Cube, Sphere", frames=8, resolution=24)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs="Cube, Sphere", frames=8, resolution=24)
     for path in sorted((tmp_path / "spare").iterdir(), key=lambda path: path.stat().st_mtime_ns)[-2:]:
         path.unlink()
-    bpy.ops.convwass.bake_morph(inputs="Cube, Sphere", frames=8, resolution=24)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs="Cube, Sphere", frames=8, resolution=24)
     told = [line for line in capfd.readouterr().out.splitlines() if "meshes" in line]
     assert [line.rpartition(": ")[2] for line in told] == ["9 meshes", "9 meshes, 4 of them finished before"]
 
@@ -161,7 +161,7 @@ def test_a_bake_does_without_a_folder_of_its_own_and_says_so(monkeypatch, tmp_pa
     spare = Preferences(None, tmp_path / "file", 1_000_000_000, 1)
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: spare)
     two_shapes()
-    assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24) == {"FINISHED"}
     assert "Warning: The cache folder" in capfd.readouterr().out
 
 
@@ -170,7 +170,7 @@ def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path
         "convwass_addon.operators.morph_bake.preferences", lambda: Preferences(tmp_path / "cache", workers=1)
     )
     two_shapes()
-    assert bpy.ops.convwass.bake_morph(frames=2, resolution=24) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24) == {"FINISHED"}
     assert len(list((tmp_path / "cache").glob("*.frame"))) == 3
 
 
@@ -179,7 +179,7 @@ def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, 
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: Preferences(tmp_path / "file"))
     two_shapes()
     with pytest.raises(RuntimeError, match="cache folder"):
-        bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     assert len(bpy.data.collections) == 0
 
 
@@ -190,7 +190,7 @@ def test_a_cache_folder_that_depends_on_the_open_file_is_refused(monkeypatch, tm
     monkeypatch.chdir(tmp_path)
     two_shapes()
     with pytest.raises(RuntimeError, match="The cache folder frames would be another one with every file"):
-        bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     assert not list(tmp_path.iterdir())
     assert len(bpy.data.collections) == 0
 

@@ -62,7 +62,7 @@ def shapes():
 
 @pytest.fixture
 def baked(shapes):
-    bpy.ops.convwass.bake_morph(frames=2, resolution=24)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
 
 
@@ -91,7 +91,7 @@ def test_a_baked_sheet_offers_its_shapes_which_are_hidden(shapes):
     bpy.ops.object.select_all(action="SELECT")
     assert ("operator", "convwass.select_morph_inputs") not in draw_all()
     settings().layout = "TRIANGLE"
-    bpy.ops.convwass.bake_morph(layout="TRIANGLE", steps=2, resolution=24, hide_inputs=True)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=2, resolution=24, hide_inputs=True)
     # As after a bake whose objects are shown by something else.
     bpy.ops.object.select_all(action="DESELECT")
     drawn = draw(bpy.types.CONVWASS_PT_morph)

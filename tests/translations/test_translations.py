@@ -185,7 +185,7 @@ def two_shapes(empty_scene):
 )
 def test_operators_refuse_in_the_language_of_the_user(arguments, message):
     with pytest.raises(RuntimeError, match=message):
-        bpy.ops.convwass.bake_morph(**arguments)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **arguments)
 
 
 @pytest.mark.usefixtures("in_german", "two_shapes")

@@ -30,7 +30,7 @@ def enclosed(density, volume):
 @pytest.mark.parametrize("t", [0.25, 0.5, 0.75])
 @pytest.mark.parametrize(("sharpness", "least"), [(0.0, 0.98), (None, 0.99), (1.0, 0.99)])
 def test_overlap_with_the_exact_ellipsoid(densities, t, sharpness, least):
-    settings = MorphSettings(resolution=CELLS, sharpness=sharpness)
+    settings = MorphSettings(motion="transport", resolution=CELLS, sharpness=sharpness)
     chosen = settings.sharpness_at((1 - t, t))
     found = barycenter(densities, [1 - t, t], Grid((CELLS,) * 3, settings.sigma), sharpness=chosen)
     exact = FIRST.barycenter(SECOND, t)

@@ -22,12 +22,13 @@ from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_between, barycenter_from_neighbor
+from ..motions.guides import Guide
 from ..workers import frame_workers
 from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
-from .morph import VOXEL_SHARE, prepared_problem
+from .morph import VOXEL_SHARE, morph, prepared_problem
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
@@ -106,16 +107,18 @@ def between_frames(
     control: Control = UNINTERRUPTED,
     *,
     labels: Sequence[FaceLabels] | None = None,
+    guides: Sequence[Guide] = (),
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Work[None]:
     """Make the blends at some places of a path, from the frames about them.
 
-    Frames that the cache does not hold are computed and put there first. A place that is a frame gets that frame.
+    Frames that the cache does not hold are computed and put there first. A place that is a frame gets that frame. Where
+    the inputs move, every moment has a motion of its own, and the blends are made and cached like any others.
 
     Parameters
     ----------
-    shapes, names, settings, control, labels, workers
+    shapes, names, settings, control, labels, guides, workers
         As for :func:`.morph.morph`.
     path, numbers
         As for :func:`places_at`, whose blends are made.
@@ -137,6 +140,10 @@ def between_frames(
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
     places = places_at(path, numbers)
+    if settings.motion != "transport":
+        blends = [place.blend for place in places]
+        kept = {"labels": labels, "guides": guides, "workers": workers, "executor": executor, "cache": cache}
+        return (yield from morph(shapes, names, blends, settings, control, **kept))
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     store = cache.of(shapes, names, labels, settings)
     runs = _runs_about(places, path)
@@ -144,7 +151,7 @@ def between_frames(
     if not missing and all(len(place.about) == 1 for place in places):
         frames = _stored_frames(store, runs)
         yield from _reported(0.0, len(places), (_frame_itself(place, frames) for place in places))
-        return
+        return None
     side_by_side = min(workers or 1, max(len(missing), len(places)))
     problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, control=control)
     most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)

@@ -108,7 +108,9 @@ def _solved(
 
 def _input_itself(problem: MorphProblem, blend: Blend) -> MorphFrame:
     volume = problem.transport.input_volume(blend.source)
-    return MorphFrame(blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume})
+    return MorphFrame(
+        blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume, **_motion_record(problem)}
+    )
 
 
 def _input_measured(problem: MorphProblem, blend: Blend) -> MorphFrame:
@@ -150,6 +152,7 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,
+        **_motion_record(problem),
         **solved.figures(),
         "sigma": sigma,
         "wall": wall_share(merged.density),
@@ -166,6 +169,10 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     if problem.settings.carry:
         origins = _origins(problem, solved, reading.surface.mesh.vertices)
     return MorphFrame(blend, mesh, record, potentials, origins)
+
+
+def _motion_record(problem: MorphProblem) -> dict[str, object]:
+    return {"motion": dict(problem.motion)} if problem.motion else {}
 
 
 def _origins(problem: MorphProblem, solved: SolvedBlend, surface: NDArray[np.float64]) -> NDArray[np.float32]:

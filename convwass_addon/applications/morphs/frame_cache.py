@@ -7,7 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,6 +16,7 @@ import numpy as np
 from ...errors import ConvwassError, InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
+from ..motions.guides import Guide
 from ..whole_paths import whole_path
 from .code_digest import code_digest
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
@@ -73,9 +74,10 @@ class FrameCache:
         names: Sequence[str],
         labels: Sequence[FaceLabels] | None,
         settings: MorphSettings,
+        guides: Sequence[Guide] = (),
     ) -> BakeCache:
         """Return the part of the cache that belongs to one bake; for the parameters see :func:`.morph.morph`."""
-        return BakeCache(self, _bake_digest(shapes, names, labels, settings))
+        return BakeCache(self, _bake_digest(shapes, names, labels, settings, guides))
 
     def missed(self, error: OSError) -> None:
         """Hear that a frame could not be written.
@@ -186,7 +188,9 @@ class BakeCache:
                 raise ConvwassError(
                     "The cache folder {folder} lost a frame meanwhile; bake again.", folder=str(self._cache.folder)
                 )
-            frames.append(MorphFrame(blend, stored.mesh, stored.record, stored.potentials, stored.origins))
+            frames.append(
+                MorphFrame(blend, stored.mesh, stored.record, stored.potentials, stored.origins, stored.tangents)
+            )
         self._cache.reused += len(frames)
         return frames
 
@@ -200,7 +204,9 @@ class BakeCache:
         """
         for blend, frame, path, key in zip(run, frames, self.paths(run), self._keys(run), strict=True):
             try:
-                write_frame(path, key, StoredFrame(frame.mesh, frame.record, frame.potentials, frame.origins))
+                write_frame(
+                    path, key, StoredFrame(frame.mesh, frame.record, frame.potentials, frame.origins, frame.tangents)
+                )
             except OSError as error:
                 # Windows replaces no file that another machine is reading, which then is the same frame.
                 if self._read(path, key, blend) is None:
@@ -221,7 +227,7 @@ class BakeCache:
             suiting = all(part.suit(part.inside.shape, blend.weights) for part in stored.potentials)
             if blend.source is not None:
                 suiting = not stored.potentials
-            elif self.keeps_potentials:
+            elif self.keeps_potentials and not _is_moved(stored.record):
                 suiting = suiting and bool(stored.potentials)
             if not suiting:
                 raise DamagedFrameError("its potentials are of another blend")
@@ -239,12 +245,23 @@ class BakeCache:
         return None
 
 
+def _is_moved(record: Mapping[str, object]) -> bool:
+    """Whether a frame is one of moving inputs, which brings no potentials; the record may be of any file."""
+    motion = record.get("motion")
+    return isinstance(motion, Mapping) and motion.get("kind") in ("guided", "warp")
+
+
 def _bake_digest(
-    shapes: Sequence[TriangleMesh], names: Sequence[str], labels: Sequence[FaceLabels] | None, settings: MorphSettings
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    labels: Sequence[FaceLabels] | None,
+    settings: MorphSettings,
+    guides: Sequence[Guide],
 ) -> bytes:
     """SHA-256 of all that decides every frame of a bake: the code, the settings, the shapes and their parts."""
     hashed = hashlib.sha256(code_digest())
     description = {"settings": settings.as_dict(), "shapes": len(shapes)}
+    description["guides"] = [sorted(guide.items()) for guide in guides]
     arrays = [array for shape in shapes for array in (shape.vertices.astype("<f8"), shape.faces.astype("<i8"))]
     if labels is not None:
         # Only what is said about parts names the shapes.

@@ -5,8 +5,8 @@
 The file is one of :mod:`.array_files`. Its header has the ``key``, which says what frame it is, the ``record`` of
 figures, and for every part of the blend the ``sharpness`` and ``sigma`` of its ``potentials``; an input that is shown
 as it is has none. A surface has the arrays ``vertices`` (n, 3) and ``faces`` (m, 3), and where that was asked for
-``origins`` (k, n, 3). Part i has ``inside.i``, which tells for all cells whether they have potentials, and these,
-``columns.i``.
+``origins`` and, where the inputs move, ``tangents`` (k, n, 3). Part i has ``inside.i``, which tells for all cells
+whether they have potentials, and these, ``columns.i``.
 """
 
 from __future__ import annotations
@@ -54,12 +54,15 @@ class StoredFrame:
         One per part; none of an input that is shown as it is.
     origins : (k, n, 3) float32 or None
         Where the vertices of the surface come from.
+    tangents : (k, n, 3) float32 or None
+        What their velocities are read from, where the inputs move.
     """
 
     mesh: TriangleMesh | None
     record: dict[str, object]
     potentials: tuple[PartPotentials, ...] = ()
     origins: NDArray[np.float32] | None = None
+    tangents: NDArray[np.float32] | None = None
 
 
 def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
@@ -118,6 +121,8 @@ def _packed(key: str, frame: StoredFrame) -> bytes:
         arrays |= {"vertices": frame.mesh.vertices.astype("<f8"), "faces": frame.mesh.faces.astype("<i4")}
     if frame.origins is not None:
         arrays["origins"] = frame.origins.astype("<f4")
+    if frame.tangents is not None:
+        arrays["tangents"] = frame.tangents.astype("<f4")
     for index, part in enumerate(frame.potentials):
         arrays |= {f"inside.{index}": part.inside, f"columns.{index}": part.columns.astype("<f4")}
     return array_bytes(arrays, header)
@@ -127,8 +132,9 @@ def _unpacked(reader: ArrayReader, key: str) -> StoredFrame:
     if reader.header["key"] != key:
         raise ValueError("it is another frame")
     mesh = _mesh(reader) if "vertices" in reader else None
-    origins = _origins(reader, mesh) if "origins" in reader else None
-    return StoredFrame(mesh, _record(reader.header["record"]), _potentials(reader), origins)
+    origins = _of_vertices(reader, "origins", mesh) if "origins" in reader else None
+    tangents = _of_vertices(reader, "tangents", mesh) if "tangents" in reader else None
+    return StoredFrame(mesh, _record(reader.header["record"]), _potentials(reader), origins, tangents)
 
 
 def _mesh(reader: ArrayReader) -> TriangleMesh:
@@ -138,13 +144,13 @@ def _mesh(reader: ArrayReader) -> TriangleMesh:
     return TriangleMesh.from_arrays(points, faces)
 
 
-def _origins(reader: ArrayReader, mesh: TriangleMesh | None) -> NDArray[np.float32]:
-    origins = reader.take("origins", ("<f4",), (3,))
-    if mesh is None or origins.shape[1:] != mesh.vertices.shape:
-        raise ValueError("its origins are not those of its vertices")
-    if not np.isfinite(origins).all():
-        raise ValueError("its origins are not numbers")
-    return origins
+def _of_vertices(reader: ArrayReader, name: str, mesh: TriangleMesh | None) -> NDArray[np.float32]:
+    found = reader.take(name, ("<f4",), (3,))
+    if mesh is None or found.shape[1:] != mesh.vertices.shape:
+        raise ValueError(f"its {name} are not those of its vertices")
+    if not np.isfinite(found).all():
+        raise ValueError(f"its {name} are not numbers")
+    return found
 
 
 def _potentials(reader: ArrayReader) -> tuple[PartPotentials, ...]:

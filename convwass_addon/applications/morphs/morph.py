@@ -13,22 +13,27 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...geometry.orientation import orient_outward
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
-from ..memory import fitting_beside
+from ..memory import check_memory, fitting_beside
+from ..motions.choosing import chosen_motion
+from ..motions.guides import Guide
 from ..workers import frame_workers
 from .frame_cache import BakeCache, FrameCache
 from .glance import glance
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
+from .moving_problem import MovingProblem
 from .part_labels import FaceLabels, Matching, matched, unparted
 from .parts import joined, voxelized_parts
 from .runs import (
@@ -38,6 +43,7 @@ from .runs import (
     SolvedRun,
     as_sketched,
     as_solved,
+    moving_runs_in_threads,
     runs_elsewhere,
     runs_in_threads,
     runs_of,
@@ -48,8 +54,8 @@ from .volumes import Lattice, fitting_workers
 VOXEL_SHARE = 0.08
 """Share of the progress that voxelizing takes."""
 
-# That of previews, where there are any.
-_PREVIEW_SHARE = 0.12
+# That of previews, where there are any, and of the motion.
+_PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
 
 
 @dataclass(frozen=True)
@@ -73,6 +79,7 @@ def morph(
     control: Control = UNINTERRUPTED,
     *,
     labels: Sequence[FaceLabels] | None = None,
+    guides: Sequence[Guide] = (),
     workers: int | None = None,
     executor: Executor | None = None,
     cache: FrameCache | None = None,
@@ -96,6 +103,8 @@ def morph(
         Ends the job when cancelled; checked between iterations, in whatever thread computes.
     labels : sequence of FaceLabels, optional
         Parts of the shapes; those of the same name travel together.
+    guides : sequence of mappings from int to int, optional
+        Points that belong together: for some of the shapes, by their numbers, a vertex of each. They guide the motion.
     workers : int, optional
         Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
     executor : concurrent.futures.Executor, optional
@@ -133,7 +142,7 @@ def morph(
         refuse_far(shape)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     runs = runs_of(blends, wanted)
-    store = None if cache is None else cache.of(shapes, names, labels, settings)
+    store = None if cache is None else cache.of(shapes, names, labels, settings, guides)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
@@ -144,9 +153,27 @@ def morph(
             if previews and executor is None:
                 yield from _glanced(shapes, names, _looked_at(missing, looked_at), settings, matching, control)
             problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads, control)
-            problem = replace(problem, keeps_potentials=store is not None and store.keeps_potentials)
+            outward = [orient_outward(shape) for shape in shapes]
+            pairs = pairs_of(blends)
+            work = chosen_motion(outward, names, pairs, settings.motion, settings.coherence, guides, control)
+            choice = yield from within(work, begun, begun + _MOTION_SHARE)
+            keeps = store is not None and store.keeps_potentials
+            problem = replace(problem, keeps_potentials=keeps, motion=choice.record())
             most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
-            if previews and executor is None and problem.transport.sketch_depth:
+            if choice.motion is not None:
+                begun += _MOTION_SHARE
+                still = _with_connectivity(problem, min(most, len(shapes)))
+                moving = MovingProblem.of(still, choice.motion, blends, names, matching, control)
+                check_memory(moving.lattice.memory(shapes, 1, matching.count), settings.resolution)
+                if previews and executor is None:
+                    yield from _moved_previews(moving, missing, begun, control)
+                    begun += _PREVIEW_SHARE
+                if executor is None:
+                    fitting = workers or fitting_workers(moving.lattice, shapes, matching.count, threads)
+                    pending = stack.enter_context(moving_runs_in_threads(moving, missing, control, fitting))
+                else:
+                    pending = stack.enter_context(runs_elsewhere(moving, missing, executor))
+            elif previews and executor is None and problem.transport.sketch_depth:
                 needed = problem.lattice.memory(shapes, most, matching.count)
                 chosen = _previewed(missing, looked_at, problem.transport.sketch_bytes, needed)
                 sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, chosen, control, most))
@@ -166,6 +193,21 @@ def morph(
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
             fraction = begun + (1.0 - begun) * done / total
             yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
+
+
+def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
+    """Return which inputs occur together in some blend, the smaller number first."""
+    active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
+    return sorted({pair for together in active for pair in combinations(together, 2)})
+
+
+def _moved_previews(problem: MovingProblem, runs: dict[int, Run], begun: float, control: Control) -> Work[None]:
+    """Show the moved inputs in place of blends that are not finished yet."""
+    blends = [blend for run in runs.values() for blend in run if blend.source is None]
+    for done, blend in enumerate(blends, start=1):
+        control.check()
+        message = Sentence("Preview {done} of {total}", {"done": done, "total": len(blends)})
+        yield Progress(begun + _PREVIEW_SHARE * done / len(blends), message, MorphPreview(problem.preview(blend)))
 
 
 def _looked_at(runs: dict[int, Run], number: int) -> Blend | None:

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,11 @@ class MorphFrame:
 
     __repr__ = one_line("blend", "mesh", "origins")
 
+    @property
+    def velocity_points(self) -> NDArray[np.float32] | None:
+        """What :func:`.origins.velocities` takes, (k, n, 3)."""
+        return self.origins if self.tangents is None else self.tangents
+
 
 @dataclass(frozen=True)
 class MorphProblem:
@@ -66,11 +72,14 @@ class MorphProblem:
         How every shape is connected at this resolution; empty where there are to be sketches only.
     keeps_potentials : bool
         Whether frames bring what blends next to them can be had from.
+    motion : dict
+        What the record of every frame says about the choice of a motion.
     """
 
     transport: TransportProblem
     connectivity: tuple[Connectivity, ...] = ()
     keeps_potentials: bool = False
+    motion: Mapping[str, object] = field(default_factory=dict)
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:

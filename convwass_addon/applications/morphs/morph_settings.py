@@ -38,6 +38,29 @@ class MorphSettings(Settings):
         soft_most=160,
         unit="cells",
     )
+    motion: str = setting(
+        "automatic",
+        "Motion",
+        "How shapes move before the rest is transported",
+        choices=(
+            Choice("automatic", "Automatic", "Guided where the shapes map onto each other well enough, else Warp"),
+            Choice("guided", "Guided", "Limbs swing: for poses, people, animals and other shapes of one build"),
+            Choice("warp", "Warp", "Shapes are drawn towards each other smoothly: for shapes of different build"),
+            Choice("transport", "Transport", "Mass takes the nearest free place, as in the paper"),
+        ),
+        note="Flat shapes are transported",
+        panel="motion",
+    )
+    coherence: float = setting(
+        0.5,
+        "Coherence",
+        "How firmly shapes hold together: 0 is free transport, 0.5 moves them all of the way, and at 1 they are as "
+        "stiff as can be",
+        least=0.0,
+        most=1.0,
+        subtype="FACTOR",
+        panel="motion",
+    )
     sharpness: float | None = setting(
         None,
         "Sharpness",

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPoints
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.normals import vertex_normals
-from ...progress import Control
+from ...progress import UNINTERRUPTED, Control
 from ..motions.motion import Motion, MovedShape
 from .blend_solver import BlendSolver
-from .blending import solve_blends, surfaced_frame
+from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
@@ -24,6 +25,7 @@ from .moved_origins import moved_origins, moved_tangents
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
 from .reading import read_coinciding
+from .spare_threads import at_once
 from .transport_problem import TransportProblem
 from .volumes import Lattice
 
@@ -87,6 +89,15 @@ class MovingProblem:
         lattice = _grown(still.lattice, motion, blends, control)
         return cls(still, motion, lattice, tuple(names), matching)
 
+    def effort(self, blend: Blend) -> float:
+        """Estimate how long a blend takes beside others."""
+        return 0.0 if blend.source is not None else 1.0
+
+    def preview(self, blend: Blend) -> MorphFrame:
+        """Show one of the moved inputs in place of a blend: that of the largest weight."""
+        shape = self.motion.moved(blend.weights)[int(np.argmax(blend.weights))]
+        return MorphFrame(blend, shape.mesh, {"weights": blend.weights, "volume": shape.mesh.volume})
+
     def frame(self, blend: Blend, control: Control) -> MorphFrame:
         """Solve one blend; an input with a weight of one is shown as it is."""
         if blend.source is not None:
@@ -102,12 +113,8 @@ class MovingProblem:
             solved, places = self._coinciding(problem, alone, shapes, solids, control)
         else:
             solved, places = self._transported(problem, alone, shapes, solids, control)
-        record = {
-            **solved.record,
-            "weights": blend.weights,
-            "rest": solids.disagreement,
-            "motion": self.motion.record()["kind"],
-        }
+        about = {"weights": blend.weights, "rest": solids.disagreement, "motion": dict(self.still.motion)}
+        record = {**solved.record, **about}
         if not self.still.settings.carry:
             return MorphFrame(blend, solved.mesh, record)
         origins = moved_origins(places, shapes, active, solved.mesh.vertices, len(blend.weights))
@@ -198,3 +205,14 @@ def _grown(lattice: Lattice, motion: Motion, blends: Sequence[Blend], control: C
                 bounds = shape.mesh.bounds - center
                 low, high = np.minimum(low, bounds[0]), np.maximum(high, bounds[1])
     return lattice.holding(low, high, 0 if len(chosen) == len(mixed) else _SLACK_CELLS)
+
+
+def solve_moving_blends(
+    problem: MovingProblem,
+    blends: Sequence[Blend],
+    control: Control = UNINTERRUPTED,
+    hand_over: HandOver = at_once,
+) -> list[MorphFrame]:
+    """Solve blends of moving inputs; for the parameters see :func:`.blending.solve_blends`."""
+    frames = [hand_over(partial(problem.frame, blend, control)) for blend in blends]
+    return [frame() for frame in frames]

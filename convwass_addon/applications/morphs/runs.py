@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeVar
 
 from ...errors import InputError
@@ -17,6 +18,7 @@ from ..workers import frame_workers, one_blas_thread
 from .blending import HandOver, Sketch, sketch_blends, solve_blends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
+from .moving_problem import MovingProblem, solve_moving_blends
 from .spare_threads import SpareThreads
 
 RUN_LENGTH = 4
@@ -234,7 +236,18 @@ def _threads(control: Control, workers: int) -> Iterator[tuple[Executor, Control
 
 
 @contextmanager
-def runs_elsewhere(problem: MorphProblem, runs: dict[int, Run], executor: Executor) -> Iterator[Pending]:
+def moving_runs_in_threads(
+    problem: MovingProblem, runs: dict[int, Run], control: Control, workers: int
+) -> Iterator[Pending]:
+    """Solve runs of a morph whose inputs move in threads; see :func:`solved_in_threads`."""
+    with solved_in_threads(partial(solve_moving_blends, problem), problem.effort, runs, control, workers) as pending:
+        yield pending
+
+
+@contextmanager
+def runs_elsewhere(
+    problem: MorphProblem | MovingProblem, runs: dict[int, Run], executor: Executor
+) -> Iterator[Pending]:
     """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled."""
     shared = executor.share(problem) if isinstance(executor, SharingExecutor) else problem
     pending: Pending = {}
@@ -247,10 +260,11 @@ def runs_elsewhere(problem: MorphProblem, runs: dict[int, Run], executor: Execut
             future.cancel()
 
 
-def solve_apart(problem: MorphProblem, run: Run) -> list[MorphFrame]:
+def solve_apart(problem: MorphProblem | MovingProblem, run: Run) -> list[MorphFrame]:
     """Solve a run in a process that may not be ours: BLAS keeps to one thread meanwhile."""
+    solve = solve_moving_blends if isinstance(problem, MovingProblem) else solve_blends
     with one_blas_thread():
-        return solve_blends(problem, run)
+        return solve(problem, run)
 
 
 def as_solved(pending: Pending, control: Control) -> Iterator[SolvedRun]:

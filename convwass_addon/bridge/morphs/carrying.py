@@ -83,7 +83,7 @@ class Carrying:
         if frame.mesh is None or frame.origins is None:
             return
         if frame.blend in self._rates:
-            velocity = velocities(frame.origins, self._rates[frame.blend])
+            velocity = velocities(frame.velocity_points, self._rates[frame.blend])
             write_velocity(mesh, velocity)
             for shape in self._beside.get(frame.blend, ()):
                 self._pass(shape, _Passing(frame.origins[shape.source], velocity))

@@ -24,6 +24,7 @@ from ...sentence import Sentence
 from ..objects import MESHED, labeled_mesh, triangle_mesh
 from .bake import MorphBake
 from .carrying import Carrying
+from .morph_guides import guides_of_entries, guides_of_shapes
 
 
 class MorphJob:
@@ -43,7 +44,7 @@ class MorphJob:
         How.
     options : dict
         What else to store with the morph, so that it can be repeated: the layout and its numbers. `alignment` and
-        `scaling`, as for :func:`.alignment.aligned`, are heeded here.
+        `scaling`, as for :func:`.alignment.aligned`, and `guides` are heeded here.
     first_frame : int
         Scene frame of the first shape in a path.
 
@@ -75,6 +76,8 @@ class MorphJob:
             self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
             # Refuse before anything is made.
             matched(self._labels, self._names)
+        guides = guides_of_entries(options.get("guides", ()))
+        self._guides = guides_of_shapes(guides, inputs, self._shapes, depsgraph)
         alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
         moves = None
         if (alignment, scaling) != ("PLACED", "PLACED"):
@@ -96,6 +99,7 @@ class MorphJob:
             self._settings,
             control,
             labels=self._labels,
+            guides=self._guides,
             workers=how.workers,
             executor=how.executor,
             cache=how.cache,
@@ -128,6 +132,7 @@ class MorphJob:
             cache,
             control,
             labels=self._labels,
+            guides=self._guides,
             workers=workers,
             executor=executor,
         )

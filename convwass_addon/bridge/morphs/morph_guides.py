@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -67,14 +68,31 @@ def parsed_guides(text: str) -> list[NamedGuide]:
         return []
     try:
         entries = json.loads(text)
-        guides = [NamedGuide(str(entry.get("name", "")), _points(entry["points"])) for entry in entries]
+    except ValueError as error:
+        raise _unreadable(error) from error
+    return guides_of_entries(entries)
+
+
+def guides_of_entries(entries: object) -> list[NamedGuide]:
+    """Return guides from what :meth:`NamedGuide.as_dict` returns of each, which may come from a file.
+
+    Raises
+    ------
+    InputError
+        Anything else.
+    """
+    try:
+        return [NamedGuide(str(entry.get("name", "")), _points(entry["points"])) for entry in entries]
     except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise InputError(
-            "The guides cannot be read ({reason}). They look like {example}.",
-            reason=str(error),
-            example='[{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
-        ) from error
-    return guides
+        raise _unreadable(error) from error
+
+
+def _unreadable(error: Exception) -> InputError:
+    return InputError(
+        "The guides cannot be read ({reason}). They look like {example}.",
+        reason=str(error),
+        example='[{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
+    )
 
 
 def _points(points: object) -> dict[str, int]:
@@ -103,6 +121,42 @@ def guides_from_empties(
 def guides_from_bones(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[NamedGuide]:
     """Return a guide for the ends of bones of the same name in several rigs; see :func:`.surface_marks.bone_marks`."""
     return _shared({obj.name: bone_marks(obj, depsgraph) for obj in objects})
+
+
+def guides_asked_for(
+    word: str | None, objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph
+) -> list[NamedGuide]:
+    """Return the guides that the command line asks for.
+
+    Parameters
+    ----------
+    word : str or None
+        "groups", "empties", "bones", or the path of a JSON file; None for no guides.
+    objects : sequence of bpy.types.Object
+        The inputs of the morph.
+    depsgraph : bpy.types.Depsgraph
+        Of the scene.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, or nothing of the same name.
+    """
+    if word is None:
+        return []
+    meshes = [obj for obj in objects if obj.type == "MESH"]
+    if word == "empties":
+        found = guides_from_empties(meshes, depsgraph, list(bpy.context.scene.objects))
+    elif word in ("groups", "bones"):
+        found = {"groups": guides_from_groups, "bones": guides_from_bones}[word](meshes, depsgraph)
+    else:
+        try:
+            found = parsed_guides(Path(word).read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError("The guides in {path} cannot be read ({reason}).", path=word, reason=str(error)) from error
+    if not found:
+        raise InputError("There are no {word} of the same name on several shapes; --guides finds nothing.", word=word)
+    return found
 
 
 def _shared(marks: Mapping[str, Mapping[str, int | None]]) -> list[NamedGuide]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ...applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from ...schema import Choice, Settings, setting
@@ -24,6 +24,8 @@ class MorphRequest(Settings):
         As :class:`.FlatSettings`, in the spelling of Blender; kept for shapes that are not flat too.
     weights : list of float or None
         Of a single blend, one per shape.
+    guides : list of dict
+        Points that belong together; see :class:`.morph_guides.NamedGuide`.
     at : list of float or None
         The frame numbers of a path, such as 7.35, that the blends are at where they are a sheet of such ones.
     """
@@ -175,6 +177,7 @@ class MorphRequest(Settings):
     )
     words: str = "MASS"
     weights: list[float] | None = None
+    guides: list[dict[str, object]] = field(default_factory=list)
     at: list[float] | None = None
 
     def blends(self, count: int) -> list[Blend]:

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which motion a morph gets: the one that was asked for, or the one that fits the shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import Cancelled, ConvwassError, InputError
+from ...geometry.mesh import TriangleMesh
+from ...progress import Control, Progress, Work, within
+from ...sentence import Sentence
+from .guided_motion import GuidedMotion, guided_motion
+from .guided_settings import GuidedSettings
+from .guides import Guide
+from .motion import Motion
+from .warp_motion import warp_motion
+
+# Guided motions are trusted from this score of the worst map between two of the shapes.
+_TRUSTED = 0.6
+# Share of the work after which the guided motion is there, where a warp may follow.
+_GUIDED_SHARE = 0.4
+
+
+@dataclass(frozen=True)
+class MotionChoice:
+    """What was chosen.
+
+    Attributes
+    ----------
+    kind : str
+        "guided", "warp" or "transport".
+    reason : str
+        "ASKED", "FITS" (the shapes map onto each other), "UNLIKE" (they do not), or "FAILED" (what was tried before
+        could not be made).
+    motion : Motion or None
+        None for transport alone.
+    score : float or None
+        Of the worst map between two shapes, 0 to 1, where there is one.
+    failure : str
+        Why something could not be made.
+    """
+
+    kind: str
+    reason: str
+    motion: Motion | None = field(default=None, repr=False)
+    score: float | None = None
+    failure: str = ""
+
+    def record(self) -> dict[str, object]:
+        """Return what the record of every frame says about it, ready for JSON."""
+        known = {"score": self.score, "failure": self.failure or None}
+        return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
+
+
+def chosen_motion(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    asked: str,
+    coherence: float,
+    guides: Sequence[Guide],
+    control: Control,
+) -> Work[MotionChoice]:
+    """Make the motion of a morph.
+
+    Parameters
+    ----------
+    shapes, names
+        The inputs, facing outward, and what messages call them.
+    pairs : sequence of (int, int)
+        Which of them occur together in a blend.
+    asked : str
+        "automatic", "guided", "warp" or "transport".
+    coherence : float
+        0 to 1; at 0 nothing is moved.
+    guides : sequence of mappings from int to int
+        See :func:`.guided_motion.guided_motion`.
+    control : Control
+        Stops the work.
+
+    Raises
+    ------
+    InputError
+        Guides that cannot be used, or a motion that was asked for and cannot be made.
+    """
+    if asked == "transport" or coherence == 0.0 or not pairs:
+        return MotionChoice("transport", "ASKED")
+    if asked == "warp":
+        motion = yield from warp_motion(shapes, names, pairs, coherence, control)
+        return MotionChoice("warp", "ASKED", motion)
+    settings = GuidedSettings(coherence=coherence)
+    share = 1.0 if asked == "guided" else _GUIDED_SHARE
+    guided, failure = None, ""
+    try:
+        guided = yield from within(guided_motion(shapes, names, pairs, settings, guides, control), 0.0, share)
+    except (InputError, np.linalg.LinAlgError) as error:
+        if asked == "guided" or guides:
+            raise
+        failure = str(error)
+    score = None if guided is None else _score(guided)
+    if asked == "guided":
+        return MotionChoice("guided", "ASKED", guided, score)
+    if guided is not None and score >= _TRUSTED:
+        return MotionChoice("guided", "FITS", guided, score)
+    try:
+        motion = yield from within(warp_motion(shapes, names, pairs, coherence, control), share, 1.0)
+    except Cancelled:
+        raise
+    except (ConvwassError, np.linalg.LinAlgError) as error:
+        yield Progress(1.0, Sentence("Transporting without a motion"))
+        return MotionChoice("transport", "FAILED", None, score, failure or str(error))
+    return MotionChoice("warp", "FAILED" if guided is None else "UNLIKE", motion, score, failure)
+
+
+def _score(guided: GuidedMotion) -> float:
+    """Return the score of the worst map between two shapes."""
+    return min(pair.score for pair in guided.pairs.values())

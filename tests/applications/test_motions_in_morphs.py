@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whole morphs with a motion, from meshes to frames."""
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import MorphPreview, morph, pairs_of
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.errors import InputError
+from tests.applications.maps import arm, shuffled
+from tests.shapes import ball, torus
+
+NAMES = ("down", "up")
+
+
+def baked(shapes, settings, **options):
+    reports = list(morph(shapes, NAMES, path_blends(2, 4), settings, **options))
+    return [one.payload for one in reports if isinstance(one.payload, MorphFrame)], reports
+
+
+@pytest.fixture(scope="module")
+def arms():
+    return arm(0.0)[0], shuffled(arm(np.radians(100.0))[0])[0]
+
+
+@pytest.fixture(scope="module")
+def guided(arms, tmp_path_factory):
+    cache = FrameCache(tmp_path_factory.mktemp("frames"))
+    settings = MorphSettings(resolution=40)
+    return baked(arms, settings, previews=True, cache=cache), settings, cache
+
+
+def test_automatic_guides_an_arm_and_says_so(guided, arms):
+    (frames, _), _, _ = guided
+    assert [frame.record["motion"]["kind"] for frame in frames] == ["guided"] * 5
+    assert frames[2].record["motion"]["reason"] == "FITS"
+    assert frames[2].record["motion"]["score"] > 0.6
+
+
+def test_the_arm_stays_in_one_piece_and_as_long(guided, arms):
+    (frames, _), _, _ = guided
+    for frame in frames[1:4]:
+        assert frame.record["found"] == {"pieces": 1, "handles": 0, "bubbles": 0}
+        assert frame.mesh.volume == pytest.approx(arms[0].volume, rel=0.02)
+        assert frame.mesh.area == pytest.approx(arms[0].area, rel=0.08)
+
+
+def test_previews_come_before_the_frames(guided):
+    (_, reports), _, _ = guided
+    kinds = [type(one.payload) for one in reports if one.payload is not None]
+    assert kinds.index(MorphPreview) < kinds.index(MorphFrame)
+    assert sum(kind is MorphPreview for kind in kinds) >= 3
+
+
+def test_frames_come_back_from_the_cache_with_their_tangents(guided, arms):
+    (frames, _), settings, cache = guided
+    again, _ = baked(arms, settings, cache=cache)
+    assert cache.reused == len(frames)
+    for one, other in zip(frames[1:4], again[1:4], strict=True):
+        assert np.array_equal(one.mesh.vertices, other.mesh.vertices)
+        assert np.array_equal(one.tangents, other.tangents)
+
+
+def test_guides_make_another_bake(guided, arms):
+    _, settings, cache = guided
+    digests = {
+        cache.of(arms, NAMES, None, settings, guides).paths(path_blends(2, 4)[:1])[0] for guides in ((), [{0: 1, 1: 2}])
+    }
+    assert len(digests) == 2
+
+
+def test_coherence_zero_is_transport(arms):
+    frames, _ = baked(arms, MorphSettings(resolution=24, coherence=0.0, carry=False))
+    assert frames[1].record["motion"] == {"kind": "transport", "reason": "ASKED"}
+
+
+def test_a_guided_motion_that_cannot_be_made_is_refused_and_automatic_goes_on():
+    shapes = (ball(points=60), torus())
+    with pytest.raises(InputError, match="in 2 pairs"):
+        baked(shapes, MorphSettings(resolution=24, motion="guided"), guides=[{0: 3, 1: 5}, {0: 3, 1: 9}])
+
+
+def test_pairs_are_those_that_occur_together():
+    assert pairs_of(path_blends(3, 4)) == [(0, 1), (1, 2)]
