@@ -9,11 +9,9 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix, Vector
+from mathutils import Matrix
 
-from convwass_addon.bridge import viewport_overlay
-from convwass_addon.bridge.soft_maps import pair_labels
-from convwass_addon.bridge.soft_maps.pair_labels import LabeledVertex, PairLabels, _faces_viewer, labels_of
+from convwass_addon.bridge.soft_maps.pair_labels import LabeledVertex, _faces_viewer, labels_of
 
 
 @pytest.fixture
@@ -68,30 +66,3 @@ def test_those_on_the_far_side_are_told(cube):
         view = SimpleNamespace(view_matrix=from_above, is_perspective=is_perspective)
         near = {label.number for label in labels if _faces_viewer(label, view)}
         assert near == {vertex.index for vertex in cube.data.vertices if vertex.co.z > 0}
-
-
-def test_drawing(cube, monkeypatch):
-    """What is drawn where, by a stand-in for the graphics card."""
-    drawn = []
-    monkeypatch.setattr(pair_labels, "location_3d_to_region_2d", lambda region, view, point: Vector((50, 60)))
-    monkeypatch.setattr(pair_labels, "fill_discs", lambda centers, radius, color: drawn.append(color[3]))
-    monkeypatch.setattr(pair_labels, "_write", lambda text, *rest: drawn.append(text))
-    monkeypatch.setattr(pair_labels.gpu.state, "blend_set", lambda mode: None)
-    view = SimpleNamespace(view_matrix=Matrix.Translation((1, 0, 10)).inverted(), is_perspective=True)
-    overlay = SimpleNamespace(show_overlays=True)
-    context = SimpleNamespace(
-        space_data=SimpleNamespace(overlay=overlay),
-        region=None,
-        region_data=view,
-        view_layer=bpy.context.view_layer,
-        preferences=bpy.context.preferences,
-    )
-    monkeypatch.setattr(viewport_overlay, "bpy", SimpleNamespace(context=context))
-    bpy.context.view_layer.update()
-    top = max(cube.data.vertices, key=lambda vertex: vertex.co.z).index
-    labels = PairLabels(lambda _context: [LabeledVertex(cube, top, 12)])
-    labels._draw_if_shown()
-    assert drawn == [1.0, 1.0, 1.0, 1.0, "12"]
-    overlay.show_overlays = False
-    labels._draw_if_shown()
-    assert len(drawn) == 5

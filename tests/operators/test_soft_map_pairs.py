@@ -158,17 +158,6 @@ def test_they_say_what_is_missing(name):
         bpy.context.window_manager.convwass_progress.running = False
 
 
-def test_only_meshes_can_be_chosen():
-    kind = type(own()).bl_rna.properties["source"]
-    assert kind.fixed_type.identifier == "Object"
-    bpy.ops.object.empty_add()
-    choose(None, None)
-    from convwass_addon.properties.soft_maps import _is_mesh
-
-    assert not _is_mesh(own(), bpy.context.object)
-    assert _is_mesh(own(), sphere("Cow"))
-
-
 def test_numbers_are_drawn_where_pairs_are(pair):
     call("add_map_pair", source_vertex=3, target_vertex=7)
     call("add_map_pair", source_vertex=4, target_vertex=8)
