@@ -74,8 +74,10 @@ def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(entropy_limi
     assert all(figures["converged"] for figures in frames.records)
     if entropy_limit:
         places = mass @ (here - there) / whole
-        # Paint on a hoof has its mean a little up the leg.
-        np.testing.assert_allclose(places[1:-1], np.linspace(places[0], places[-1], 9)[1:-1], atol=0.06)
+        # Paint on a hoof has its mean a little up the leg; steps near the ends are shorter.
+        np.testing.assert_allclose(places[1:-1], np.linspace(places[0], places[-1], 9)[1:-1], atol=0.09)
+        entropies = np.array([figures["entropy"] for figures in frames.records])
+        assert (frames.densities.max(axis=1) / np.exp(1.0 - entropies)).max() < 1.4
 
 
 def test_distances_along_the_skin_are_those_along_edges():
