@@ -132,9 +132,27 @@ def test_damaged_figures_are_taken_as_good():
     assert kinds([{"lost_share": None, "wall": "much", "sigma": None, "input": 7, "thin_thickness": 1.0}]) == ["GOOD"]
 
 
+@pytest.mark.parametrize(
+    ("motion", "expected"),
+    [
+        ({"kind": "guided", "reason": "FITS", "score": 0.91}, ["GOOD", "GUIDED"]),
+        ({"kind": "combined", "reason": "UNLIKE", "score": 0.5}, ["GOOD", "COMBINED"]),
+        ({"kind": "warp", "reason": "UNLIKE", "score": 0.2}, ["GOOD", "WARPED"]),
+        ({"kind": "transport", "reason": "FAILED", "failure": "no map"}, ["GOOD", "NO_MOTION"]),
+        ({"kind": "guided", "reason": "ASKED", "score": 0.91}, ["GOOD"]),
+        ({"kind": "transport", "reason": "ASKED"}, ["GOOD"]),
+    ],
+)
+def test_the_motion_that_was_chosen_is_told(motion, expected):
+    """Also from the figures that are stored with a frame."""
+    record = {"motion": motion}
+    assert kinds([record]) == expected
+    assert kinds([health_figures(record)]) == expected
+
+
 def test_every_template_can_be_filled():
     values = {"resolution": 64, "name": "{x}", "cells": 1.0, "better": 96, "frames": "1-2", "share": 0.1}
-    values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x"}
+    values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x", "score": 0.8, "failure": "x"}
     for kind in TEXTS:
         assert HealthNote(kind, values).text
 

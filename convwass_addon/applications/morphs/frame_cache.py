@@ -248,7 +248,7 @@ class BakeCache:
 def _is_moved(record: Mapping[str, object]) -> bool:
     """Whether a frame is one of moving inputs, which brings no potentials; the record may be of any file."""
     motion = record.get("motion")
-    return isinstance(motion, Mapping) and motion.get("kind") in ("guided", "warp")
+    return isinstance(motion, Mapping) and motion.get("kind") in ("guided", "combined", "warp")
 
 
 def _bake_digest(

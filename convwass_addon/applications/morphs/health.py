@@ -26,6 +26,10 @@ TEXTS: dict[str, str] = {
     "WALL": "Up to {share:.1%} of the shape touches the wall of the volume in {frames}: try less blur",
     "WIDENED": "Blur was widened to {sigma:.1f} cells in {frames}, to reach from shape to shape",
     **NOTICES,
+    "GUIDED": "Limbs swing: the shapes map onto each other (agreement {score:.0%})",
+    "COMBINED": "Limbs swing and shapes are warped: the map between them is not sure (agreement {score:.0%})",
+    "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
+    "NO_MOTION": "Mass takes the nearest free place: no motion between the shapes could be made ({failure})",
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
 }
 """A template for every kind of note; the user interface translates it before the values are filled in."""
@@ -38,6 +42,8 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
+    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED"), "INFO"),
+    "NO_MOTION": "WARNING",
     "GOOD": "INFO",
 }
 
@@ -118,12 +124,15 @@ def health(
         *_widened(calls, settings, resolution),
         *_notices(figures),
     ]
-    return notes or [HealthNote("GOOD", {})]
+    return [*(notes or [HealthNote("GOOD", {})]), *_motion(figures)]
 
 
-def health_figures(record: Mapping[str, object]) -> dict[str, float]:
+def health_figures(record: Mapping[str, object]) -> dict[str, str | float]:
     """Return what `health` needs of the nested parts of a record, as single figures."""
-    result: dict[str, float] = {}
+    result: dict[str, str | float] = {}
+    motion = record.get("motion")
+    if isinstance(motion, Mapping):
+        result |= {f"motion_{name}": value for name, value in motion.items()}
     for name in ("lost", "thin"):
         lost = record.get(name)
         if not isinstance(lost, Mapping):
@@ -228,6 +237,17 @@ def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -
     asked = MorphSettings(resolution=resolution).sigma
     wide = frames.where(lambda figure: _number(figure, "sigma") > _WIDER * asked)
     return [HealthNote("WIDENED", {"frames": str(wide), "sigma": wide.most("sigma")})] if wide.figures else []
+
+
+def _motion(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
+    """Say what motion was chosen automatically, and why; of one that was asked for there is nothing to say."""
+    chosen = next((figure for figure in figures if figure.get("motion_reason") not in (None, "ASKED")), None)
+    if chosen is None:
+        return []
+    kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
+    if kind is None or chosen.get("motion_score") is None:
+        return [HealthNote("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []
+    return [HealthNote(kind, {"score": _number(chosen, "motion_score")})]
 
 
 def _notices(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
