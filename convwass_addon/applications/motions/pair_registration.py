@@ -143,17 +143,33 @@ def _drafted(
     """Lay coarse meshes on each other by the best of several ways."""
     both = pairs, pairs[:, ::-1]
     best = [_proposed(drafts, k, starts[k], both[k], _FROM_MAP, control) for k in (0, 1)]
-    if max(found.misfit for found in best) <= _FINE and all(_agree(drafts, best, k) for k in (0, 1)):
+    if max(found.misfit for found in best) <= _FINE:
         return [_trusted(found) for found in best]
+    tries = [best]
     inverses = [found.inverse for found in best]
+    best = list(best)
     for k in (0, 1):
         placed = Laid(_placed(drafts[k], drafts[1 - k], best[k]), np.ones(len(drafts[k].mesh.vertices)))
         ways = [(inverses[1 - k], _FROM_MAP), (placed, _FROM_PLACE)]
         best[k] = _mended(drafts, k, best[k], ways, both[k], control)
+    tries.append(best)
     for k in (1, 0):
         if not _agree(drafts, best, k):
+            best = list(best)
             best[k] = _mended(drafts, k, best[k], [(best[1 - k].inverse, _FROM_MAP)], both[k], control)
-    return [_trusted(found) for found in best]
+            tries.append(best)
+    kept = min(tries, key=lambda found: _total(drafts, found))
+    return [_trusted(found) for found in kept]
+
+
+def _total(drafts: tuple[Carrier, Carrier], found: list[_Proposal]) -> float:
+    """Return what both shapes pay on average, and for how far from home the way there and back ends."""
+    total = 0.0
+    for k in (0, 1):
+        home = _home(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
+        areas = drafts[k].mesh.vertex_areas
+        total += float(areas @ (found[k].costs + np.minimum(home / _TRIP, 1.0)) / areas.sum())
+    return total
 
 
 def _agree(drafts: tuple[Carrier, Carrier], found: list[_Proposal], k: int) -> bool:
