@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 
-from .coherence_cases import TRANSPORT
 from .coherence_pairs import CoherencePair
 from .processes import measured
 
@@ -43,7 +42,7 @@ _GOALS = (
 
 def default_motion() -> str:
     """Return the motion that a morph has by default."""
-    return getattr(MorphSettings(), "motion", TRANSPORT)
+    return MorphSettings().motion
 
 
 def print_clean_frames(pairs: Sequence[CoherencePair], cells: int, frames: int, meshes: str | None) -> None:

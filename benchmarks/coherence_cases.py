@@ -9,7 +9,6 @@ import os
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.schema import setting_of
 
 from .blends import baked_frames
 from .clock import Clock
@@ -44,14 +44,12 @@ _CROSSINGS_EVERY = 4
 
 def motions() -> tuple[str, ...]:
     """Return the motions that the settings of a morph offer."""
-    hints = get_type_hints(MorphSettings)
-    return get_args(hints["motion"]) if "motion" in hints else (TRANSPORT,)
+    return tuple(choice.value for choice in setting_of(MorphSettings, "motion").choices)
 
 
 def settings_for(motion: str, cells: int) -> MorphSettings:
     """Return the default settings with a motion and a resolution."""
-    chosen = {"motion": motion} if "motion" in get_type_hints(MorphSettings) else {}
-    return MorphSettings(resolution=cells, **chosen)
+    return MorphSettings(resolution=cells, motion=motion)
 
 
 @dataclass(frozen=True)

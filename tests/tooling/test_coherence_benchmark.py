@@ -5,9 +5,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -53,19 +51,9 @@ def test_frames_torn_are_those_in_more_pieces_than_the_shapes_before_mending():
     assert found["torn"] == pytest.approx(2 / 3)
 
 
-def test_motions_are_those_that_the_settings_offer(monkeypatch):
-    assert set(motions()) >= {"transport"}
-    assert settings_for("transport", 48).resolution == 48
-
-    @dataclass(frozen=True)
-    class Later:
-        resolution: int = 100
-        motion: Literal["automatic", "transport"] = "automatic"
-
-    monkeypatch.setattr(coherence_cases, "MorphSettings", Later)
-    monkeypatch.setattr(coherence_cases, "get_type_hints", lambda kind: {"motion": Literal["automatic", "transport"]})
-    assert motions() == ("automatic", "transport")
-    assert settings_for("transport", 48) == Later(48, "transport")
+def test_motions_are_those_that_the_settings_offer():
+    assert set(motions()) == {"automatic", "guided", "warp", "transport"}
+    assert settings_for("transport", 48) == MorphSettings(resolution=48, motion="transport")
 
 
 def test_options_reach_the_benchmark(monkeypatch, tmp_path):
@@ -137,10 +125,6 @@ def test_a_sheet_is_rendered(monkeypatch, tmp_path):
     (objects,) = shown
     assert len(objects) == 2 * coherence_sheets.COLUMNS
     assert len({tuple(obj.location) for obj in objects}) == len(objects)
-
-
-def test_settings_are_those_of_the_product():
-    assert settings_for("transport", 100) == MorphSettings(resolution=100)
 
 
 def test_clean_frames_are_told_with_the_worst_of_all(monkeypatch, capsys):
