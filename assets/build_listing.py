@@ -56,7 +56,12 @@ def _baked() -> list[bpy.types.Mesh]:
     for obj in inputs:
         obj.select_set(True)
     bpy.ops.convwass.bake_morph(
-        inputs="horse\nbird", frames=_FRAMES, resolution=_RESOLUTION, output="OBJECTS", hide_inputs=True
+        inputs="horse\nbird",
+        frames=_FRAMES,
+        resolution=_RESOLUTION,
+        motion="TRANSPORT",
+        output="OBJECTS",
+        hide_inputs=True,
     )
     morph = next(collection for collection in bpy.data.collections if "convwass_morph" in collection)
     meshes = [obj.data for obj in frame_objects(morph)]

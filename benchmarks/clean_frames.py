@@ -12,7 +12,7 @@ from .coherence_pairs import CoherencePair
 from .processes import measured
 
 _HEADING = """
-{frames} frames from one shape to the other, {cells} cells, default settings.
+{frames} frames from one shape to the other, {cells} cells, default settings but for the motion: {motion}.
 
 jumps      steps from a frame to the next whose largest distance is more than twice the mean of all
 largest    the largest distance of a step over that mean
@@ -40,13 +40,12 @@ _GOALS = (
 """Figure, what is to be reached, how it is written; a larger one is worse, but for the angle."""
 
 
-def default_motion() -> str:
-    """Return the motion that a morph has by default."""
-    return MorphSettings().motion
+_MOTIONS = (MorphSettings().motion, "transport")
+"""The default, and the paper's."""
 
 
 def print_clean_frames(pairs: Sequence[CoherencePair], cells: int, frames: int, meshes: str | None) -> None:
-    """Bake pairs with default settings and print what their frames are like.
+    """Bake pairs with default settings and by transport alone, and print what their frames are like.
 
     Parameters
     ----------
@@ -57,11 +56,17 @@ def print_clean_frames(pairs: Sequence[CoherencePair], cells: int, frames: int, 
     meshes : str or None
         A folder with further meshes.
     """
-    print(_HEADING.format(frames=frames, cells=cells))
+    for motion in _MOTIONS:
+        _print_table(pairs, motion, cells, frames, meshes)
+
+
+def _print_table(pairs: Sequence[CoherencePair], motion: str, cells: int, frames: int, meshes: str | None) -> None:
+    """Print what the frames of pairs are like with one motion."""
+    print(_HEADING.format(frames=frames, cells=cells, motion=motion))
     print(_COLUMNS)
     found = []
     for pair in pairs:
-        options = {"pair": pair.name, "motion": default_motion(), "cells": cells, "frames": frames, "meshes": meshes}
+        options = {"pair": pair.name, "motion": motion, "cells": cells, "frames": frames, "meshes": meshes}
         figures = measured("benchmarks.coherence_cases", "passage", **options)
         print(line(pair.name, figures), flush=True)
         if "error" not in figures:

@@ -74,7 +74,7 @@ def ellipsoids(cells: int, sharpness: float | None) -> dict[str, object]:
 
 def handles(paths: list[str], cells: int, frames: int, sharpness: float | None) -> dict[str, object]:
     """Count what every frame of a bake is made of, and the two shapes at the same resolution."""
-    settings = MorphSettings(resolution=cells, sharpness=sharpness)
+    settings = MorphSettings(resolution=cells, motion="transport", sharpness=sharpness)
     pair = Pair.read(paths, cells, settings.sigma)
     ends = [topology(own_surface(filled)) for filled in pair.densities]
     found = [topology(mesh) for mesh in baked(pair.shapes, frames, settings)]
@@ -127,7 +127,7 @@ def thin(paths: list[str], cells: int, sharpness: float | None, level: str) -> d
 
 def stability(paths: list[str], cells: int, frames: int) -> dict[str, object]:
     """Volume, center and step from frame to frame of a long bake, in cells."""
-    settings = MorphSettings(resolution=cells)
+    settings = MorphSettings(resolution=cells, motion="transport")
     shapes = read_meshes(paths)
     meshes = baked(shapes, frames, settings)
     volumes = np.array([mesh.volume for mesh in meshes])

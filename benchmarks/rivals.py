@@ -8,7 +8,7 @@ All of them get the same meshes, center of mass on center of mass, and the same 
 - ``shrinkwrap``: the first mesh wrapped onto the second by a Shrinkwrap modifier as Blender sets it up (nearest surface
   point), kept as a shape key whose value goes from 0 to 1;
 - ``sdf``: Mesh to SDF Grid of both, mixed linearly, Grid to Mesh, in Geometry Nodes (on their menus since Blender 5.0);
-- ``transport``: a morph at default settings.
+- ``transport``: a morph by transport alone, at default settings otherwise.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Ends:
     shapes : (TriangleMesh, TriangleMesh)
         The meshes.
     settings : MorphSettings
-        The defaults, at a resolution.
+        The defaults, at a resolution, without a motion.
     lattice : Lattice
         A grid that holds both.
     """
@@ -69,7 +69,7 @@ class Ends:
         """Read two meshes, smoothed by one subdivision, with `cells` along the longest side of the grid."""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         shapes = tuple(_smoothed(Path(path)) for path in paths)
-        settings = MorphSettings(resolution=cells)
+        settings = MorphSettings(resolution=cells, motion="transport")
         names = tuple(Path(path).stem for path in paths)
         return cls(names, shapes, settings, Lattice.around(shapes, cells, settings.sigma))
 
@@ -162,7 +162,7 @@ def _sdf_mix(
 
 
 def transported(ends: Ends) -> list[TriangleMesh]:
-    """Morph at default settings."""
+    """Morph by transport alone, at default settings otherwise."""
     steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), ends.settings, workers=1)
     frames = [step.payload for step in steps if step.payload is not None]
     return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]

@@ -260,7 +260,7 @@ def parts() -> Figure:
         FaceLabels(_PARTS, split(mesh)) for mesh, split in zip(meshes, (_parts_of_horse, _parts_of_bird), strict=True)
     ]
     turn = Rotation.from_euler("zx", [-20, -75], degrees=True).as_matrix()
-    settings = MorphSettings(resolution=96, mend=False)
+    settings = MorphSettings(resolution=96, motion="transport", mend=False)
     canvas = Canvas(_WIDTH, 760)
     for row, chosen in enumerate((None, labels)):
         steps = morph(meshes, names, path_blends(2, 4), settings, labels=chosen)

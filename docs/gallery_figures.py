@@ -52,7 +52,7 @@ FIGURES = (
         "A cow becomes a duck becomes a torus, on a grid of 100 cells along each side.",
         "A cow becomes a bird becomes a double torus, on as many cells. The ends are the meshes themselves, and every "
         "frame encloses the volume between theirs.",
-        f"{_MORPH} {_THREE} --frames 4 --resolution 100 --render --out row.blend",
+        f"{_MORPH} {_THREE} --motion transport --frames 4 --resolution 100 --render --out row.blend",
         SHELL,
     ),
     Figure(
@@ -109,7 +109,7 @@ FIGURES = (
         "All barycenters of Fig. 1's cow, duck and torus, in a triangle.",
         "All between a cow, a bird and a double torus. *Make Blend Pad* makes such a sheet one shape that follows a "
         "handle.",
-        f"{_MORPH} {_THREE} --layout triangle --steps 6 --render --out triangle.blend",
+        f"{_MORPH} {_THREE} --motion transport --layout triangle --steps 6 --render --out triangle.blend",
         SHELL,
     ),
     Figure(
@@ -184,7 +184,7 @@ FIGURES = (
         "All between four solids, one of them in two parts, on a grid of 60 cells along each side.",
         "All between a horse, a double torus, two dolphins and a bird, on 100 cells.",
         f"{_MORPH} assets/shapes/horse.ply assets/shapes/double_torus.ply assets/shapes/dolphins.ply "
-        "assets/shapes/bird.ply --layout grid --steps 5 --render --out sheet.blend",
+        "assets/shapes/bird.ply --motion transport --layout grid --steps 5 --render --out sheet.blend",
         SHELL,
     ),
 )

@@ -26,7 +26,7 @@ def main() -> None:
     convwass_addon.register()
     for name, paint in (("horse", _spotted), ("bird", _banded)):
         _paint(finer(sample_shape(name), 2), paint)
-    bpy.ops.convwass.bake_morph(frames=4, resolution=128, reverse=True)
+    bpy.ops.convwass.bake_morph(frames=4, resolution=128, motion="TRANSPORT", reverse=True)
     morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
     with TemporaryDirectory() as folder:
         save_jpeg(drained(render_contact_sheet(morph, Path(folder) / "looks.png")), "looks")

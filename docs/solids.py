@@ -72,7 +72,7 @@ def _draw(sheet: Sheet, resolution: int, target: Path) -> None:
     try:
         for number, name in enumerate(sheet.shapes):
             _shape(name, number)
-        bpy.ops.convwass.bake_morph(order="NAME", resolution=resolution, **sheet.baking)
+        bpy.ops.convwass.bake_morph(order="NAME", motion="TRANSPORT", resolution=resolution, **sheet.baking)
         morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
         with TemporaryDirectory() as folder:
             png = Path(folder) / "sheet.png"

@@ -53,7 +53,8 @@ def test_frames_torn_are_those_in_more_pieces_than_the_shapes_before_mending():
 
 def test_motions_are_those_that_the_settings_offer():
     assert set(motions()) == {"automatic", "guided", "warp", "transport"}
-    assert settings_for("transport", 48) == MorphSettings(resolution=48, motion="transport")
+    for motion in motions():
+        assert settings_for(motion, 48) == MorphSettings(resolution=48, motion=motion)
 
 
 def test_options_reach_the_benchmark(monkeypatch, tmp_path):
@@ -132,17 +133,20 @@ def test_clean_frames_are_told_with_the_worst_of_all(monkeypatch, capsys):
         "jumps": 2, "largest": 3.0, "changes": 1, "at_ends": 1.5, "lost_area": 0.06, "detail": 0.4, "angle": 12.0,
         "crossing": 0.0, "triangles": 9000, "cpu": 1.0, "wall": 2.0,
     }  # fmt: skip
-    answers = iter([figures, {"error": "no surface"}, {**figures, "jumps": 0, "angle": 25.0}])
-    monkeypatch.setattr(clean_frames, "measured", lambda *case, **options: next(answers))
+    answers = [figures, {"error": "no surface"}, {**figures, "jumps": 0, "angle": 25.0}]
+    asked = []
+
+    def measured(*_case, motion, **_options):
+        asked.append(motion)
+        return answers[(len(asked) - 1) % 3]
+
+    monkeypatch.setattr(clean_frames, "measured", measured)
     clean_frames.print_clean_frames(pairs_named(["man walks", "man to ogre", "A to B"], None), 32, 8, None)
     printed = capsys.readouterr().out
     assert "no surface" in printed
+    assert asked == ["automatic"] * 3 + ["transport"] * 3
     lines = {line.split("  ")[0]: line.split()[-1] for line in printed.splitlines()[-8:]}
     assert (lines["jumps"], lines["angle"], lines["all jumps"]) == ("2", "12.0", "2")
-
-
-def test_the_default_motion_is_that_of_the_settings():
-    assert clean_frames.default_motion() in motions()
 
 
 class _Led:
