@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import bpy
 
+from ..applications.morphs.bake_plan import MorphPreview
 from ..applications.morphs.between_frames import places_at
 from ..applications.morphs.layouts import Blend
-from ..applications.morphs.morph import MorphPreview
 from ..applications.morphs.morph_problem import MorphFrame
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.whole_paths import path_with_suffix

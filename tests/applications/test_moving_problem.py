@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
-from convwass_addon.applications.morphs.morph import prepared_problem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
+from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh

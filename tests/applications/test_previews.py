@@ -16,12 +16,14 @@ import pytest
 
 from convwass_addon.applications import memory
 from convwass_addon.applications.morphs import blend_solver, blending, morph_problem, runs
+from convwass_addon.applications.morphs.bake_plan import MorphPreview
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
-from convwass_addon.applications.morphs.morph import MorphPreview, morph, prepared_problem
+from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, unparted
+from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.reading import connectivity_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import voxelize

@@ -11,9 +11,9 @@ from types import MethodType, SimpleNamespace
 import bpy
 import pytest
 
+from convwass_addon.applications.morphs.bake_plan import MorphPreview
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
-from convwass_addon.applications.morphs.morph import MorphPreview
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job

@@ -28,10 +28,11 @@ from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
-from .morph import VOXEL_SHARE, morph, prepared_problem
+from .morph import morph
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
+from .preparing import VOXEL_SHARE, prepared_problem
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
 from .transport_problem import MorphPart
 from .volumes import fitting_workers

@@ -8,67 +8,23 @@ are barycenters, and a level set of each barycenter is the blended shape.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from itertools import combinations
-
-import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...progress import UNINTERRUPTED, Control, Progress, Work, within
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
-from ..memory import check_memory, fitting_beside
-from ..motions.choosing import chosen_motion
 from ..motions.guides import Guide
-from ..workers import frame_workers
+from .bake_plan import BakePlan
 from .frame_cache import BakeCache, FrameCache
-from .glance import glance
 from .layouts import Blend
-from .morph_problem import MorphFrame, MorphProblem
+from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
-from .moving_problem import MovingProblem
-from .part_labels import FaceLabels, Matching, matched, unparted
-from .parts import joined, voxelized_parts
-from .runs import (
-    RUN_LENGTH,
-    Run,
-    SketchedRuns,
-    SolvedRun,
-    as_sketched,
-    as_solved,
-    moving_runs_in_threads,
-    runs_elsewhere,
-    runs_in_threads,
-    runs_of,
-    sketched_runs_in_threads,
-)
-from .volumes import Lattice, fitting_workers
-
-VOXEL_SHARE = 0.08
-"""Share of the progress that voxelizing takes."""
-
-# That of previews, where there are any, and of the motion.
-_PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
-
-
-@dataclass(frozen=True)
-class MorphPreview:
-    """What a frame that is not finished yet will look like.
-
-    Attributes
-    ----------
-    frame : MorphFrame
-        Its blend, with a coarse mesh.
-    """
-
-    frame: MorphFrame
+from .part_labels import FaceLabels, matched, unparted
+from .runs import Run, SolvedRun, as_solved, runs_of
 
 
 def morph(
@@ -127,7 +83,7 @@ def morph(
     ------
     Progress
         The payloads are every finished :class:`.morph_problem.MorphFrame`, once and in the order of the blends, and
-        every :class:`MorphPreview`.
+        every :class:`.bake_plan.MorphPreview`.
 
     Raises
     ------
@@ -146,151 +102,28 @@ def morph(
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
-        begun = VOXEL_SHARE
+        fraction = 0.0
         if missing:
-            side_by_side = min(workers or 1, len(missing))
-            threads = workers or os.cpu_count() or 1
-            if previews and executor is None:
-                yield from _glanced(shapes, names, _looked_at(missing, looked_at), settings, matching, control)
-            problem = yield from sketchable_problem(shapes, names, matching, settings, side_by_side, threads, control)
-            outward = [orient_outward(shape) for shape in shapes]
-            pairs = pairs_of(blends)
-            work = chosen_motion(outward, names, pairs, settings.motion, settings.coherence, guides, control)
-            choice = yield from within(work, begun, begun + _MOTION_SHARE)
-            keeps = store is not None and store.keeps_potentials
-            problem = replace(problem, keeps_potentials=keeps, motion=choice.record())
-            most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
-            if choice.motion is not None:
-                begun += _MOTION_SHARE
-                still = _with_connectivity(problem, min(most, len(shapes)))
-                moving = MovingProblem.of(still, choice.motion, blends, names, matching, control)
-                check_memory(moving.lattice.memory(shapes, 1, matching.count), settings.resolution)
-                if previews and executor is None:
-                    yield from _moved_previews(moving, missing, begun, control)
-                    begun += _PREVIEW_SHARE
-                if executor is None:
-                    fitting = workers or fitting_workers(moving.lattice, shapes, matching.count, threads)
-                    pending = stack.enter_context(moving_runs_in_threads(moving, missing, control, fitting))
-                else:
-                    pending = stack.enter_context(runs_elsewhere(moving, missing, executor))
-            elif previews and executor is None and problem.transport.sketch_depth:
-                needed = problem.lattice.memory(shapes, most, matching.count)
-                chosen = _previewed(missing, looked_at, problem.transport.sketch_bytes, needed)
-                sketched = stack.enter_context(sketched_runs_in_threads(problem, missing, chosen, control, most))
-                pending = sketched.frames
-                yield from _previews(sketched, control)
-                begun += _PREVIEW_SHARE
-            else:
-                problem = _with_connectivity(problem, min(most, len(shapes)))
-                if executor is None:
-                    pending = stack.enter_context(runs_in_threads(problem, missing, control, most))
-                else:
-                    pending = stack.enter_context(runs_elsewhere(problem, missing, executor))
-            # Threads keep what they need of it.
-            del problem
-            solved = as_solved(pending, control)
+            plan = BakePlan(
+                shapes=shapes,
+                names=names,
+                blends=blends,
+                settings=settings,
+                matching=matching,
+                guides=guides,
+                runs=missing,
+                keeps_potentials=store is not None and store.keeps_potentials,
+                workers=workers,
+                executor=executor,
+                previews=previews,
+                looked_at=looked_at,
+            )
+            begun = yield from plan.begun(stack, control)
+            solved, fraction = as_solved(begun.pending, control), begun.fraction
         total = sum(map(len, runs))
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
-            fraction = begun + (1.0 - begun) * done / total
-            yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
-
-
-def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
-    """Return which inputs occur together in some blend, the smaller number first."""
-    active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
-    return sorted({pair for together in active for pair in combinations(together, 2)})
-
-
-def _moved_previews(problem: MovingProblem, runs: dict[int, Run], begun: float, control: Control) -> Work[None]:
-    """Show the moved inputs in place of blends that are not finished yet."""
-    blends = [blend for run in runs.values() for blend in run if blend.source is None]
-    for done, blend in enumerate(blends, start=1):
-        control.check()
-        message = Sentence("Preview {done} of {total}", {"done": done, "total": len(blends)})
-        yield Progress(begun + _PREVIEW_SHARE * done / len(blends), message, MorphPreview(problem.preview(blend)))
-
-
-def _looked_at(runs: dict[int, Run], number: int) -> Blend | None:
-    """Return the blend nearest to one of a number that is no shape as it is, if there is any."""
-    blends = {index * RUN_LENGTH + place: blend for index, run in runs.items() for place, blend in enumerate(run)}
-    mixed = [index for index, blend in blends.items() if blend.source is None]
-    return blends[min(mixed, key=lambda index: abs(index - number))] if mixed else None
-
-
-def _glanced(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    blend: Blend | None,
-    settings: MorphSettings,
-    matching: Matching,
-    control: Control,
-) -> Work[None]:
-    """Show one blend at once, more coarsely than the other previews."""
-    seen = None if blend is None else glance(shapes, names, blend, settings, matching, control)
-    if seen is not None:
-        yield Progress(0.0, Sentence("First glance"), MorphPreview(seen))
-
-
-def _previewed(runs: dict[int, Run], looked_at: int, bytes_each: int, needed: int) -> list[int]:
-    """Choose the runs to sketch, as many as there is memory for beside the job, the nearest to a blend first."""
-    nearest = sorted(runs, key=lambda index: abs(index - looked_at // RUN_LENGTH))
-    fitting = fitting_beside(needed, bytes_each, sum(map(len, runs.values())))
-    return nearest[: np.searchsorted(np.cumsum([len(runs[index]) for index in nearest]), fitting, side="right")]
-
-
-def _previews(runs: SketchedRuns, control: Control) -> Work[None]:
-    total = len(runs.sketches)
-    for done, frame in enumerate(as_sketched(runs, control), start=1):
-        message = Sentence("Preview {done} of {total}", {"done": done, "total": total})
-        yield Progress(VOXEL_SHARE + _PREVIEW_SHARE * done / total, message, MorphPreview(frame))
-
-
-def prepared_problem(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    matching: Matching,
-    settings: MorphSettings,
-    workers: int,
-    threads: int = 1,
-    control: Control = UNINTERRUPTED,
-) -> Work[MorphProblem]:
-    """Report the voxelizing of the shapes, and return what all runs have in common.
-
-    Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
-    """
-    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, control)
-    return _with_connectivity(problem, min(threads, len(shapes)))
-
-
-def sketchable_problem(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    matching: Matching,
-    settings: MorphSettings,
-    workers: int,
-    threads: int = 1,
-    control: Control = UNINTERRUPTED,
-) -> Work[MorphProblem]:
-    """Do the same, and leave out what only finished blends need."""
-    yield Progress(0.0, Sentence("Laying out the grid"))
-    lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
-    control.check()
-
-    def volumes_of(index: int) -> list[NDArray[np.float32]]:
-        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching, control)
-
-    volumes = []
-    with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:
-        for index, own in enumerate(executor.map(volumes_of, range(len(shapes)))):
-            volumes.append(own)
-            message = Sentence("Voxelized {name}", {"name": names[index]})
-            yield Progress(VOXEL_SHARE * (index + 1) / len(shapes), message)
-    return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings)
-
-
-def _with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:
-    with frame_workers(threads) as executor:
-        return problem.with_connectivity(executor)
+            share = fraction + (1.0 - fraction) * done / total
+            yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
 
 
 def in_order(

@@ -9,11 +9,12 @@ from concurrent.futures import Executor
 
 import bpy
 
+from ...applications.morphs.bake_plan import MorphPreview
 from ...applications.morphs.between_frames import between_frames
 from ...applications.morphs.computation import Computation
 from ...applications.morphs.frame_cache import FrameCache
 from ...applications.morphs.layouts import Blend
-from ...applications.morphs.morph import MorphPreview, morph
+from ...applications.morphs.morph import morph
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import FaceLabels, matched, part_notices

@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Begin a bake: prepare the shapes, choose a motion, show previews, and hand the runs to whoever computes them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.orientation import orient_outward
+from ...progress import Control, Progress, Work, within
+from ...sentence import Sentence
+from ..memory import check_memory, fitting_beside
+from ..motions.choosing import MotionChoice, chosen_motion
+from ..motions.guides import Guide
+from .glance import glance
+from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
+from .morph_settings import MorphSettings
+from .moving_problem import MovingProblem
+from .part_labels import Matching
+from .preparing import VOXEL_SHARE, sketchable_problem, with_connectivity
+from .runs import (
+    RUN_LENGTH,
+    Pending,
+    Run,
+    SketchedRuns,
+    as_sketched,
+    moving_runs_in_threads,
+    runs_elsewhere,
+    runs_in_threads,
+    sketched_runs_in_threads,
+)
+from .volumes import fitting_workers
+
+# Shares of the progress that previews take, where there are any, and the motion.
+_PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
+
+
+@dataclass(frozen=True)
+class MorphPreview:
+    """What a frame that is not finished yet will look like.
+
+    Attributes
+    ----------
+    frame : MorphFrame
+        Its blend, with a coarse mesh.
+    """
+
+    frame: MorphFrame
+
+
+@dataclass(frozen=True)
+class BegunRuns:
+    """Runs that are being solved.
+
+    Attributes
+    ----------
+    pending : dict
+        The index of the run for each future.
+    fraction : float
+        Share of the work that is done by then.
+    """
+
+    pending: Pending
+    fraction: float
+
+
+@dataclass(frozen=True)
+class BakePlan:
+    """What is to be computed, and by whom; for the attributes that are not told here see :func:`.morph.morph`.
+
+    Attributes
+    ----------
+    matching : Matching
+        The parts of the shapes that travel together.
+    runs : dict
+        Those that have to be computed.
+    keeps_potentials : bool
+        Whether frames bring what blends next to them can be had from.
+    """
+
+    shapes: Sequence[TriangleMesh]
+    names: Sequence[str]
+    blends: Sequence[Blend]
+    settings: MorphSettings
+    matching: Matching
+    guides: Sequence[Guide]
+    runs: dict[int, Run]
+    keeps_potentials: bool
+    workers: int | None
+    executor: Executor | None
+    previews: bool
+    looked_at: int
+
+    def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
+        """Begin all runs; the stack ends what computes them."""
+        if self._shows:
+            yield from self._glanced(control)
+        side_by_side = min(self.workers or 1, len(self.runs))
+        problem = yield from sketchable_problem(
+            self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
+        )
+        choice = yield from self._motion(control)
+        problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
+        if choice.motion is not None:
+            return (yield from self._moving(problem, choice, stack, control))
+        if self._shows and problem.transport.sketch_depth:
+            return (yield from self._sketched(problem, stack, control))
+        most = self._fitting(problem)
+        problem = with_connectivity(problem, min(most, len(self.shapes)))
+        if self.executor is None:
+            pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most))
+        else:
+            pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.executor))
+        return BegunRuns(pending, self._chosen_at)
+
+    @property
+    def _shows(self) -> bool:
+        """Whether there are previews."""
+        return self.previews and self.executor is None
+
+    @property
+    def _threads(self) -> int:
+        return self.workers or os.cpu_count() or 1
+
+    @property
+    def _chosen_at(self) -> float:
+        """Share of the work that is done when the motion is chosen."""
+        return VOXEL_SHARE + (0.0 if self.settings.motion == "transport" else _MOTION_SHARE)
+
+    def _fitting(self, problem: MorphProblem | MovingProblem) -> int:
+        """Return how many threads can solve at once."""
+        return self.workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
+
+    def _motion(self, control: Control) -> Work[MotionChoice]:
+        """Choose how the shapes move."""
+        outward = [orient_outward(shape) for shape in self.shapes]
+        asked, coherence = self.settings.motion, self.settings.coherence
+        work = chosen_motion(outward, self.names, pairs_of(self.blends), asked, coherence, self.guides, control)
+        return (yield from within(work, VOXEL_SHARE, self._chosen_at))
+
+    def _moving(
+        self, problem: MorphProblem, choice: MotionChoice, stack: ExitStack, control: Control
+    ) -> Work[BegunRuns]:
+        """Begin runs of inputs that move."""
+        still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)))
+        moving = MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control)
+        check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
+        fraction = self._chosen_at
+        if self._shows:
+            yield from self._moved_previews(moving, control)
+            fraction += _PREVIEW_SHARE
+        if self.executor is None:
+            runs = moving_runs_in_threads(moving, self.runs, control, self._fitting(moving))
+        else:
+            runs = runs_elsewhere(moving, self.runs, self.executor)
+        return BegunRuns(stack.enter_context(runs), fraction)
+
+    def _sketched(self, problem: MorphProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
+        """Begin runs by their coarse levels, and show these."""
+        most = self._fitting(problem)
+        needed = problem.lattice.memory(self.shapes, most, self.matching.count)
+        chosen = self._previewed(problem.transport.sketch_bytes, needed)
+        sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most))
+        # Threads keep what they need of it.
+        del problem
+        yield from self._previews(sketched, control)
+        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE)
+
+    def _glanced(self, control: Control) -> Work[None]:
+        """Show one blend at once, more coarsely than the other previews."""
+        blend = self._seen_blend()
+        seen = None
+        if blend is not None:
+            seen = glance(self.shapes, self.names, blend, self.settings, self.matching, control)
+        if seen is not None:
+            yield Progress(0.0, Sentence("First glance"), MorphPreview(seen))
+
+    def _seen_blend(self) -> Blend | None:
+        """Return the blend nearest to the one that is looked at which is no shape as it is, if there is any."""
+        blends = {
+            index * RUN_LENGTH + place: blend for index, run in self.runs.items() for place, blend in enumerate(run)
+        }
+        mixed = [index for index, blend in blends.items() if blend.source is None]
+        return blends[min(mixed, key=lambda index: abs(index - self.looked_at))] if mixed else None
+
+    def _previewed(self, bytes_each: int, needed: int) -> list[int]:
+        """Choose the runs to sketch, as many as there is memory for beside the job, the nearest to a blend first."""
+        nearest = sorted(self.runs, key=lambda index: abs(index - self.looked_at // RUN_LENGTH))
+        fitting = fitting_beside(needed, bytes_each, sum(map(len, self.runs.values())))
+        return nearest[
+            : np.searchsorted(np.cumsum([len(self.runs[index]) for index in nearest]), fitting, side="right")
+        ]
+
+    def _previews(self, runs: SketchedRuns, control: Control) -> Work[None]:
+        total = len(runs.sketches)
+        for done, frame in enumerate(as_sketched(runs, control), start=1):
+            yield self._preview(done, total, frame)
+
+    def _moved_previews(self, problem: MovingProblem, control: Control) -> Work[None]:
+        """Show the moved inputs in place of blends that are not finished yet."""
+        blends = [blend for run in self.runs.values() for blend in run if blend.source is None]
+        for done, blend in enumerate(blends, start=1):
+            control.check()
+            yield self._preview(done, len(blends), problem.preview(blend))
+
+    def _preview(self, done: int, total: int, frame: MorphFrame) -> Progress[MorphPreview]:
+        message = Sentence("Preview {done} of {total}", {"done": done, "total": total})
+        return Progress(self._chosen_at + _PREVIEW_SHARE * done / total, message, MorphPreview(frame))
+
+
+def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
+    """Return which inputs occur together in some blend, the smaller number first."""
+    active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
+    return sorted({pair for together in active for pair in combinations(together, 2)})

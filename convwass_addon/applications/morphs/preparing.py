@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From shapes to what all blends of them have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
+from ..workers import frame_workers
+from .morph_problem import MorphProblem
+from .morph_settings import MorphSettings
+from .part_labels import Matching
+from .parts import joined, voxelized_parts
+from .volumes import Lattice, fitting_workers
+
+VOXEL_SHARE = 0.08
+"""Share of the progress that voxelizing takes."""
+
+
+def prepared_problem(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    matching: Matching,
+    settings: MorphSettings,
+    workers: int,
+    threads: int = 1,
+    control: Control = UNINTERRUPTED,
+) -> Work[MorphProblem]:
+    """Report the voxelizing of the shapes, and return what all runs have in common.
+
+    Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
+    """
+    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, control)
+    return with_connectivity(problem, min(threads, len(shapes)))
+
+
+def sketchable_problem(
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    matching: Matching,
+    settings: MorphSettings,
+    workers: int,
+    threads: int = 1,
+    control: Control = UNINTERRUPTED,
+) -> Work[MorphProblem]:
+    """Do the same, and leave out what only finished blends need."""
+    yield Progress(0.0, Sentence("Laying out the grid"))
+    lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
+    control.check()
+
+    def volumes_of(index: int) -> list[NDArray[np.float32]]:
+        return voxelized_parts(shapes[index], names[index], index, lattice, settings.thickness, matching, control)
+
+    volumes = []
+    with frame_workers(fitting_workers(lattice, shapes, matching.count, min(threads, len(shapes)))) as executor:
+        for index, own in enumerate(executor.map(volumes_of, range(len(shapes)))):
+            volumes.append(own)
+            message = Sentence("Voxelized {name}", {"name": names[index]})
+            yield Progress(VOXEL_SHARE * (index + 1) / len(shapes), message)
+    return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings)
+
+
+def with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:
+    """Return a problem with the connectivity of its shapes, which up to so many threads read side by side."""
+    with frame_workers(threads) as executor:
+        return problem.with_connectivity(executor)
