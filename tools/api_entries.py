@@ -6,13 +6,15 @@ from __future__ import annotations
 
 APPLICATIONS = {
     "morphs": {
-        "morph": ("morph", "MorphPreview"),
+        "morph": ("morph",),
+        "bake_plan": ("MorphPreview",),
         "morph_problem": ("MorphFrame",),
         "morph_settings": ("MorphSettings",),
         "layouts": ("Blend", "path_blends", "grid_blends", "triangle_blends", "single_blend"),
         "frame_cache": ("FrameCache",),
     },
     "motions": {
+        "choosing": ("chosen_motion", "MotionChoice"),
         "guided_motion": ("guided_motion", "GuidedMotion", "GuidedPair"),
         "guided_settings": ("GuidedSettings",),
         "map_quality": ("MapQuality",),
