@@ -36,6 +36,7 @@ from .morph_choices import (
     request_of,
     settings_of,
 )
+from .reports import note
 
 
 def run_morph(options: Namespace) -> Answer:
@@ -64,10 +65,15 @@ def run_morph(options: Namespace) -> Answer:
     inputs = []
     for text in options.shapes:
         inputs += imported_shape(text)
-    if asks_for_flat(inputs, bpy.context.evaluated_depsgraph_get(), settings.thickness):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    if not asks_for_flat(inputs, depsgraph, settings.thickness):
+        guides = guides_asked_for(options.guides, inputs, depsgraph)
+        request = replace(request, guides=[guide.as_dict() for guide in guides])
+    else:
         settings = flat_settings_of(options)
-    guides = guides_asked_for(options.guides, inputs, bpy.context.evaluated_depsgraph_get())
-    stored = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
+        if options.guides:
+            note("flat shapes are transported without guides; --guides is left out")
+    stored = request.as_dict()
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
     collection, records = baked(inputs, blends, settings, stored, computing)
@@ -89,13 +95,13 @@ def _cached(
     job = prepared_job(inputs, blends, settings, stored)
     frames, records = [], []
 
-    def note(report: Progress[MorphFrame | MorphPreview]) -> None:
+    def take(report: Progress[MorphFrame | MorphPreview]) -> None:
         if isinstance(report.payload, MorphFrame):
             frames.append(report.payload.blend.frame)
             records.append(report.payload.record)
 
     try:
-        run_job(job, computing, note)
+        run_job(job, computing, take)
     finally:
         job.discard()
     folder = computing.cache.folder

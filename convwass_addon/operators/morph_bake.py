@@ -16,6 +16,7 @@ from bpy.props import StringProperty
 
 from ..bridge.files import absolute_folder
 from ..bridge.morphs.disk_output import packed_bytes
+from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, parsed_guides
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
@@ -100,13 +101,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.flat.flat_job import FlatJob
         from ..bridge.flat.picture_job import PictureJob
         from ..bridge.morphs.job import MorphJob
-        from ..bridge.morphs.morph_guides import parsed_guides
 
         self._computing = self._preferred()
         chosen = chosen_inputs(context, self, self.inputs, self.weights)
         weights = chosen.weights if self.layout == "BLEND" else None
-        guides = parsed_guides(self.guides) if self.guides else context.scene.convwass_guides.named
-        request = self.request(weights, guides)
+        guides = self._guides(context, [obj.name for obj in chosen.objects])
+        request = self.request(weights)
         blends = request.blends(len(chosen.objects))
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
         are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)
@@ -114,6 +114,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if self.output in ("VOLUME", "CACHE"):
             absolute_folder(self.folder)
         if are_flat:
+            if guides:
+                self.report({"INFO"}, rpt_("Flat shapes are transported without guides"))
             # What shows a morph otherwise than by an object per frame takes meshes.
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
             options = replace(request, flat_output=kind).as_dict()
@@ -121,8 +123,16 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             flat_job = partial(PictureJob, replaces=self.replaces) if kind == "PICTURE" else FlatJob
             return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()
-        options = request.as_dict()
+        options = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+
+    def _guides(self, context: bpy.types.Context, names: list[str]) -> list[NamedGuide]:
+        """Return the guides about the shapes; raises InputError where others are named by the argument."""
+        if not self.guides:
+            return guides_among(context.scene.convwass_guides.named, names)
+        guides = parsed_guides(self.guides)
+        check_guide_names(guides, names)
+        return guides
 
     def _preferred(self) -> Computation:
         """Return how the preferences want frames to be computed; raises InputError for a folder that cannot be used."""

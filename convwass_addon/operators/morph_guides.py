@@ -4,21 +4,21 @@
 
 from __future__ import annotations
 
-import json
-
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
+from ..bridge.flat.flat_kinds import looks_flat
 from ..bridge.morphs.morph_guides import (
     NamedGuide,
     guides_from_bones,
     guides_from_empties,
     guides_from_groups,
-    parsed_guides,
+    parsed_guide,
 )
 from ..errors import ConvwassError, InputError
 from ..properties.morph_guides import CONVWASS_PG_guide, CONVWASS_PG_guides
+from ..translations import translated
 from .chosen_inputs import chosen_inputs
 from .lists import ACTIVE, index_property, taken_off
 from .picking import PicksPoints, depth_of, redraw_views, vertex_at
@@ -30,6 +30,8 @@ def guided_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     """Return the shapes to morph that are meshes, which guides can be on; raises InputError for fewer than two."""
     objects = chosen_inputs(context, context.scene.convwass_morph).objects
     meshes = [obj for obj in objects if obj.type == "MESH"]
+    if all(looks_flat(obj) for obj in objects):
+        raise InputError("Flat shapes are transported without guides; choose solid meshes.")
     if len(meshes) < 2:
         raise InputError("Guides are points on meshes; choose at least two meshes to morph.")
     return meshes
@@ -73,8 +75,7 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
         try:
             if not self.points:
                 raise InputError("Name the points of the guide: vertices by the names of their objects.")
-            (guide,) = parsed_guides(f'[{{"name": {json.dumps(self.label)}, "points": {self.points}}}]')
-            _add(context.scene.convwass_guides, guide)
+            _add(context.scene.convwass_guides, parsed_guide(self.label, self.points))
         except ConvwassError as error:
             return refuse(self, error)
         return {"FINISHED"}
@@ -104,33 +105,43 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
             self.report({"INFO"}, rpt_("There is none of the shapes; click on their surfaces"))
         else:
             _, obj, vertex = min(hits, key=lambda hit: hit[0])
-            guide = self._open_guide(context.scene.convwass_guides, obj)
-            guide.place(obj, vertex)
-            if len(guide.points) == len(self._shapes):
-                bpy.ops.ed.undo_push(message=rpt_("Add Guide"))
+            self._place(context.scene.convwass_guides, obj, vertex)
         self._say(context)
         redraw_views(context)
         return {"RUNNING_MODAL"}
 
+    def _place(self, own: CONVWASS_PG_guides, obj: bpy.types.Object, vertex: int) -> None:
+        """Take a vertex that has been clicked on."""
+        try:
+            _require_free(own, obj.name, vertex)
+        except InputError as error:
+            self.report({"INFO"}, translated(error.sentence))
+            return
+        guide = self._open_guide(own, obj)
+        guide.place(obj, vertex)
+        if len(self._marked(guide)) == len(self._shapes):
+            bpy.ops.ed.undo_push(message=rpt_("Add Guide"))
+
+    def _marked(self, guide: CONVWASS_PG_guide) -> list[bpy.types.Object]:
+        """Return the shapes that a guide has a point on."""
+        return [point.object for point in guide.points if point.object in self._shapes]
+
     def _open_guide(self, own: CONVWASS_PG_guides, obj: bpy.types.Object) -> CONVWASS_PG_guide:
         """Return the guide that a click on an object belongs to: the last one, while it lacks that object."""
         if own.items:
-            last = own.items[-1]
-            on = [point.object for point in last.points]
+            on = self._marked(own.items[-1])
             # The last click on the only object so far counts.
-            if len(on) < len(self._shapes) and (obj not in on or len(on) == 1):
-                return last
+            if 0 < len(on) < len(self._shapes) and (obj not in on or len(on) == 1):
+                return own.items[-1]
         own.active = len(own.items)
         return own.items.add()
 
     def _say(self, context: bpy.types.Context) -> None:
         """Write in the status bar what to click on next."""
         own = context.scene.convwass_guides
-        last = own.items[-1] if own.items else None
-        missing = self._shapes
-        number = len(own.items) + 1
-        if last is not None and 0 < len(last.points) < len(self._shapes):
-            on = [point.object for point in last.points]
+        on = self._marked(own.items[-1]) if own.items else []
+        missing, number = self._shapes, len(own.items) + 1
+        if 0 < len(on) < len(self._shapes):
             missing, number = [obj for obj in self._shapes if obj not in on], len(own.items)
         names = ", ".join(obj.name for obj in missing)
         write_status(context, rpt_("Guide {:d}: click on {:s}    Esc: done").format(number, names))
@@ -142,7 +153,7 @@ def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
     Raises
     ------
     InputError
-        Objects or vertices that do not exist, or fewer than two.
+        Objects or vertices that do not exist or are in another guide, or fewer than two.
     """
     if len(guide.points) < 2:
         raise InputError("A guide joins points of at least two shapes; mark the same point on another shape, too.")
@@ -157,11 +168,24 @@ def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
                 name=name,
                 count=len(obj.data.vertices),
             )
-    item = own.items.add()
-    item.label = guide.name
-    for name, vertex in guide.points.items():
-        item.place(bpy.data.objects[name], vertex)
-    own.active = len(own.items) - 1
+        _require_free(own, name, vertex)
+    own.add(guide)
+
+
+def _require_free(own: CONVWASS_PG_guides, name: str, vertex: int) -> None:
+    """Refuse a vertex that is in a guide already; raises InputError."""
+    number = own.holder(name, vertex)
+    if number is not None:
+        raise InputError(
+            "Vertex {vertex} of {name} is in guide {number} already; take another one, or remove that guide.",
+            vertex=vertex,
+            name=name,
+            number=number,
+        )
+
+
+def _is_free(own: CONVWASS_PG_guides, guide: NamedGuide) -> bool:
+    return all(own.holder(name, vertex) is None for name, vertex in guide.points.items())
 
 
 class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
@@ -189,7 +213,7 @@ class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
             else:
                 found = {"GROUPS": guides_from_groups, "BONES": guides_from_bones}[self.kind](objects, depsgraph)
             known = {guide.label for guide in own.items}
-            new = [guide for guide in found if guide.name not in known]
+            new = [guide for guide in found if guide.name not in known and _is_free(own, guide)]
             if not found:
                 raise InputError(
                     "The shapes have no small vertex groups, Empties or bones of the same name; click on points."

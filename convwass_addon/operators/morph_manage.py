@@ -13,6 +13,7 @@ from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.active import active_object, selected_objects
 from ..bridge.morphs.changes import changed_inputs
+from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
@@ -79,6 +80,7 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
                 settings = context.scene.convwass_morph
                 settings.take_stored(stored)
                 settings.take_inputs(inputs, stored.get("weights"))
+                context.scene.convwass_guides.take(guides_of_entries(stored.get("guides", [])))
         except ConvwassError as error:
             return refuse(self, error)
         for obj in inputs:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from ..operators.morph_guides import (
     CONVWASS_OT_add_morph_guide,
@@ -12,7 +13,9 @@ from ..operators.morph_guides import (
     CONVWASS_OT_morph_guides_from_names,
     CONVWASS_OT_remove_morph_guide,
 )
-from .sidebar import Sidebar, draw_numbered
+from ..properties.morph_inputs import CONVWASS_PG_morph
+from ..translations import translated
+from .sidebar import Sidebar, draw_numbered, draw_wrapped
 
 
 class CONVWASS_UL_morph_guides(bpy.types.UIList):
@@ -21,7 +24,10 @@ class CONVWASS_UL_morph_guides(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
         shown = draw_numbered(row, item, index)
-        shown.label(text=", ".join(point.object.name for point in item.points if point.object), translate=False)
+        if problem := item.problem:
+            shown.label(text=translated(problem), icon="ERROR", translate=False)
+        else:
+            shown.label(text=", ".join(item.named.points), translate=False)
         row.operator(CONVWASS_OT_remove_morph_guide.bl_idname, text="", icon="X", emboss=False).index = index
 
 
@@ -49,6 +55,15 @@ class CONVWASS_PT_morph_guides(Sidebar, bpy.types.Panel):
         layout.operator_menu_enum(CONVWASS_OT_morph_guides_from_names.bl_idname, "kind", icon="GROUP_VERTEX")
         if own.items:
             layout.prop(own, "show_labels")
+            if unheeded := _unheeded(context.scene.convwass_morph):
+                draw_wrapped(layout, context, unheeded, "INFO")
+
+
+def _unheeded(settings: CONVWASS_PG_morph) -> str:
+    """Return why guides make no difference, if so."""
+    if settings.motion in ("WARP", "TRANSPORT"):
+        return iface_("Guides take part where Motion is Automatic or Guided")
+    return iface_("At a coherence of 0 guides take no part") if settings.coherence == 0.0 else ""
 
 
 classes = (CONVWASS_UL_morph_guides, CONVWASS_PT_morph_guides)

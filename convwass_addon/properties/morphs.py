@@ -11,7 +11,6 @@ from bpy.props import BoolProperty
 
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
-from ..bridge.morphs.morph_guides import NamedGuide
 from ..bridge.morphs.morph_request import MorphRequest
 from .from_schema import arguments_of, values_of, with_properties
 from .morph_solver import OF_FLAT, SolverProperties
@@ -25,14 +24,9 @@ class MorphProperties(SolverProperties):
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
     )
 
-    def request(self, weights: Sequence[float] | None = None, guides: Sequence[NamedGuide] = ()) -> MorphRequest:
+    def request(self, weights: Sequence[float] | None = None) -> MorphRequest:
         """Return what is stored with a morph besides the settings of its solver; of a single blend its `weights`."""
-        return MorphRequest(
-            **values_of(self, MorphRequest),
-            words=self.words,
-            weights=weights,
-            guides=[guide.as_dict() for guide in guides],
-        )
+        return MorphRequest(**values_of(self, MorphRequest), words=self.words, weights=weights)
 
     def first_frame(self, scene: bpy.types.Scene) -> int:
         """Return the scene frame in which the morph begins."""

@@ -123,7 +123,7 @@ def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, 
 
     two_cubes(None)
     before = inventory()
-    pressed, context = Pressed(Bake, motion="TRANSPORT", **CASES["bake_morph"][1]), window_context()
+    pressed, context = Pressed(Bake, **CASES["bake_morph"][1]), window_context()
     context.selected_objects, context.collection = bpy.context.selected_objects, bpy.context.collection
 
     def fail(*_):
@@ -146,10 +146,7 @@ def test_two_bakes_at_once_do_not_mix():
     two_cubes(None)
     given = CASES["bake_morph"][1]
     contexts = [window_context(), window_context()]
-    jobs = [
-        Pressed(Bake, motion="TRANSPORT", **given, inputs=names, layout="PATH")
-        for names in ("Cube, Cube.001", "Cube.001, Cube")
-    ]
+    jobs = [Pressed(Bake, **given, inputs=names, layout="PATH") for names in ("Cube, Cube.001", "Cube.001, Cube")]
     for pressed, context in zip(jobs, contexts, strict=True):
         context.selected_objects, context.collection = [], bpy.context.collection
         assert pressed._start(context) == {"RUNNING_MODAL"}
@@ -165,7 +162,7 @@ def test_bakes_in_a_row_leave_no_more_than_one():
     given = CASES["bake_morph"][1]
     counts = []
     for _ in range(4):
-        call("bake_morph", motion="TRANSPORT", **given, inputs="Cube, Cube.001")
+        call("bake_morph", **given, inputs="Cube, Cube.001")
         counts.append({(block.id_type, block.name) for block in bpy.data.user_map()})
         call("delete_morph")
         gc.collect()

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.morphs.morph_guides import guides_as_text, guides_of_shapes, parsed_guides
+from convwass_addon.bridge.morphs.stored import stored_morph
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
+from tests.operators.densities import inventory
 
 
 @pytest.fixture
@@ -119,3 +121,76 @@ def test_guides_survive_being_text():
     text = '[{"name": "Nase", "points": {"Mann ä": 1, "B": 2}}]'
     assert parsed_guides(guides_as_text(parsed_guides(text))) == parsed_guides(text)
     assert parsed_guides("") == []
+
+
+def bake(**options):
+    return bpy.ops.convwass.bake_morph(**{"frames": 2, "resolution": 16, **options})
+
+
+def stored_guides():
+    morph = next(own for own in bpy.data.collections if "convwass_morph" in own)
+    return stored_morph(morph).settings["guides"]
+
+
+@pytest.mark.parametrize("points", ['{"One": 1, "Two": 2}}, {"points": {"One": 0, "Two": 0}', "null", "3", '"One"'])
+def test_what_are_no_points_is_refused(cubes, points):
+    with pytest.raises(RuntimeError, match="cannot be read"):
+        bpy.ops.convwass.add_morph_guide(points=points)
+
+
+def test_a_vertex_is_in_one_guide(cubes):
+    bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
+    with pytest.raises(RuntimeError, match="Vertex 5 of Two is in guide 1 already"):
+        bpy.ops.convwass.add_morph_guide(points='{"One": 4, "Two": 5}')
+    assert len(guides().items) == 1
+
+
+def test_guides_about_other_shapes_are_left_out(cubes):
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.name = "Three"
+    for points in ('{"One": 1, "Two": 2, "Three": 3}', '{"Two": 5, "Three": 5}'):
+        bpy.ops.convwass.add_morph_guide(label="g", points=points)
+    assert bake(inputs="One, Two", motion="TRANSPORT") == {"FINISHED"}
+    assert stored_guides() == [{"name": "g", "points": {"One": 1, "Two": 2}}]
+
+
+def test_an_argument_about_other_shapes_is_refused(cubes):
+    with pytest.raises(RuntimeError, match="name Nobody, which is none of the shapes; those are One, Two"):
+        bake(guides='[{"points": {"One": 1, "Nobody": 2}}]')
+
+
+def test_a_shape_that_is_deleted_takes_its_points_along(cubes):
+    """The list still holds it, as Blender keeps what something points at."""
+    bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
+    (item,) = guides().items
+    assert item.problem is None
+    bpy.context.scene.collection.objects.unlink(cubes[1])
+    assert not guides().named
+    assert "another shape" in str(item.problem)
+    assert len(item.points) == 2, "it may come back by undo"
+
+
+def test_a_vertex_that_is_deleted_is_shown_and_refused_before_the_bake(cubes):
+    bpy.ops.convwass.add_morph_guide(points='{"One": 1, "Two": 5}')
+    bpy.ops.convwass.add_morph_guide(points='{"One": 7, "Two": 7}')
+    small = bpy.data.meshes.new("Tetrahedron")
+    small.from_pydata([(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)], [], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
+    cubes[0].data = small
+    assert [item.problem is None for item in guides().items] == [True, False]
+    before = inventory()
+    with pytest.raises(RuntimeError, match="Guide 2 is at vertex 7 of One, which has 4 vertices"):
+        bake(motion="GUIDED")
+    assert inventory() == before
+    # What takes no guides does not mind.
+    assert bake(motion="TRANSPORT") == {"FINISHED"}
+
+
+def test_flat_shapes_take_no_guides(cubes):
+    for obj in cubes:
+        obj.scale.z = 0.0
+    bpy.context.view_layer.update()
+    bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
+    with pytest.raises(RuntimeError, match="Flat shapes are transported without guides"):
+        bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
+    assert bake(motion="GUIDED", flat_resolution=64) == {"FINISHED"}
+    assert stored_guides() == []

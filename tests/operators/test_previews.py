@@ -30,7 +30,7 @@ ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
 class Pressed:
     """The operator between two events: its own methods, and the scene's settings as its properties."""
 
-    inputs = weights = ""
+    inputs = weights = guides = ""
 
     def __init__(self):
         self.reports = []
@@ -70,7 +70,7 @@ def press(context, monkeypatch):
 
     def start(frames, resolution=32):
         settings = bpy.context.scene.convwass_morph
-        settings.frames, settings.resolution = frames, resolution
+        settings.frames, settings.resolution, settings.motion = frames, resolution, "TRANSPORT"
         context.selected_objects = bpy.context.selected_objects
         pressed = Pressed()
         with monkeypatch.context() as patch:

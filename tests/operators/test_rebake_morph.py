@@ -5,10 +5,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import bpy
 import pytest
 
+from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
+from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.objects import triangle_mesh
@@ -25,7 +28,7 @@ def bake(**options):
     for obj in made:
         obj.select_set(True)
     before = set(bpy.data.collections)
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{"frames": 3, "resolution": 24, **options})
+    bpy.ops.convwass.bake_morph(**{"motion": "TRANSPORT", "frames": 3, "resolution": 24, **options})
     return next(collection for collection in bpy.data.collections if collection not in before)
 
 
@@ -204,3 +207,85 @@ def test_damaged_weights_are_refused_in_words(empty_scene):
     for operator in (bpy.ops.convwass.rebake_morph, bpy.ops.convwass.select_morph_inputs):
         with pytest.raises(RuntimeError, match=r"Error: The settings stored on .* are damaged"):
             operator()
+
+
+TOP = [{"name": "top", "points": {"Icosphere": 3, "Icosphere.001": 5}}]
+
+
+def heard_guides(monkeypatch):
+    """Return a list that gets the guides of every bake as the solver is given them; the solver transports."""
+    heard = []
+
+    def transporting(*arguments, guides, **options):
+        heard.append(list(guides))
+        *before, settings, control = arguments
+        return morph_of_meshes(*before, replace(settings, motion="transport"), control, guides=guides, **options)
+
+    monkeypatch.setattr(job, "morph", transporting)
+    return heard
+
+
+def stored_guides(morph):
+    return stored_morph(morph).settings["guides"]
+
+
+def test_guides_of_the_argument_are_stored_and_used_again(empty_scene, monkeypatch):
+    heard = heard_guides(monkeypatch)
+    morph = bake(guides=json.dumps(TOP), motion="GUIDED")
+    name = morph.name
+    assert stored_guides(morph) == TOP
+    # Those of the scene are for new morphs.
+    bpy.ops.convwass.add_morph_guide(points='{"Icosphere": 0, "Icosphere.001": 0}')
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert stored_guides(bpy.data.collections[name]) == TOP
+    assert heard == [[{0: 3, 1: 5}]] * 2
+
+
+def test_guides_of_the_list_are_stored_and_used_again(empty_scene, monkeypatch):
+    heard = heard_guides(monkeypatch)
+    morph = bake()
+    assert stored_guides(morph) == []
+    for label, vertices in (("top", (3, 5)), ("", (7, 8))):
+        points = dict(zip(stored_morph(morph).inputs, vertices, strict=True))
+        bpy.ops.convwass.add_morph_guide(label=label, points=json.dumps(points))
+    bpy.ops.convwass.select_morph_inputs()
+    bpy.ops.convwass.bake_morph(motion="GUIDED", frames=2, resolution=16)
+    guided = next(c for c in bpy.data.collections if "convwass_morph" in c and c != morph)
+    name = guided.name
+    assert stored_guides(guided) == [*TOP, {"name": "2", "points": {"Icosphere": 7, "Icosphere.001": 8}}]
+    bpy.ops.convwass.clear_morph_guides()
+    assert bpy.ops.convwass.rebake_morph(morphs=name) == {"FINISHED"}
+    assert heard == [[], *[[{0: 3, 1: 5}, {0: 7, 1: 8}]] * 2]
+    # Without them nobody could take away one that is wrong.
+    for _ in range(2):
+        bpy.context.view_layer.objects.active = frame_objects(bpy.data.collections[name])[0]
+        bpy.ops.convwass.select_morph_inputs()
+    found = [dict(guide.points) for guide in bpy.context.scene.convwass_guides.named]
+    assert found == [guide["points"] for guide in stored_guides(bpy.data.collections[name])]
+
+
+def test_what_was_baked_before_there_were_motions_stays_transported(morph, monkeypatch):
+    data = json.loads(morph["convwass_morph"])
+    for name in ("motion", "coherence", "guides"):
+        del data["settings"][name]
+    morph["convwass_morph"] = json.dumps(data)
+    bpy.context.scene.convwass_morph.motion = "WARP"
+    name = morph.name
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    again = stored_morph(bpy.data.collections[name]).settings
+    assert (again["motion"], again["guides"]) == ("transport", [])
+
+
+def test_a_guide_whose_vertex_has_gone_refuses_and_keeps_the_morph(empty_scene, monkeypatch):
+    heard_guides(monkeypatch)
+    guides = [{"name": "top", "points": {"Icosphere": 40, "Icosphere.001": 5}}]
+    morph = bake(guides=json.dumps(guides), motion="GUIDED")
+    before = morph["convwass_morph"], [obj.name for obj in frame_objects(morph)]
+    name, (first, _) = morph.name, shapes(morph)
+    bpy.ops.mesh.primitive_cube_add()
+    first.data = bpy.context.object.data
+    bpy.context.view_layer.objects.active = frame_objects(morph)[0]
+    with pytest.raises(RuntimeError, match="Guide top is at vertex 40 of Icosphere, which has 8 vertices"):
+        bpy.ops.convwass.rebake_morph()
+    morph = bpy.data.collections[name]
+    assert (morph["convwass_morph"], [obj.name for obj in frame_objects(morph)]) == before

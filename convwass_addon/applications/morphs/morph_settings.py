@@ -215,6 +215,11 @@ class MorphSettings(Settings):
             raise InputError("An entropy limit needs all mass to travel; set the locality to 0.")
 
     @property
+    def heeds_guides(self) -> bool:
+        """Whether guides make a difference."""
+        return self.motion in ("automatic", "guided") and self.coherence > 0.0
+
+    @property
     def sigma(self) -> float:
         """Blur in cells, with the automatic choice made."""
         return max(1.0, self.resolution / _CELLS_PER_BLUR) if self.blur is None else self.blur

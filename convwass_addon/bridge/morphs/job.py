@@ -77,7 +77,7 @@ class MorphJob:
             self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
             # Refuse before anything is made.
             matched(self._labels, self._names)
-        guides = guides_of_entries(options.get("guides", ()))
+        guides = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
         self._guides = guides_of_shapes(guides, inputs, self._shapes, depsgraph)
         alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
         moves = None

@@ -51,6 +51,15 @@ def guides_as_text(guides: Sequence[NamedGuide]) -> str:
     return json.dumps([guide.as_dict() for guide in guides], ensure_ascii=False)
 
 
+def parsed_guide(name: str, points: str) -> NamedGuide:
+    """Read one guide, of which the points are JSON; raises InputError where they are not."""
+    try:
+        entry = {"name": name, "points": json.loads(points)}
+    except ValueError as error:
+        raise _unreadable(error) from error
+    return guides_of_entries([entry])[0]
+
+
 def parsed_guides(text: str) -> list[NamedGuide]:
     """Read guides from JSON.
 
@@ -85,6 +94,27 @@ def guides_of_entries(entries: object) -> list[NamedGuide]:
         return [NamedGuide(str(entry.get("name", "")), _points(entry["points"])) for entry in entries]
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise _unreadable(error) from error
+
+
+def guides_among(guides: Sequence[NamedGuide], names: Sequence[str]) -> list[NamedGuide]:
+    """Return what guides say about some objects; those that join fewer than two of them are left out."""
+    kept = (
+        NamedGuide(guide.name, {name: vertex for name, vertex in guide.points.items() if name in names})
+        for guide in guides
+    )
+    return [guide for guide in kept if len(guide.points) > 1]
+
+
+def check_guide_names(guides: Sequence[NamedGuide], names: Sequence[str]) -> None:
+    """Refuse guides that somebody wrote about objects that take no part; raises InputError."""
+    for guide in guides:
+        for name in guide.points:
+            if name not in names:
+                raise InputError(
+                    "The guides name {name}, which is none of the shapes; those are {names}.",
+                    name=name,
+                    names=", ".join(names),
+                )
 
 
 def _unreadable(error: Exception) -> InputError:
@@ -140,7 +170,7 @@ def guides_asked_for(
     Raises
     ------
     InputError
-        A file that cannot be read, or nothing of the same name.
+        A file that cannot be read or is about other objects, or nothing of the same name.
     """
     if word is None:
         return []
@@ -154,6 +184,9 @@ def guides_asked_for(
             found = parsed_guides(Path(word).read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError) as error:
             raise InputError("The guides in {path} cannot be read ({reason}).", path=word, reason=str(error)) from error
+        check_guide_names(found, [obj.name for obj in objects])
+        if not found:
+            raise InputError("There are no guides in {path}.", path=word)
     if not found:
         raise InputError("There are no {word} of the same name on several shapes; --guides finds nothing.", word=word)
     return found

@@ -46,7 +46,8 @@ class StoredMorph:
     inputs : list of str
         Names of the objects that were morphed.
     settings : dict
-        What the bake was asked for; numbers, texts, booleans, None and lists of these.
+        What the bake was asked for; numbers, texts, booleans, None and lists of these, and the guides as a list of
+        tables.
     first_frame : int
         Scene frame at which the morph starts.
     records : list of dict
@@ -211,7 +212,9 @@ def _checked(data: object) -> StoredMorph:
     if not isinstance(settings, dict):
         raise TypeError("settings are not a table")
     for name, value in settings.items():
-        if not all(isinstance(item, (str, bool, int, float, None.__class__)) for item in _items(value)):
+        # Guides are tables; whoever uses them checks them.
+        kinds = dict if name == "guides" else (str, bool, int, float, None.__class__)
+        if not all(isinstance(item, kinds) for item in _items(value)):
             raise TypeError(f"setting {name} is neither a number, a text nor a list of these")
     if isinstance(first_frame, bool) or not isinstance(first_frame, int):
         raise TypeError("first_frame is not a whole number")
