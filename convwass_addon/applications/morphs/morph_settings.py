@@ -43,7 +43,11 @@ class MorphSettings(Settings):
         "Motion",
         "How shapes move before the rest is transported",
         choices=(
-            Choice("automatic", "Automatic", "Guided where the shapes map onto each other well enough, else Warp"),
+            Choice(
+                "automatic",
+                "Automatic",
+                "Guided where the shapes map onto each other, completed or replaced by Warp where they do not",
+            ),
             Choice("guided", "Guided", "Limbs swing: for poses, people, animals and other shapes of one build"),
             Choice("warp", "Warp", "Shapes are drawn towards each other smoothly: for shapes of different build"),
             Choice("transport", "Transport", "Mass takes the nearest free place, as in the paper"),

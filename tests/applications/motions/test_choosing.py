@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The choice of a motion by what is known of the map; the motions themselves have tests of their own."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from convwass_addon.applications.motions import choosing
+from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.errors import InputError, ResourceError
+from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.shapes import ball
+
+SHAPES = (ball(points=40), ball(2.0, points=40))
+
+
+def guided_with(score):
+    return SimpleNamespace(pairs={(0, 1): SimpleNamespace(score=score)})
+
+
+def work_of(outcome):
+    """Return what makes a motion: work that yields nothing and returns, or raises."""
+
+    def work(*_arguments):
+        if isinstance(outcome, Exception):
+            raise outcome
+        return outcome
+        yield
+
+    return work
+
+
+@pytest.fixture
+def motions(monkeypatch):
+    def given(guided, warp="the warp", combined="the combined motion"):
+        for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
+            monkeypatch.setattr(choosing, name, work_of(outcome))
+
+    return given
+
+
+def choice(asked="automatic", coherence=0.5, guides=()):
+    return drained(chosen_motion(SHAPES, ("A", "B"), [(0, 1)], asked, coherence, guides, UNINTERRUPTED))
+
+
+@pytest.mark.parametrize(("score", "kind"), [(0.95, "guided"), (0.6, "combined"), (0.2, "warp")])
+def test_automatic_follows_the_score_of_the_map(motions, score, kind):
+    motions(guided_with(score))
+    found = choice()
+    assert (found.kind, found.score) == (kind, score)
+    assert found.reason == ("FITS" if kind == "guided" else "UNLIKE")
+
+
+def test_automatic_warps_where_there_is_no_map(motions):
+    motions(InputError("no map"))
+    assert choice().record() == {"kind": "warp", "reason": "FAILED", "failure": "no map"}
+
+
+def test_automatic_goes_on_without_a_motion_where_none_can_be_made(motions):
+    motions(guided_with(0.2), warp=ResourceError("no memory"))
+    found = choice()
+    assert found.motion is None
+    assert found.record() == {"kind": "transport", "reason": "FAILED", "score": 0.2, "failure": "no memory"}
+
+
+def test_what_is_asked_for_is_made_or_refused(motions):
+    motions(guided_with(0.2))
+    assert [choice(asked).kind for asked in ("guided", "warp", "transport")] == ["guided", "warp", "transport"]
+    motions(InputError("no map"))
+    with pytest.raises(InputError, match="no map"):
+        choice("guided")
+
+
+def test_guides_are_never_dropped_in_silence(motions):
+    motions(InputError("no vertex 7"))
+    with pytest.raises(InputError, match="no vertex 7"):
+        choice(guides=[{0: 7, 1: 7}])
+
+
+def test_without_coherence_nothing_is_moved(motions):
+    motions(AssertionError("must not be asked for"))
+    assert choice(coherence=0.0).kind == "transport"
