@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -14,6 +15,8 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications import memory
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.job import MorphJob
 from tests.clusters import local_cluster
 
@@ -425,3 +428,75 @@ def test_as_a_module(shapes, tmp_path, project):
     )
     assert json.loads(done.stdout)["written"] == [str(out)]
     assert out.stat().st_size > 0
+
+
+def stored_settings(path):
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    collection = next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+    return json.loads(collection["convwass_morph"])["settings"]
+
+
+def cube_and_ball(shapes):
+    return [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball")]
+
+
+def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
+    heard = []
+
+    def transporting(meshes, names, blends, settings, control, *, guides, **options):
+        heard.append((settings.motion, list(guides)))
+        return morph(meshes, names, blends, replace(settings, motion="transport"), control, guides=guides, **options)
+
+    monkeypatch.setattr(job, "morph", transporting)
+    out, file = tmp_path / "morph.blend", tmp_path / "guides.json"
+    guides = [{"name": "corner", "points": {"Cube": 0, "Ball": 3}}]
+    file.write_text(json.dumps(guides))
+    words = [*cube_and_ball(shapes), *QUICK, "--out", str(out), "--motion", "guided", "--guides", str(file)]
+    assert cli.main(["morph", *words]) == 0
+    assert heard == [("guided", [{0: 0, 1: 3}])]
+    stored = stored_settings(out)
+    assert (stored["motion"], stored["guides"]) == ("guided", guides)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[{"points": {"Cube": 0, "Nobody": 3}}]', "name Nobody, which is none of the shapes; those are Cube, Ball"),
+        ('[{"points": {"Cube": 0, "Ball": 900}}]', "Guide 1 is at vertex 900 of Ball, which has 42 vertices"),
+        ("[]", "There are no guides in"),
+        ("{", "cannot be read"),
+        (None, "No such file"),
+    ],
+)
+def test_guides_that_cannot_be_used_are_refused(shapes, tmp_path, capfd, text, message):
+    out, file = tmp_path / "morph.blend", tmp_path / "guides.json"
+    if text is not None:
+        file.write_text(text)
+    words = [
+        *cube_and_ball(shapes),
+        *QUICK,
+        "--out",
+        str(out),
+        "--motion",
+        "guided",
+    ]
+    assert cli.main(["morph", *words, "--guides", str(file)]) == 3
+    assert message in capfd.readouterr().err
+    assert not out.exists()
+
+
+def test_flat_shapes_are_transported_whatever_the_motion(tmp_path, capfd):
+    for name in ("One", "Two"):
+        bpy.ops.mesh.primitive_circle_add(vertices=12, fill_type="NGON")
+        bpy.context.object.name = name
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "flat.blend"))
+    words = [*(f"{tmp_path / 'flat.blend'}:{name}" for name in ("One", "Two")), "--resolution", "64", "--frames", "2"]
+    words += ["--out", str(tmp_path / "morph.blend"), "--json"]
+    capfd.readouterr()
+    assert cli.main(["morph", *words]) == 0
+    wanted = json.loads(capfd.readouterr().out)
+    assert cli.main(["morph", *words, "--motion", "guided", "--guides", "groups"]) == 0
+    printed, said = capfd.readouterr()
+    assert json.loads(printed)["frames"] == wanted["frames"]
+    assert "without guides" in said
+    assert stored_settings(tmp_path / "morph.blend")["guides"] == []

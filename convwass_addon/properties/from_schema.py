@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping
+from inspect import get_annotations
 from math import degrees, radians
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -31,7 +32,8 @@ def with_properties(
         made |= _properties(one)
 
     def annotated(cls: type) -> type:
-        cls.__annotations__ = made | vars(cls).get("__annotations__", {})
+        # From Python 3.14 on, the namespace of a class does not hold them.
+        cls.__annotations__ = made | get_annotations(cls)
         return cls
 
     return annotated
