@@ -68,13 +68,16 @@ def test_drawing(monkeypatch):
     context = SimpleNamespace(
         space_data=SimpleNamespace(overlay=overlay), region=None, region_data=None, preferences=bpy.context.preferences
     )
-    monkeypatch.setattr(viewport_overlay, "bpy", SimpleNamespace(context=context))
-    wanted = [obj]
-    dots = JointDots(lambda _context: wanted[0])
-    dots._draw_if_shown()
+    handlers, wanted = [], [obj]
+    space = SimpleNamespace(draw_handler_add=lambda draw, *_: handlers.append(draw))
+    types = SimpleNamespace(SpaceView3D=space)
+    monkeypatch.setattr(viewport_overlay, "bpy", SimpleNamespace(context=context, types=types))
+    JointDots(lambda _context: wanted[0]).register()
+    (draw,) = handlers
+    draw()
     assert drawn == [(3, joint_dots._INK), (3, joint_dots._BLUE), (1, joint_dots._INK), (1, joint_dots._GREEN)]
     overlay.show_overlays = False
-    dots._draw_if_shown()
+    draw()
     overlay.show_overlays, wanted[0] = True, None
-    dots._draw_if_shown()
+    draw()
     assert len(drawn) == 4

@@ -36,12 +36,18 @@ def test_discs_are_filled_in_one_go(monkeypatch):
 
 
 @pytest.mark.parametrize("kind", [JointDots, PairLabels])
-def test_the_handler_comes_and_goes(kind):
+def test_the_handler_comes_and_goes(kind, monkeypatch):
+    handlers = []
+    space = SimpleNamespace(
+        draw_handler_add=lambda draw, *_: handlers.append(draw) or draw,
+        draw_handler_remove=lambda draw, _: handlers.remove(draw),
+    )
+    monkeypatch.setattr(viewport_overlay, "bpy", SimpleNamespace(types=SimpleNamespace(SpaceView3D=space)))
     overlay = kind(lambda context: None)
     for _ in range(2):
         overlay.register()
         overlay.register()
-        assert overlay._handle is not None
+        assert len(handlers) == 1
         overlay.unregister()
         overlay.unregister()
-        assert overlay._handle is None
+        assert handlers == []

@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import inspect
+import itertools
+import threading
 import time
 from types import MethodType, SimpleNamespace
 
@@ -13,6 +15,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.vertex_groups import read_group, write_group
+from convwass_addon.operators import background
 
 TIMER = SimpleNamespace(type="TIMER", value="NOTHING")
 ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
@@ -71,15 +74,15 @@ class Pressed:
     def __init__(self, kind, **arguments):
         self.reports = []
         self._kind = kind
-        self._arguments = arguments
+        self.arguments = arguments
         self._defaults = getattr(bpy.ops.convwass, kind.bl_idname.split(".")[1]).get_rna_type().properties
 
     def report(self, kind, message):
         self.reports.append((next(iter(kind)), message))
 
     def __getattr__(self, name):
-        if name in self._arguments:
-            return self._arguments[name]
+        if name in self.arguments:
+            return self.arguments[name]
         found = inspect.getattr_static(self._kind, name, None)
         if inspect.isfunction(found):
             return MethodType(found, self)
@@ -113,6 +116,24 @@ def window_context():
         view_layer=bpy.context.view_layer,
         evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
     )
+
+
+def started(pressed, context):
+    """Press an operator as in a Blender with a window; return whether it goes on beside the user's work."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+        return pressed.invoke(context, None) == {"RUNNING_MODAL"}
+
+
+def is_computing():
+    """Tell whether the thread of a job is still at work."""
+    return any(thread.name == "convwass" for thread in threading.enumerate())
+
+
+def write_one_at_a_time(monkeypatch):
+    """Let a second pass whenever an operator looks at the clock, so that it writes one report per timer event."""
+    clock = itertools.count(0.0, 1.0)
+    monkeypatch.setattr(background, "time", SimpleNamespace(monotonic=lambda: next(clock)))
 
 
 def show_other_scene(context):

@@ -385,7 +385,7 @@ def window(rig, monkeypatch):
 def pressed_fit(**settings):
     pressed = Pressed(CONVWASS_OT_fit_armature, **settings)
     defaults = {name: getattr(pressed, name) for name in vars(FitProperties)["__annotations__"]}
-    pressed._arguments = {**defaults, **settings}
+    pressed.arguments = {**defaults, **settings}
     return pressed
 
 

@@ -261,7 +261,7 @@ def test_a_body_that_cannot_be_used_ends_it(rig, clicking, monkeypatch):
     in_edit_mode(rig, "A.head")
     pressed = place_operator()
     pressed.invoke(clicking, None)
-    pressed._finder.find = refuse
+    monkeypatch.setattr(inner_points.InnerPointFinder, "find", refuse)
     assert click(clicking, pressed, 50, 200) == {"CANCELLED"}
     assert pressed.reports[-1] == ("ERROR", "The body encloses nothing.")
     monkeypatch.setattr(inner_points, "InnerPointFinder", refuse)

@@ -294,7 +294,7 @@ def test_a_click_drops_mass_where_the_surface_is(view, monkeypatch):
     assert pressed.modal(context, SimpleNamespace(type="MIDDLEMOUSE", value="PRESS")) == {"PASS_THROUGH"}
     assert pressed.modal(context, click(102, 52)) == {"RUNNING_MODAL"}
     assert "click on its surface" in pressed.reports[-1][1]
-    del pressed._arguments["vertices"]
+    del pressed.arguments["vertices"]
     # Half a meter to the right of the middle of the view, on the upper half of the ball.
     assert pressed.modal(context, click(250, 150)) == {"RUNNING_MODAL"}
     assert until(pressed, context) == {"FINISHED"}

@@ -15,7 +15,6 @@ from convwass_addon.bridge.densities.density_attributes import stored_frames
 from convwass_addon.bridge.densities.density_player import density_value, played_densities
 from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities
 from tests.operators.densities import (
     ESCAPE,
@@ -24,8 +23,10 @@ from tests.operators.densities import (
     ball,
     center,
     inventory,
+    is_computing,
     positions,
     show_other_scene,
+    started,
     two_balls,
     until,
     window_context,
@@ -294,12 +295,10 @@ def test_graphs_that_cannot_be(obj, arguments, message):
 
 
 @pytest.fixture
-def press(monkeypatch):
+def press():
     def start(context, kind=CONVWASS_OT_interpolate_density, **arguments):
         pressed = Pressed(kind, **arguments)
-        with monkeypatch.context() as patch:
-            patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
-            assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+        assert started(pressed, context)
         return pressed
 
     return start
@@ -320,9 +319,7 @@ def test_stopping_in_the_middle_leaves_nothing(obj, press, kind, way):
     before = inventory()
     context = window_context()
     pressed = press(context, kind, groups="A, X, C" if kind is CONVWASS_OT_propagate_densities else "A, B, C, A")
-    seen, write = [], pressed._job.write
-    pressed._job.write = lambda report: (seen.append(report), write(report))
-    until(pressed, context, lambda: len(seen) > 1)
+    until(pressed, context, lambda: context.window_manager.convwass_progress.fraction > 0.0)
     if way == "file":
         pressed.cancel(context)
     else:
@@ -337,7 +334,7 @@ def test_the_result_waits_until_edit_mode_is_left(obj, press):
     context = window_context()
     pressed = press(context, **QUICK)
     bpy.ops.object.mode_set(mode="EDIT")
-    while not pressed._background.done:
+    while is_computing():
         time.sleep(0.01)
     assert [pressed.modal(context, TIMER) for _ in range(3)] == [{"PASS_THROUGH"}] * 3
     assert "leave Edit Mode" in context.window_manager.convwass_progress.message
@@ -354,7 +351,7 @@ def test_giving_up_in_edit_mode_leaves_nothing(obj, press):
     context = window_context()
     pressed = press(context, **QUICK)
     bpy.ops.object.mode_set(mode="EDIT")
-    while not pressed._background.done:
+    while is_computing():
         time.sleep(0.01)
     pressed.modal(context, TIMER)
     assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
@@ -391,7 +388,7 @@ def test_the_scene_that_it_began_in_is_made_longer(obj):
     own.frame_end = 10
     pressed = Pressed(CONVWASS_OT_interpolate_density, groups="A, B", frames="1, 30", steps=2)
     context = window_context()
-    assert pressed._start(context) == {"RUNNING_MODAL"}
+    assert started(pressed, context)
     other = show_other_scene(context)
     assert until(pressed, context) == {"FINISHED"}
     assert (own.frame_end, other.frame_end) == (30, 250)

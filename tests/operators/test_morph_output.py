@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
-from tests.operators.densities import Pressed, show_other_scene, until, window_context
+from tests.operators.densities import Pressed, show_other_scene, started, until, window_context
 
 
 @pytest.fixture
@@ -84,12 +84,12 @@ def test_a_bake_puts_its_files_where_it_is_told(empty_scene, tmp_path, output, k
 def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
     from convwass_addon.operators import morph_bake
 
-    monkeypatch.setattr(morph_bake, "_LARGE_MEGABYTES", 0.0)
+    monkeypatch.setattr(morph_bake, "packed_bytes", lambda objects: 300e6)
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
-    assert "MB to the file" in capfd.readouterr().out
+    assert "300 MB to the file" in capfd.readouterr().out
 
 
 def two_bakes():
@@ -147,12 +147,8 @@ def test_what_stands_still_has_no_cache_and_leaves_nothing_behind(empty_scene, t
 def test_a_cache_that_cannot_be_read_back_is_removed(morph, tmp_path, monkeypatch):
     from convwass_addon.bridge.morphs import cache_output
 
-    def fail(file, kind):
-        assert file.is_file()
-        raise cache_output.ConvwassError("{file} is broken", file=str(file))
-
-    monkeypatch.setattr(cache_output, "_read_back", fail)
-    with pytest.raises(RuntimeError, match="is broken"):
+    monkeypatch.setattr(cache_output, "export_frames", lambda _, file, kind: file.write_bytes(b"no archive"))
+    with pytest.raises(RuntimeError, match="would hold no mesh"):
         bpy.ops.convwass.make_cache(folder=str(tmp_path))
     assert list(tmp_path.iterdir()) == []
     assert sum("convwass_weights" in obj for obj in morph.objects) == 4
@@ -178,7 +174,7 @@ def test_the_morph_of_the_scene_that_it_began_in_is_handed_over(morph, tmp_path,
     settings = {"frames": 2, "resolution": 24, "folder": str(tmp_path)}
     pressed = Pressed(CONVWASS_OT_bake_morph, motion="TRANSPORT", inputs=names, output=output, **settings)
     window = window_context()
-    assert pressed._start(window) == {"RUNNING_MODAL"}
+    assert started(pressed, window)
     other = show_other_scene(window)
     other.collection.children.link(morph)
     other.view_layers[0].objects.active = frames[0]

@@ -17,14 +17,13 @@ from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
+from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph
 from convwass_addon.operators import background, morph_bake
+from tests.operators.densities import ESCAPE, TIMER, is_computing, started, until, write_one_at_a_time
 from tests.operators.test_morph_bake import census, morph_collection, two_shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
-
-TIMER = SimpleNamespace(type="TIMER", value="NOTHING")
-ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
 
 
 class Pressed:
@@ -65,7 +64,7 @@ def context():
 
 
 @pytest.fixture
-def press(context, monkeypatch):
+def press(context):
     """Give a function that starts a bake of the selected shapes and returns the running operator."""
 
     def start(frames, resolution=32):
@@ -73,43 +72,31 @@ def press(context, monkeypatch):
         settings.frames, settings.resolution, settings.motion = frames, resolution, "TRANSPORT"
         context.selected_objects = bpy.context.selected_objects
         pressed = Pressed()
-        with monkeypatch.context() as patch:
-            patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
-            assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+        assert started(pressed, context)
         return pressed
 
     return start
 
 
-def until(pressed, context, wanted):
-    """Send timer events until something holds; return what the last one returned."""
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
-        result = pressed.modal(context, TIMER)
-        if wanted() or result != {"PASS_THROUGH"}:
-            return result
-        time.sleep(0.005)
-    pytest.fail("it takes too long")
-
-
-def test_every_frame_is_there_coarsely_and_then_finished(press, context):
+def test_every_frame_is_there_coarsely_and_then_finished(press, context, monkeypatch):
     two_shapes()
-    pressed = press(6)
-    running, previews, seen = pressed._job, {}, {}
-    add, preview = running._bake.add, running._bake.preview
+    blends, previews, seen = path_blends(2, 6), {}, {}
+    add, preview = MorphBake.add, MorphBake.preview
 
-    def previewing(frame):
-        preview(frame)
-        obj = running._bake._previews[running._blends.index(frame.blend)].find()
+    def previewing(bake, frame):
+        preview(bake, frame)
+        obj = bpy.data.objects[f"Morph {blends.index(frame.blend) + 1:04d}"]
         previews[frame.blend] = obj.session_uid, len(obj.data.vertices), obj.name, obj.animation_data.action_slot.handle
 
-    def adding(frame):
-        obj = add(frame)
+    def adding(bake, frame):
+        obj = add(bake, frame)
         seen[frame.blend] = obj.session_uid, len(obj.data.vertices), obj.name, obj.animation_data.action_slot.handle
         return obj
 
-    running._bake.preview, running._bake.add = previewing, adding
-    assert until(pressed, context, lambda: False) == {"FINISHED"}
+    monkeypatch.setattr(MorphBake, "preview", previewing)
+    monkeypatch.setattr(MorphBake, "add", adding)
+    pressed = press(6)
+    assert until(pressed, context) == {"FINISHED"}
     assert len(previews) == len(seen) == 7
     for blend, (uid, vertices, name, slot) in seen.items():
         before = previews[blend]
@@ -119,22 +106,25 @@ def test_every_frame_is_there_coarsely_and_then_finished(press, context):
     assert len(stored_morph(morph_collection()).records) == 7
 
 
-def held_back(pressed, frames):
-    """Let the bake write only so many finished frames, as if the others took long."""
-    write = pressed._job.write
+def held_back(monkeypatch, frames):
+    """Let bakes write only so many finished frames, as if the others took long; return those that are written."""
+    write, finished = job.MorphJob.write, []
 
-    def writing(step):
-        if not isinstance(step.payload, MorphFrame) or len(pressed._job.records) < frames:
-            write(step)
+    def writing(own, report):
+        if isinstance(report.payload, MorphFrame):
+            if len(finished) == frames:
+                return
+            finished.append(report)
+        write(own, report)
 
-    pressed._job.write = writing
+    monkeypatch.setattr(job.MorphJob, "write", writing)
+    return finished
 
 
-def test_stopping_keeps_finished_frames_and_no_previews(press, context):
+def test_stopping_keeps_finished_frames_and_no_previews(press, context, monkeypatch):
     two_shapes()
-    pressed = press(40)
-    held_back(pressed, 3)
-    until(pressed, context, lambda: len(pressed._job.records) == 3)
+    finished, pressed = held_back(monkeypatch, 3), press(40)
+    until(pressed, context, lambda: len(finished) == 3)
     assert len(frame_objects(morph_collection())) == 41
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
     collection = morph_collection()
@@ -145,11 +135,11 @@ def test_stopping_keeps_finished_frames_and_no_previews(press, context):
     assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith("Morph")]) == 2
 
 
-def test_stopping_among_the_previews_leaves_nothing(press, context):
+def test_stopping_among_the_previews_leaves_nothing(press, context, monkeypatch):
     two_shapes()
     before = census()
+    held_back(monkeypatch, 0)
     pressed = press(150)
-    held_back(pressed, 0)
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
     assert census() == before
@@ -181,7 +171,7 @@ def test_taking_the_add_on_away_leaves_nothing_of_a_bake(press, context, registe
     context.window_manager.convwass_progress = None
     registered_addon.unregister()
     try:
-        assert pressed._background.done
+        assert not is_computing()
         assert census() == before
     finally:
         registered_addon.register()
@@ -192,12 +182,12 @@ def test_taking_the_add_on_away_leaves_nothing_of_a_bake(press, context, registe
 def test_a_finished_bake_is_not_stopped_again(press, context):
     two_shapes()
     pressed = press(3)
-    assert until(pressed, context, lambda: False) == {"FINISHED"}
+    assert until(pressed, context) == {"FINISHED"}
     background.stop_running(context)
     assert len(frame_objects(morph_collection())) == 4
 
 
-def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context):
+def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context, monkeypatch):
     two_shapes()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     name = morph_collection().name
@@ -206,13 +196,12 @@ def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context):
         shape.hide_set(False)
         shape.select_set(True)
     known = census()
-    pressed = press(40)
+    finished, pressed = held_back(monkeypatch, 3), press(40)
     pressed.replaces = name
-    held_back(pressed, 3)
-    until(pressed, context, lambda: len(pressed._job.records) == 3)
+    until(pressed, context, lambda: len(finished) == 3)
     # It may take longer than the window waits for.
     if pressed.modal(context, ESCAPE) == {"PASS_THROUGH"}:
-        assert until(pressed, context, lambda: False) == {"CANCELLED"}
+        assert until(pressed, context) == {"CANCELLED"}
     assert pressed.reports == ["Stopped; the morph is as it was"]
     assert census() == known
 
@@ -220,11 +209,11 @@ def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context):
 def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, monkeypatch):
     """Each time as many are made as there is time for; here that is one."""
     two_shapes()
-    pressed, written = press(3), []
-    monkeypatch.setattr(background, "_BUSY_SECONDS", -1.0)
-    write = pressed._job.write
-    pressed._job.write = lambda step: written.append(step) or write(step)
-    while not pressed._background.done:
+    written, write = [], job.MorphJob.write
+    monkeypatch.setattr(job.MorphJob, "write", lambda own, report: written.append(report) or write(own, report))
+    write_one_at_a_time(monkeypatch)
+    pressed = press(3)
+    while is_computing():
         time.sleep(0.005)
     expected = 3 + 4 + 4
     for number in range(1, expected + 1):
@@ -236,9 +225,9 @@ def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, m
 
 def test_stopping_writes_all_that_waits(press, context, monkeypatch):
     two_shapes()
+    write_one_at_a_time(monkeypatch)
     pressed = press(3)
-    monkeypatch.setattr(background, "_BUSY_SECONDS", -1.0)
-    while not pressed._background.done:
+    while is_computing():
         time.sleep(0.005)
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
     assert len(frame_objects(morph_collection())) == 4
@@ -277,11 +266,10 @@ def noting(write, previews):
     return writing
 
 
-def test_the_button_stops_as_escape_does(press, context):
+def test_the_button_stops_as_escape_does(press, context, monkeypatch):
     two_shapes()
-    pressed = press(40)
-    held_back(pressed, 3)
-    until(pressed, context, lambda: len(pressed._job.records) == 3)
+    finished, pressed = held_back(monkeypatch, 3), press(40)
+    until(pressed, context, lambda: len(finished) == 3)
     context.window_manager.convwass_progress.stopping = True
     assert pressed.modal(context, TIMER) == {"FINISHED"}
     assert len(frame_objects(morph_collection())) == 3
@@ -300,19 +288,18 @@ def test_the_time_that_is_left(passed, fraction, left):
     assert background.time_left(passed, fraction) == left
 
 
-def test_a_better_preview_takes_the_place_of_a_glance(press, context):
+def test_a_better_preview_takes_the_place_of_a_glance(press, context, monkeypatch):
     """One object per frame, whatever was shown before."""
     two_shapes()
-    pressed = press(3, resolution=88)
-    previewed, counts = [], set()
-    preview = pressed._job._bake.preview
+    previewed, counts, preview = [], set(), MorphBake.preview
 
-    def previewing(frame):
-        preview(frame)
+    def previewing(bake, frame):
+        preview(bake, frame)
         previewed.append(frame.blend)
         counts.add((len(morph_collection().objects), len(set(previewed))))
 
-    pressed._job._bake.preview = previewing
-    assert until(pressed, context, lambda: False) == {"FINISHED"}
+    monkeypatch.setattr(MorphBake, "preview", previewing)
+    pressed = press(3, resolution=88)
+    assert until(pressed, context) == {"FINISHED"}
     assert len(previewed) == 5
     assert counts == {(number, number) for number in (1, 2, 3, 4)}

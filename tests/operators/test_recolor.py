@@ -20,7 +20,7 @@ from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, Re
 from convwass_addon.operators.recolor_table import CubeFile, TableJob
 from convwass_addon.operators.recolor_targets import read_pictures
 from tests.controls import ConditionalControl
-from tests.operators.densities import Pressed, inventory, until, window_context
+from tests.operators.densities import Pressed, inventory, started, until, window_context
 from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_of, red_image
 from tests.rigs import call
 
@@ -180,7 +180,7 @@ def test_names_are_those_of_the_beginning(own, operator):
     context = window_context()
     context.space_data = None
     pressed = Pressed(getattr(bpy.types, f"CONVWASS_OT_{operator}"), image="Red")
-    assert pressed._start(context) == {"RUNNING_MODAL"}
+    assert started(pressed, context)
     own.palette = image_of("Later", pixels_of(bpy.data.images["Blue"]))
     assert until(pressed, context) == {"FINISHED"}
     told = " ".join(text for _, text in pressed.reports)
@@ -298,7 +298,7 @@ def test_beside_the_users_work(own, ends):
     )
     context.space_data = None
     pressed = Pressed(CONVWASS_OT_recolor_image, image="Red")
-    assert pressed._start(context) == {"RUNNING_MODAL"}
+    assert started(pressed, context)
     context.window_manager.convwass_progress.stopping = ends == {"CANCELLED"}
     assert until(pressed, context) == ends
     assert drawn[0] == "sidebar" and drawn[-1] == "end"

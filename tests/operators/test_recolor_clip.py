@@ -17,7 +17,7 @@ from convwass_addon.bridge.video import write_video
 from convwass_addon.operators import recolor_clip
 from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
 from convwass_addon.operators.recolor_targets import shown_image
-from tests.operators.densities import Pressed, inventory, until, window_context
+from tests.operators.densities import Pressed, inventory, started, until, window_context
 from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
 from tests.rigs import call
 
@@ -82,12 +82,14 @@ def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
 
 def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):
     editor = SimpleNamespace(type="IMAGE_EDITOR", image=clip, image_user=SimpleNamespace())
-    context = SimpleNamespace(space_data=editor)
+    context = window_context()
+    context.space_data = editor
     paths = [tmp_path / "graded" / path.name for path in files]
-    call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+    pressed = Pressed(CONVWASS_OT_recolor_clip, image="Shot", folder=str(tmp_path / "graded"))
+    assert started(pressed, context)
+    assert until(pressed, context) == {"FINISHED"}
     result = bpy.data.images["Shot recolored"]
     assert result.source == "SEQUENCE" and bpy.path.abspath(result.filepath) == str(paths[0])
-    recolor_clip._show(context, clip, result, paths)
     assert editor.image == result and (editor.image_user.frame_duration, editor.image_user.frame_offset) == (3, 6)
     assert shown_image(context) == clip
     known = inventory()
@@ -189,7 +191,7 @@ def test_a_broken_frame_leaves_what_was_there(clip, files, tmp_path):
 
 
 @pytest.mark.parametrize("stops", [None, "Measuring frame 2", "Recoloring frame 2"])
-def test_beside_the_users_work(clip, tmp_path, stops):
+def test_beside_the_users_work(clip, tmp_path, stops, monkeypatch):
     """On its thread; stopped, it leaves neither files nor folders, and nothing in the scene."""
     known, seen = inventory(), []
     context = window_context()
@@ -203,8 +205,8 @@ def test_beside_the_users_work(clip, tmp_path, stops):
         progress.stopping = stops is not None and seen[-1].startswith(stops)
         write(job, step)
 
-    assert pressed._start(context) == {"RUNNING_MODAL"}
-    pressed._job.write = noted.__get__(pressed._job)
+    monkeypatch.setattr(recolor_clip.ClipJob, "write", noted)
+    assert started(pressed, context)
     ends = until(pressed, context)
     if stops is None:
         assert ends == {"FINISHED"} and len(list((tmp_path / "graded").iterdir())) == 3
@@ -220,7 +222,7 @@ def test_the_clip_is_found_by_what_it_is_and_not_by_its_name(clip, tmp_path):
     context = window_context()
     pressed = Pressed(CONVWASS_OT_recolor_clip, image="Shot", folder=str(tmp_path / "graded"))
     context.space_data = SimpleNamespace(type="IMAGE_EDITOR", image=clip, image_user=SimpleNamespace())
-    assert pressed._start(context) == {"RUNNING_MODAL"}
+    assert started(pressed, context)
     clip.name = "Renamed"
     bpy.data.images.new("Shot", 4, 4)
     assert until(pressed, context) == {"FINISHED"}

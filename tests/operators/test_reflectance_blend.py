@@ -15,7 +15,7 @@ from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from tests.lights import only, principled
-from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
+from tests.operators.densities import ESCAPE, TIMER, Pressed, started, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -150,7 +150,7 @@ def test_what_makes_no_sense_is_refused_and_changes_nothing(arguments, message):
 @pytest.mark.usefixtures("metals")
 def test_escape_leaves_nothing():
     pressed, window = Pressed(CONVWASS_OT_blend_materials, materials="A, B", detail=32), window_context()
-    assert pressed._start(window) == {"RUNNING_MODAL"}
+    assert started(pressed, window)
     pressed.modal(window, TIMER)
     while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:
         pass

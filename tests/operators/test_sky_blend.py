@@ -14,10 +14,18 @@ from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.skies import world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
-from convwass_addon.operators import background
 from convwass_addon.operators.sky_blend import CONVWASS_OT_blend_skies
 from tests.lights import sky
-from tests.operators.densities import ESCAPE, TIMER, Pressed, show_other_scene, until, window_context
+from tests.operators.densities import (
+    ESCAPE,
+    TIMER,
+    Pressed,
+    show_other_scene,
+    started,
+    until,
+    window_context,
+    write_one_at_a_time,
+)
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -109,12 +117,12 @@ def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch
         return sky(SUNS[0], rows=height)
 
     monkeypatch.setattr(world_skies, "world_sky", slow)
-    monkeypatch.setattr(background, "_BUSY_SECONDS", 0.0)
+    write_one_at_a_time(monkeypatch)
     pressed = Pressed(
         CONVWASS_OT_blend_skies, worlds="0, 1, 0", folder=str(worlds), frame_start=1, frame_end=3, width=128
     )
     window = window_context()
-    assert pressed._start(window) == {"RUNNING_MODAL"}
+    assert started(pressed, window)
     progress = window.window_manager.convwass_progress
     for done in range(1, 3):
         assert len(read) == done - 1
@@ -133,7 +141,7 @@ def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch
 def test_a_world_that_is_deleted_meanwhile_is_told(worlds):
     pressed = Pressed(CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=3, width=128)
     window = window_context()
-    pressed._start(window)
+    assert started(pressed, window)
     bpy.data.worlds.remove(bpy.data.worlds["1"])
     assert until(pressed, window) == {"CANCELLED"}
     assert pressed.reports == [("ERROR", "There is no world 1.")]
@@ -149,7 +157,7 @@ def test_escape_leaves_what_was_there(worlds, older):
         CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=200, width=128
     )
     window = window_context()
-    assert pressed._start(window) == {"RUNNING_MODAL"}
+    assert started(pressed, window)
     pressed.modal(window, TIMER)
     while (result := pressed.modal(window, ESCAPE)) == {"PASS_THROUGH"}:
         pass
@@ -162,7 +170,7 @@ def test_escape_leaves_what_was_there(worlds, older):
 def test_the_scene_that_it_began_in_gets_the_sky(worlds):
     pressed = Pressed(CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=2, width=128)
     window, own = window_context(), bpy.context.scene
-    assert pressed._start(window) == {"RUNNING_MODAL"}
+    assert started(pressed, window)
     other = show_other_scene(window)
     assert until(pressed, window) == {"FINISHED"}
     assert (own.world.name, other.world) == ("Sky 0-1", None)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import typing
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -200,4 +201,5 @@ def test_preferences_show_all_that_they_have():
     layout = SimpleNamespace(prop=lambda _, name: drawn.append(name), row=lambda: layout)
     preferences.CONVWASS_AP_preferences.draw(SimpleNamespace(layout=layout, cache_folder=""), bpy.context)
     assert drawn == ["cache_folder", "spare_megabytes", "threads", "default_preset"]
-    assert preferences._matching_presets(None, None, "f") == ["Draft", "Fine"]
+    default = typing.get_type_hints(preferences.CONVWASS_AP_preferences, vars(preferences))["default_preset"]
+    assert default.keywords["search"](None, None, "f") == ["Draft", "Fine"]

@@ -10,8 +10,9 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from convwass_addon.operators import picking, windows as windows_module
-from tests.operators.densities import window_context
+from convwass_addon.operators import density_pick, picking, windows as windows_module
+from convwass_addon.operators.density_paint import CONVWASS_OT_drop_density
+from tests.operators.densities import Pressed, ball, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -28,18 +29,27 @@ def windows():
     return SimpleNamespace(context=context, given=given)
 
 
+def wait_for_a_click(context):
+    """Press an operator that asks for a click on a surface; return it."""
+    context.object = ball()
+    pressed = Pressed(CONVWASS_OT_drop_density)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(density_pick, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+        assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
+    return pressed
+
+
 def test_windows_get_their_cursor_and_status_bar_back(windows):
-    waiting = picking.PicksPoints()
-    waiting._wait(windows.context)
+    wait_for_a_click(windows.context)
+    assert windows.given == ["Click on the surface    Esc: cancel", "EYEDROPPER"]
     picking.stop_waiting(windows.context)
-    assert windows.given == ["EYEDROPPER", "own", None]
+    assert windows.given[2:] == ["own", None]
     picking.stop_waiting(windows.context)
-    assert len(windows.given) == 3
+    assert len(windows.given) == 4
 
 
 def test_what_waits_no_more_leaves_windows_alone(windows):
-    waiting = picking.PicksPoints()
-    waiting._wait(windows.context)
+    waiting = wait_for_a_click(windows.context)
     waiting.cancel(windows.context)
     windows.given.clear()
     picking.stop_waiting(windows.context)
@@ -75,17 +85,20 @@ def test_a_status_text_does_not_stay_where_the_user_has_been(monkeypatch):
     context.workspace = layout
     windows_module.clear_status(context)
     assert texts == {1: None, 2: None}
-    assert not windows_module._WRITTEN
+    texts.clear()
+    windows_module.clear_status(context)
+    assert texts == {1: None}, "the other workspace has been forgotten"
 
 
-def test_the_windows_of_blender_are_cleared(registered_addon):
+def test_the_windows_of_blender_are_cleared(windows, registered_addon):
     """With its own context; a text or cursor cannot be asked for."""
-    context = window_context()
-    picking.PicksPoints()._wait(context)
+    wait_for_a_click(windows.context)
+    windows.given.clear()
     assert bpy.context.window_manager.windows
     registered_addon.unregister()
     registered_addon.register()
-    assert not picking._WAITING
+    picking.stop_waiting(windows.context)
+    assert windows.given == [], "nothing waits any more"
 
 
 def test_what_was_running_runs_no_more_once_the_add_on_is_back(registered_addon):
