@@ -55,9 +55,12 @@ def project() -> Path:
 
 @pytest.fixture(scope="session")
 def registered_addon():
-    """Register the add-on in this process's Blender, once for all tests."""
+    """Register the add-on in this process's Blender, with factory settings, once for all tests."""
+    import bpy
+
     import convwass_addon
 
+    bpy.ops.wm.read_factory_settings(use_empty=True)
     convwass_addon.register()
     yield convwass_addon
     convwass_addon.unregister()
@@ -65,8 +68,11 @@ def registered_addon():
 
 @pytest.fixture
 def empty_scene(registered_addon):
-    """Blender with factory settings, the add-on registered and nothing in the scene; returns that scene."""
+    """Blender with factory settings, the add-on registered and nothing in the scene; returns that scene.
+
+    Only the file is new: loading the preferences too would register Blender's own add-ons again, for every test.
+    """
     import bpy
 
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return bpy.context.scene
