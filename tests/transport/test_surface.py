@@ -51,12 +51,12 @@ MESHES = {
 }
 
 
-@pytest.fixture(params=MESHES)
+@pytest.fixture(params=MESHES, scope="module")
 def mesh(request):
     return MESHES[request.param]
 
 
-@pytest.fixture(params=[(0.003, 10), (0.05, 1), (2.0, 4)], ids=["narrow", "one step", "wide"])
+@pytest.fixture(params=[(0.003, 10), (0.05, 1), (2.0, 4)], ids=["narrow", "one step", "wide"], scope="module")
 def surface(request, mesh):
     gamma, steps = request.param
     return Surface(mesh.vertices, mesh.faces, gamma, steps)
