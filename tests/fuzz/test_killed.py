@@ -98,7 +98,7 @@ def test_files_outlive_a_blender_that_is_killed_and_the_next_one_cleans_up(name,
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
 @pytest.mark.usefixtures("empty_scene")
-@pytest.mark.parametrize("name", ["interpolate_density", "compute_soft_map"])
+@pytest.mark.parametrize("name", ["interpolate_density"])
 def test_work_can_be_done_again_in_the_file_of_a_blender_that_was_killed(name, project, tmp_path):
     killed(project, name, tmp_path, 2)
     assert [path.name for path in tmp_path.iterdir()] == ["work.blend"]
@@ -112,7 +112,7 @@ def test_work_can_be_done_again_in_the_file_of_a_blender_that_was_killed(name, p
     ("name", "moments"),
     [
         ("bake_morph pictures", [("", 2), ("placing: ", 1)]),
-        ("recolor_clip", [("", 1), ("", 4), ("placing: ", 1)]),
+        ("recolor_clip", [("", 4), ("placing: ", 1)]),
         ("blend_skies", [("", 1), ("placing: ", 1)]),
     ],
 )
@@ -149,7 +149,7 @@ def written(folder):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
 @pytest.mark.usefixtures("empty_scene")
-@pytest.mark.parametrize("name", ["bake_morph", "bake_morph flat", "fit_armature", "measure_groups"])
+@pytest.mark.parametrize("name", ["bake_morph", "bake_morph flat", "fit_armature"])
 def test_the_file_on_disk_is_as_it_was_and_the_work_comes_out_the_same(name, project, tmp_path):
     """What was killed is done again from the saved scene, to the same result as without."""
     (tmp_path / "whole").mkdir()
