@@ -47,7 +47,9 @@ def _morphs(folder: Path) -> dict[str, set[str]]:
         if output == "pad":
             shapes.append(_ball(f"{output} egg", (6, 4 * place, 0), 0.5))
         _select(*shapes)
-        answers[f"bake_morph {output}"] = bpy.ops.convwass.bake_morph(**QUICK, **options)
+        # Guiding takes most of the time; once is enough, and earlier versions did not have it.
+        motion = {} if output == "volume" or not _has_motions() else {"motion": "TRANSPORT"}
+        answers[f"bake_morph {output}"] = bpy.ops.convwass.bake_morph(**QUICK, **motion, **options)
         if output == "player":
             answers["make_player"] = bpy.ops.convwass.make_player()
         elif output == "pad":
@@ -59,6 +61,11 @@ def _morphs(folder: Path) -> dict[str, set[str]]:
     _select(_ball("listed ball", (0, 20, 0)), _box("listed box", (3, 20, 0)))
     answers["add_morph_inputs"] = bpy.ops.convwass.add_morph_inputs()
     return answers
+
+
+def _has_motions() -> bool:
+    """Tell whether the installed version offers a choice of how shapes move."""
+    return "motion" in bpy.ops.convwass.bake_morph.get_rna_type().properties
 
 
 def _flat(_folder: Path) -> dict[str, set[str]]:
