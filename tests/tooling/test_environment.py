@@ -5,8 +5,13 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 import sys
+import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -40,21 +45,37 @@ def steps(environment: Environment, monkeypatch: pytest.MonkeyPatch) -> list[str
     """The steps that setting up takes, as they are taken; the slow ones are stood in for."""
     taken = []
 
-    def run(self: Environment, command: list[str], problem: str) -> None:
+    def run(command: list[str], **options: object) -> subprocess.CompletedProcess:
+        if command[1] == "-c":
+            return subprocess.CompletedProcess(command, 0, stderr="")
         taken.append(command[2])
         if command[2] == "venv":
-            self.program.parent.mkdir(parents=True)
-            self.program.symlink_to(sys.executable)
-            home = Path(sys._base_executable).parent
-            (self.folder / "pyvenv.cfg").write_text(f"home = {home}\nversion = 3.13.0\n", encoding="utf-8")
+            folder = Path(command[3])
+            program = Environment(folder.parent, folder).program
+            program.parent.mkdir(parents=True)
+            program.symlink_to(sys.executable)
+            home = Path(sys.executable).resolve().parent
+            (folder / "pyvenv.cfg").write_text(f"home = {home}\nversion = 3.13.0\n", encoding="utf-8")
         else:
-            (self.folder / "lib/python3.13/site-packages/numpy-2.0.dist-info").mkdir(parents=True)
+            records = Path(command[0]).parents[1] / "lib/python3.13/site-packages"
+            (records / "numpy-2.0.dist-info").mkdir(parents=True)
+        return subprocess.CompletedProcess(command, 0)
 
-    monkeypatch.setattr(Environment, "_run", run)
+    monkeypatch.setattr(environments, "subprocess", SimpleNamespace(run=run, PIPE=subprocess.PIPE))
     monkeypatch.setattr(pythons, "find", lambda wanted: THIS_PYTHON)
     monkeypatch.setattr(system, "missing_for_cholmod", lambda has_headers: ["a C compiler"])
-    monkeypatch.setattr(environments, "_LOAD_BLENDER", "pass")
     return taken
+
+
+def interrupt(monkeypatch: pytest.MonkeyPatch, step: str, with_what: Callable[[], object]) -> None:
+    """Let something happen before a step of setting up, which may raise, or give the answer of the step."""
+    run = environments.subprocess.run
+
+    def interrupted(command: list[str], **options: object) -> object:
+        answer = with_what() if step in command[1:3] else None
+        return answer or run(command, **options)
+
+    monkeypatch.setattr(environments.subprocess, "run", interrupted)
 
 
 @pytest.fixture
@@ -122,15 +143,11 @@ def test_damaged_environment_is_rebuilt(made, steps, damage):
 
 @pytest.mark.parametrize("interrupted_at", ["venv", "pip"])
 def test_interrupted_setting_up_starts_over(environment, steps, monkeypatch, interrupted_at):
-    run = Environment._run
-
-    def interrupted(self, command, problem):
-        if command[2] == interrupted_at:
-            raise KeyboardInterrupt
-        run(self, command, problem)
+    def stop():
+        raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(Environment, "_run", interrupted)
+        interrupt(patch, interrupted_at, stop)
         with pytest.raises(KeyboardInterrupt):
             environment.prepare()
     assert not environment.is_installed()
@@ -149,15 +166,15 @@ def test_what_is_no_environment_is_left_alone(environment, steps):
 
 
 def test_missing_library_is_named_and_only_looked_for_again(environment, steps, monkeypatch):
-    missing = "raise ImportError('libX11.so.6: cannot open shared object file: No such file or directory')"
-    monkeypatch.setattr(environments, "_LOAD_BLENDER", missing)
+    missing = "ImportError: libX11.so.6: cannot open shared object file: No such file or directory"
     for tool, line in (("apt-get", "apt-get install -y libx11-6"), ("dnf", "dnf install -y libX11")):
-        monkeypatch.setattr(shutil, "which", lambda name, tool=tool: "/usr/bin/" + name if name == tool else None)
-        with pytest.raises(SetupError) as raised:
-            environment.prepare()
+        with monkeypatch.context() as patch:
+            patch.setattr(shutil, "which", lambda name, tool=tool: "/usr/bin/" + name if name == tool else None)
+            interrupt(patch, "-c", lambda: subprocess.CompletedProcess([], 1, stderr=missing))
+            with pytest.raises(SetupError) as raised:
+                environment.prepare()
         assert "libX11.so.6" in str(raised.value)
         assert line in str(raised.value)
-    monkeypatch.setattr(environments, "_LOAD_BLENDER", "pass")
     environment.prepare()
     assert steps == ["venv", "pip"]
 
@@ -169,17 +186,28 @@ def test_both_lines_are_shown_where_the_system_is_unknown(monkeypatch):
 
 
 def test_blender_that_fails_otherwise_says_why(environment, steps, monkeypatch):
-    monkeypatch.setattr(environments, "_LOAD_BLENDER", "raise ImportError('GLIBC_2.28 not found')")
+    interrupt(monkeypatch, "-c", lambda: subprocess.CompletedProcess([], 1, stderr="ImportError: GLIBC_2.28 not found"))
     with pytest.raises(SetupError, match=r"does not load here:\s+ImportError: GLIBC_2\.28 not found"):
         environment.prepare()
 
 
-def test_one_start_at_a_time_sets_up(tmp_path):
-    path = tmp_path / ".venv.lock"
-    with environments._locked(path, ".venv"), open(path, "a+b") as second:
-        assert not environments._try_lock(second)
-    with open(path, "a+b") as third:
-        assert environments._try_lock(third)
+def test_one_start_at_a_time_sets_up(environment, steps, monkeypatch, capsys):
+    """Another one begins while the first makes the environment, and finds it made."""
+    second, said = threading.Thread(target=environment.prepare), []
+
+    def begin_again():
+        second.start()
+        until = time.monotonic() + 30
+        while not any("waiting for it" in text for text in said) and time.monotonic() < until:
+            said.append(capsys.readouterr().out)
+            time.sleep(0.01)
+
+    with monkeypatch.context() as patch:
+        interrupt(patch, "venv", begin_again)
+        environment.prepare()
+        second.join()
+    assert "Another start is setting up .venv; waiting for it." in "".join(said)
+    assert steps == ["venv", "pip"]
 
 
 def test_the_users_own_settings_stay_out(environment):
