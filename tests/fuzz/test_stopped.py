@@ -16,6 +16,7 @@ import pytest
 
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.errors import Cancelled
 from convwass_addon.operators.background import BackgroundOperator
 from tests.controls import CountingControl
@@ -126,7 +127,7 @@ def stopping(operator, context, job):
     raise Cancelled("Cancelled.")
 
 
-@pytest.mark.parametrize("where", ["write", "_finish"])
+@pytest.mark.parametrize("where", ["write", "finish"])
 def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, monkeypatch):
     """Otherwise nothing could be baked until Blender was started anew."""
     from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph as Bake
@@ -139,11 +140,8 @@ def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, 
     def fail(*_):
         raise ZeroDivisionError("a defect")
 
+    monkeypatch.setattr(MorphJob, where, fail)
     assert started(pressed, context)
-    if where == "write":
-        monkeypatch.setattr(pressed._job, "write", fail)
-    else:
-        pressed._finish = fail
     with pytest.raises(ZeroDivisionError):
         until(pressed, context)
     assert not context.window_manager.convwass_progress.running
