@@ -22,7 +22,7 @@ from .warp_motion import warp_motion
 
 # Guided motions are trusted from the first score of the worst map between two of the shapes; from the second they are
 # completed by a warp. Chosen by eye on pairs of the benchmark.
-_TRUSTED, _DOUBTED = 0.88, 0.4
+_TRUSTED, _DOUBTED = 0.88, 0.2
 # Share of the work after which the guided motion is there, where a warp may follow.
 _GUIDED_SHARE = 0.4
 

@@ -44,7 +44,7 @@ def choice(asked="automatic", coherence=0.5, guides=()):
     return drained(chosen_motion(SHAPES, ("A", "B"), [(0, 1)], asked, coherence, guides, UNINTERRUPTED))
 
 
-@pytest.mark.parametrize(("score", "kind"), [(0.95, "guided"), (0.6, "combined"), (0.2, "warp")])
+@pytest.mark.parametrize(("score", "kind"), [(0.95, "guided"), (0.6, "combined"), (0.1, "warp")])
 def test_automatic_follows_the_score_of_the_map(motions, score, kind):
     motions(guided_with(score))
     found = choice()
@@ -58,14 +58,14 @@ def test_automatic_warps_where_there_is_no_map(motions):
 
 
 def test_automatic_goes_on_without_a_motion_where_none_can_be_made(motions):
-    motions(guided_with(0.2), warp=ResourceError("no memory"))
+    motions(guided_with(0.1), warp=ResourceError("no memory"))
     found = choice()
     assert found.motion is None
-    assert found.record() == {"kind": "transport", "reason": "FAILED", "score": 0.2, "failure": "no memory"}
+    assert found.record() == {"kind": "transport", "reason": "FAILED", "score": 0.1, "failure": "no memory"}
 
 
 def test_what_is_asked_for_is_made_or_refused(motions):
-    motions(guided_with(0.2))
+    motions(guided_with(0.1))
     assert [choice(asked).kind for asked in ("guided", "warp", "transport")] == ["guided", "warp", "transport"]
     motions(InputError("no map"))
     with pytest.raises(InputError, match="no map"):
