@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import textwrap
+from inspect import get_annotations
 
 import bpy
 
@@ -56,6 +57,6 @@ def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: s
 
 def fill_operator(operator: bpy.types.OperatorProperties, own: bpy.types.PropertyGroup, kind: type) -> None:
     """Give an operator the settings of a kind, a class of annotated properties, that a group holds."""
-    names = [name for base in kind.__mro__ for name in vars(base).get("__annotations__", {})]
+    names = [name for base in kind.__mro__ for name in get_annotations(base)]
     for name in names:
         setattr(operator, name, getattr(own, name))

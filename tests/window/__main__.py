@@ -28,7 +28,18 @@ PROJECT = HERE.parents[1]
 # Program, and the Debian package that has it.
 NEEDED = {"Xvfb": "xvfb", "xdotool": "xdotool", "import": "imagemagick"}
 
-SCENARIOS = ("armatures", "soft_maps", "densities", "recolor", "light", "flat", "elsewhere", "morphs", "disabling")
+SCENARIOS = (
+    "armatures",
+    "soft_maps",
+    "densities",
+    "recolor",
+    "light",
+    "flat",
+    "elsewhere",
+    "morphs",
+    "guides",
+    "disabling",
+)
 # Taken when they are asked for: they test little.
 PICTURES = ("walkthrough",)
 

@@ -165,11 +165,11 @@ class Window:
             yield from self._input("click", "--repeat", 15, 5)
         raise AssertionError(f"the sidebar shows no button for {operator}")
 
-    def click_field(self, path: str) -> Iterator[float]:
-        """Find the sidebar's field of a property, as one who looks for it, and click it."""
+    def click_field(self, path: str, across: float = 1 / 3) -> Iterator[float]:
+        """Find the sidebar's field of a property, as one who looks for it, and click it; labels are to the left."""
         region = self.region("UI")
         for below in range(30, region.height, _SEARCH_STEP):
-            yield from self.move(region.x + region.width / 3, self._height - region.y - region.height + below)
+            yield from self.move(region.x + across * region.width, self._height - region.y - region.height + below)
             bpy.context.window_manager.clipboard = ""
             with self.override("UI"):
                 if bpy.ops.ui.copy_data_path_button.poll():
