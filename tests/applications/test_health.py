@@ -139,6 +139,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "combined", "reason": "UNLIKE", "score": 0.5}, ["GOOD", "COMBINED"]),
         ({"kind": "warp", "reason": "UNLIKE", "score": 0.2}, ["GOOD", "WARPED"]),
         ({"kind": "transport", "reason": "FAILED", "failure": "no map"}, ["GOOD", "NO_MOTION"]),
+        ({"kind": "transport", "reason": "SOLID"}, ["GOOD", "SOLID"]),
         ({"kind": "guided", "reason": "ASKED", "score": 0.91}, ["GOOD"]),
         ({"kind": "transport", "reason": "ASKED"}, ["GOOD"]),
     ],

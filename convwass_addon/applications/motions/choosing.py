@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from ...errors import Cancelled, ConvwassError, InputError
 from ...geometry.mesh import TriangleMesh
@@ -23,6 +24,8 @@ from .warp_motion import warp_motion
 # Guided motions are trusted from the first score of the worst map between two of the shapes; from the second they are
 # completed by a warp. Chosen by eye on pairs of the benchmark.
 _TRUSTED, _DOUBTED = 0.88, 0.2
+# Shapes that fill so much of their convex hulls have no limbs that transport could tear off.
+_SOLID = 0.85
 # Share of the work after which the guided motion is there, where a warp may follow.
 _GUIDED_SHARE = 0.4
 
@@ -36,8 +39,8 @@ class MotionChoice:
     kind : str
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
-        "ASKED", "FITS" (the shapes map onto each other), "UNLIKE" (they do not), or "FAILED" (what was tried before
-        could not be made).
+        "ASKED", "SOLID" (no shape has limbs), "FITS" (the shapes map onto each other), "UNLIKE" (they do not), or
+        "FAILED" (what was tried before could not be made).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -91,6 +94,8 @@ def chosen_motion(
     """
     if asked == "transport" or coherence == 0.0 or not pairs:
         return MotionChoice("transport", "ASKED")
+    if asked == "automatic" and not guides and all(_fills_its_hull(shape) for shape in shapes):
+        return MotionChoice("transport", "SOLID")
     if asked == "warp":
         motion = yield from warp_motion(shapes, names, pairs, coherence, control)
         return MotionChoice("warp", "ASKED", motion)
@@ -122,6 +127,16 @@ def chosen_motion(
         return MotionChoice("transport", "FAILED", None, score, failure or str(error))
     kind = "combined" if doubted else "warp"
     return MotionChoice(kind, "FAILED" if guided is None else "UNLIKE", motion, score, failure)
+
+
+def _fills_its_hull(shape: TriangleMesh) -> bool:
+    """Tell whether a shape is nearly convex."""
+    try:
+        hull = ConvexHull(shape.vertices[np.unique(shape.faces)])
+    except QhullError:
+        # A sheet, which has no volume.
+        return False
+    return abs(shape.volume) >= _SOLID * hull.volume
 
 
 def _score(guided: GuidedMotion) -> float:

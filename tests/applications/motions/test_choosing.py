@@ -10,9 +10,10 @@ from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.errors import InputError, ResourceError
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.shapes import ball
+from tests.shapes import ball, box, joined, square
 
-SHAPES = (ball(points=40), ball(2.0, points=40))
+BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
+SHAPES = (BARBELL, ball(2.0, points=40))
 
 
 def guided_with(score):
@@ -40,8 +41,8 @@ def motions(monkeypatch):
     return given
 
 
-def choice(asked="automatic", coherence=0.5, guides=()):
-    return drained(chosen_motion(SHAPES, ("A", "B"), [(0, 1)], asked, coherence, guides, UNINTERRUPTED))
+def choice(asked="automatic", coherence=0.5, guides=(), shapes=SHAPES):
+    return drained(chosen_motion(shapes, ("A", "B"), [(0, 1)], asked, coherence, guides, UNINTERRUPTED))
 
 
 @pytest.mark.parametrize(("score", "kind"), [(0.95, "guided"), (0.6, "combined"), (0.1, "warp")])
@@ -76,6 +77,14 @@ def test_guides_are_never_dropped_in_silence(motions):
     motions(InputError("no vertex 7"))
     with pytest.raises(InputError, match="no vertex 7"):
         choice(guides=[{0: 7, 1: 7}])
+
+
+def test_shapes_without_limbs_are_transported(motions):
+    motions(AssertionError("must not be asked for"))
+    assert choice(shapes=(ball(points=200), box())).record() == {"kind": "transport", "reason": "SOLID"}
+    motions(guided_with(0.95))
+    assert choice(shapes=(ball(points=200), square())).kind == "guided"
+    assert choice("guided", shapes=(ball(points=200), box())).kind == "guided"
 
 
 def test_without_coherence_nothing_is_moved(motions):
