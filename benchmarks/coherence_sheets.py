@@ -18,6 +18,7 @@ import numpy as np
 
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.geometry.mesh import TriangleMesh
 
 from .coherence_cases import read_frames
@@ -76,8 +77,7 @@ def _evenly(meshes: Sequence[TriangleMesh]) -> list[TriangleMesh]:
 
 def _clay() -> bpy.types.Material:
     material = bpy.data.materials.new("clay")
-    material.use_nodes = True
-    shader = material.node_tree.nodes["Principled BSDF"]
+    shader = own_tree(material).nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = _CLAY
     shader.inputs["Roughness"].default_value = 0.6
     return material

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from convwass_addon.applications.morphs import frame_cache, frame_file, morph as morphing
+from convwass_addon.applications.morphs import bake_plan, frame_cache, frame_file
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends
@@ -40,11 +40,11 @@ def solved(monkeypatch):
     """The runs that were really computed, as a list of their first frames."""
     found = []
 
-    def in_threads(problem, runs, control, workers, real=morphing.runs_in_threads):
+    def in_threads(problem, runs, control, workers, real=bake_plan.runs_in_threads):
         found.extend(run[0].frame for run in runs.values())
         return real(problem, runs, control, workers)
 
-    monkeypatch.setattr(morphing, "runs_in_threads", in_threads)
+    monkeypatch.setattr(bake_plan, "runs_in_threads", in_threads)
     return found
 
 
@@ -82,7 +82,7 @@ def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_pat
 
 def test_what_is_all_there_needs_no_voxels(tmp_path, monkeypatch):
     expected = bake(FrameCache(tmp_path))
-    monkeypatch.setattr(morphing, "sketchable_problem", None)
+    monkeypatch.setattr(bake_plan, "sketchable_problem", None)
     assert_same(bake(FrameCache(tmp_path)), expected)
 
 

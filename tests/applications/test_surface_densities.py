@@ -148,18 +148,18 @@ def test_heat_maps_tell_their_scale():
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"steps": 0}, "steps"),
-        ({"steps": 2.5}, "whole numbers"),
-        ({"blur": -1.0}, "blur"),
-        ({"blur": np.inf}, "blur"),
-        ({"entropy_limit": "most"}, "entropy limit"),
-        ({"entropy_limit": np.nan}, "entropy limit"),
-        ({"entropy_limit": True}, "entropy limit"),
+        ({"steps": 0}, "Steps"),
+        ({"steps": 2.5}, "whole number"),
+        ({"blur": -1.0}, "Blur"),
+        ({"blur": np.inf}, "Blur"),
+        ({"entropy_limit": "most"}, "Entropy Limit"),
+        ({"entropy_limit": np.nan}, "Entropy Limit"),
+        ({"entropy_limit": True}, "Entropy Limit"),
         ({"blend_sharpness": 1.5}, "sharpness"),
         ({"pieces": "drop"}, "Pieces"),
-        ({"tolerance": 0.0}, "tolerance"),
+        ({"tolerance": 0.0}, "Tolerance"),
         ({"max_iterations": 0}, "iteration"),
-        ({"substeps": 0}, "substeps"),
+        ({"substeps": 0}, "Substeps"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(settings, message):

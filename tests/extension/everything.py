@@ -109,6 +109,7 @@ def _soft_map(_folder: Path) -> dict[str, set[str]]:
     for corner in ((-1, -1, -1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1), (1, 1, 1)):
         ends = [_farthest(obj, corner) for obj in (source, target)]
         answers["add_map_pair"] = bpy.ops.convwass.add_map_pair(source_vertex=ends[0], target_vertex=ends[1])
+    answers["add_morph_guide"] = bpy.ops.convwass.add_morph_guide(points='{"Source": 0, "Target": 0}')
     answers["compute_soft_map"] = bpy.ops.convwass.compute_soft_map(vertices=100, sweeps=3)
     answers["transfer_by_map"] = bpy.ops.convwass.transfer_by_map(what={"GROUPS"})
     answers["show_soft_map"] = bpy.ops.convwass.show_soft_map()

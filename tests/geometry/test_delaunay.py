@@ -11,6 +11,7 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.geometry import laplacian as laplacians
 from convwass_addon.geometry.delaunay import closed_surface, flipped_to_delaunay
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import UNINTERRUPTED, Control
 from tests.shapes import ball, box, torus
 
 
@@ -72,7 +73,7 @@ def test_the_laplacian_is_that_of_another_implementation(name):
     """Both make the one Delaunay triangulation of the tufted cover."""
     pytest.importorskip("robust_laplacian")
     surface = laplacians._unit_surface(MESHES[name])
-    own = laplacians._by_flips(surface, lambda: None)
+    own = laplacians._by_flips(surface, UNINTERRUPTED)
     other = laplacians._by_robust_laplacian(surface)
     np.testing.assert_allclose(own.matrix.toarray(), other.matrix.toarray(), atol=1e-5)
     np.testing.assert_allclose(own.areas, other.areas, rtol=1e-6)
@@ -124,9 +125,8 @@ def test_three_triangles_at_an_edge_are_left_to_others():
 
 
 def test_flips_can_be_stopped():
-    def stop():
-        raise Cancelled("Cancelled.")
-
+    stop = Control()
+    stop.cancel()
     with pytest.raises(Cancelled):
         flipped_to_delaunay(surface_of(STRETCHED), stop)
     with pytest.raises(Cancelled):

@@ -14,6 +14,7 @@ import pytest
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, soft_map_transfer
 from convwass_addon.operators.soft_map_transfer import CONVWASS_OT_transfer_by_map
+from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 from tests.operators.densities import ESCAPE, Pressed, inventory, until, window_context
 from tests.operators.soft_maps import call, choose, points, sphere, store_closest, store_mirror
@@ -454,9 +455,9 @@ def test_it_goes_on_beside_the_users_work(pair, monkeypatch):
 
 
 def test_escape_leaves_everything_as_it_was(pair, monkeypatch):
-    def for_ever(_self):
+    def for_ever(_self, _control):
         while True:
-            yield Sentence("Transferring vertex groups")
+            yield Progress(0.0, Sentence("Transferring vertex groups"))
             time.sleep(0.001)
 
     paint(pair[0], **halves(pair[0]))

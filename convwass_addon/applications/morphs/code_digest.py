@@ -16,10 +16,13 @@ _DIGESTED = (
     "transport",
     "geometry",
     "applications",
+    "array_files.py",
     "disk_room.py",
     "drafts.py",
     "errors.py",
+    "one_line.py",
     "progress.py",
+    "schema.py",
     "sentence.py",
 )
 

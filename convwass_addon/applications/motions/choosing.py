@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from ...errors import Cancelled, ConvwassError, InputError
+from ...errors import Cancelled, ConvwassError
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -26,6 +26,8 @@ from .warp_motion import warp_motion
 _TRUSTED, _DOUBTED = 0.88, 0.2
 # Shapes that fill so much of their convex hulls have no limbs that transport could tear off.
 _SOLID = 0.85
+# What a motion may fail with on meshes that nobody has thought of: the bake goes on without it.
+_FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
 # Share of the work after which the guided motion is there, where a warp may follow.
 _GUIDED_SHARE = 0.4
 
@@ -104,7 +106,9 @@ def chosen_motion(
     guided, failure = None, ""
     try:
         guided = yield from within(guided_motion(shapes, names, pairs, settings, guides, control), 0.0, share)
-    except (InputError, np.linalg.LinAlgError) as error:
+    except Cancelled:
+        raise
+    except _FAILURES as error:
         if asked == "guided" or guides:
             raise
         failure = str(error)
@@ -122,7 +126,7 @@ def chosen_motion(
         motion = yield from within(work, share, 1.0)
     except Cancelled:
         raise
-    except (ConvwassError, np.linalg.LinAlgError) as error:
+    except _FAILURES as error:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, score, failure or str(error))
     kind = "combined" if doubted else "warp"

@@ -230,7 +230,11 @@ def _signals(
 
 
 def _filled(corners: NDArray[np.float64], lattice: Lattice) -> NDArray[np.float64]:
-    """Return the filled shares of the cells; surfaces that enclose nothing are given a thickness."""
+    """Return the filled shares of the cells; surfaces that enclose nothing are given a thickness.
+
+    Moved shapes may leave the grid, which is as large as the shapes at rest need; what is beyond is pressed to its rim.
+    """
+    corners = np.clip(corners, 1.0, np.array(lattice.shape) - 1.0)
     filled = occupancy(corners, lattice.shape)
     if filled.sum() < _LEAST_CELLS:
         filled = np.maximum(filled, shell_occupancy(corners, lattice.shape, _SHEET))
