@@ -142,8 +142,9 @@ class BakePlan:
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
-        outward = [orient_outward(shape) for shape in self.shapes]
         asked, coherence = self.settings.motion, self.settings.coherence
+        # Transport orients shapes where it voxelizes them.
+        outward = self.shapes if asked == "transport" else [orient_outward(shape) for shape in self.shapes]
         work = chosen_motion(outward, self.names, pairs_of(self.blends), asked, coherence, self.guides, control)
         return (yield from within(work, VOXEL_SHARE, self._chosen_at))
 
