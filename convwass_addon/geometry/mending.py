@@ -4,7 +4,7 @@
 
 The level set of a blend follows every wrinkle of its density. Where a density next to the level would give another
 topology, and the shapes have that one, it is raised or lowered a little around the cell that decides. All is counted on
-cells; surfaces are drawn to find the level at first, and at the end.
+cells; surfaces are drawn to find the level at first, and at the end. That one is meshed evenly.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from scipy.ndimage import binary_dilation
 
 from .bumps import Bump
 from .connectivity import Connectivity
+from .even_surface import even_surface
 from .gaps import densest_gaps
 from .handle_removal import RAISED, remove_handles
 from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
@@ -66,7 +67,7 @@ class Mending:
 
 
 def mended_surface(density: NDArray[np.floating], volume: float, most: Connectivity) -> Mending:
-    """Surface that encloses a volume, with no more pieces, handles and bubbles than asked for.
+    """Evenly meshed surface that encloses a volume, with no more pieces, handles and bubbles than asked for.
 
     Only small changes are made. What would take more stays as it is: the record tells.
 
@@ -88,30 +89,37 @@ def mended_surface(density: NDArray[np.floating], volume: float, most: Connectiv
     # What is thinner than the deepest gap plays no part.
     box, low = _box_of_interest(density, volume)
     work = _Work(np.array(density[box], order="C"), volume, most)
-    best = None
+    best = mended = None
     for _ in range(_ROUNDS):
         changed = work.mend()
         if best is None or changed:
             drawn = work.drawn()
             if best is None or drawn.found.beyond(most) < best.found.beyond(most):
-                best = drawn
+                best, mended = drawn, work.density.copy()
         if not changed or best.found.beyond(most) == _NOTHING:
             break
-    return replace(best, surface=LevelSurface(best.surface.mesh.moved(low), best.surface.level))
+    surface = even_surface(best.surface, mended)
+    return replace(best, surface=LevelSurface(surface.mesh.moved(low), surface.level))
 
 
 class _Work:
-    """A density that is changed step by step, in place."""
+    """A density that is changed step by step, in place.
+
+    Attributes
+    ----------
+    density : (nx, ny, nz)
+        As it is now.
+    """
 
     def __init__(self, density: NDArray[np.floating], volume: float, most: Connectivity) -> None:
-        self._density, self._volume, self._most = density, volume, most
+        self.density, self._volume, self._most = density, volume, most
         self._shortfall = estimate_shortfall(density, volume)
         self._level = level_enclosing(density, volume, self._shortfall)
         self._crumbs = self._filled = self._bridged = self._unhandled = 0
 
     def drawn(self) -> Mending:
         """Draw the surface as it is now; what is mended next is seen at its level."""
-        surface = surface_enclosing(self._density, self._volume, self._shortfall)
+        surface = surface_enclosing(self.density, self._volume, self._shortfall)
         self._level = surface.level
         counts = (self._crumbs, self._filled, self._bridged, self._unhandled)
         return Mending(surface, Connectivity.of(surface), *counts)
@@ -121,25 +129,25 @@ class _Work:
         before = (self._crumbs, self._filled, self._bridged, self._unhandled)
         pieces = self._join_pieces()
         bubbles = self._fill_bubbles()
-        handles = pieces + bubbles - euler_number(self._density, self._level) // 2
+        handles = pieces + bubbles - euler_number(self.density, self._level) // 2
         if handles > self._most.handles:
-            self._unhandled += remove_handles(self._density, self._level, handles - self._most.handles)
+            self._unhandled += remove_handles(self.density, self._level, handles - self._most.handles)
         return before != (self._crumbs, self._filled, self._bridged, self._unhandled)
 
     def _join_pieces(self) -> int:
         """Drop crumbs and bridge gaps, the densest gaps first; return how many pieces are left."""
         for _ in range(_ATTEMPTS):
-            pieces = pieces_above(self._density, self._level)
+            pieces = pieces_above(self.density, self._level)
             if pieces.count <= self._most.pieces:
                 break
             labels = pieces.labels
             shares = np.bincount(labels.ravel())[1:] / self._volume
             crumbs = self._drop(labels, shares < _CRUMB_SHARE)
             excess = pieces.count - crumbs - self._most.pieces
-            gaps = densest_gaps(self._density, labels, _DEEPEST_GAP * self._level, excess) if excess > 0 else []
+            gaps = densest_gaps(self.density, labels, _DEEPEST_GAP * self._level, excess) if excess > 0 else []
             for gap in gaps:
                 radius = min(_NECK + gap.width / 2, _WIDEST_NECK)
-                Bump.to(self._density, gap.place, RAISED * self._level, radius).apply(self._density)
+                Bump.to(self.density, gap.place, RAISED * self._level, radius).apply(self.density)
             self._bridged += len(gaps)
             if not gaps and not crumbs and not self._drop(labels, shares < _STRAY_SHARE):
                 break
@@ -153,8 +161,8 @@ class _Work:
         if wanted.any():
             crumbs = np.append(False, wanted)[labels]
             labels[crumbs] = 0
-            around = binary_dilation(crumbs) & ((self._density <= self._level) | crumbs)
-            self._density[around] = np.minimum(self._density[around], self._level / 2)
+            around = binary_dilation(crumbs) & ((self.density <= self._level) | crumbs)
+            self.density[around] = np.minimum(self.density[around], self._level / 2)
         dropped = int(wanted.sum())
         self._crumbs += dropped
         return dropped
@@ -162,7 +170,7 @@ class _Work:
     def _fill_bubbles(self) -> int:
         """Fill the smallest hollows; return how many are left."""
         for _ in range(_ATTEMPTS):
-            hollows = hollows_below(self._density, self._level)
+            hollows = hollows_below(self.density, self._level)
             excess = hollows.count - self._most.bubbles
             if excess <= 0:
                 break
@@ -171,7 +179,7 @@ class _Work:
             smallest[1 + np.argsort(sizes[1:], kind="stable")[:excess]] = True
             # With the cells around them, so that a slightly higher level does not bring them back.
             filled = binary_dilation(smallest[hollows.labels])
-            self._density[filled] = np.maximum(self._density[filled], RAISED * self._level)
+            self.density[filled] = np.maximum(self.density[filled], RAISED * self._level)
             self._filled += excess
         return hollows.count
 

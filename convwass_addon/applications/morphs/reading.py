@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter
 
 from ...errors import InputError
 from ...geometry.connectivity import Connectivity
+from ...geometry.even_surface import even_surface
 from ...geometry.isosurface import LevelSurface, bounding_box, surface_at_level, surface_enclosing
 from ...geometry.mending import mended_surface
 from ...geometry.thin_parts import locally_normalized, lost_parts
@@ -85,7 +86,9 @@ def read_surface(
     if settings.level == "half-max":
         surface = surface_at_level(density, float(density.max()) / 2)
         lost = lost_parts(density, density > surface.level, _REACH * sigma)
-        return Reading(surface, {"found": asdict(Connectivity.of(surface)), "lost": lost.record()})
+        return Reading(
+            even_surface(surface, density), {"found": asdict(Connectivity.of(surface)), "lost": lost.record()}
+        )
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
@@ -107,7 +110,7 @@ def _mended(prepared: _Prepared, volume: float, shapes: Sequence[Connectivity], 
     """Return the surface in the box of a density, mended as far as the settings ask for it."""
     if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
-        return Reading(surface, {"found": asdict(Connectivity.of(surface))})
+        return Reading(even_surface(surface, prepared.density), {"found": asdict(Connectivity.of(surface))})
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A level set meshed with quads of even size instead of the slivers of marching cubes.
+
+The vertices of the dual are moved along the surface towards the middle of their neighbors, and back onto it by Newton
+steps. The surface is that of the density as if it were a blurred solid: see :func:`straightened`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from .cubic_sampling import cubic_samples
+from .dual_surface import DualSurface, dual_surface
+from .isosurface import LevelSurface, bounding_box
+from .mesh import TriangleMesh
+from .quad_cleaning import without_short_edges
+
+# Rounds of evening out. On a horse at 64 cells the first percentile of angles is 29 degrees after one, 32 after two.
+_ROUNDS = 2
+# Vertices leave their cube by so much at the most, in cells, so that the surface cannot fold.
+_LEEWAY = 0.3
+# The surface is less than this away from points of the dual, in cells: 0.24 on a horse, an octopus and a turned box.
+_LONGEST_STEP = 0.3
+# Gradients that are less than this, where the steepest are about one, do not tell where the surface is.
+_LEAST_SLOPE = 0.05
+# To enclose the volume all vertices are shifted along their normals, usually by 0.004 cells. Where more than this share
+# of the volume was missing it is measured again, so many times at the most.
+_MUCH_MISSING, _SHIFTS = 5e-3, 6
+# Samples around those inside: interpolation takes two, and vertices leave their cubes.
+_MARGIN = 3
+# Where a density differs from its level by a larger share of it, it is far from the surface.
+_FAR = 0.95
+# Power series of the inverse error function, erfinv(e) = sqrt(pi) / 2 (e + pi / 12 e^3 + ...).
+_SERIES = (1.0, np.pi / 12, 7 * np.pi**2 / 480, 127 * np.pi**3 / 40320, 4369 * np.pi**4 / 5806080)
+# Diagonals of a quad count as equally long up to this ratio; the first of both is taken then.
+_EQUAL = 0.98
+
+
+def even_surface(surface: LevelSurface, density: NDArray[np.floating]) -> LevelSurface:
+    """Mesh a level set anew: about as many triangles, of the same topology and volume, without slivers.
+
+    Parameters
+    ----------
+    surface : LevelSurface
+        As :func:`.isosurface.surface_at_level` draws it.
+    density : (nx, ny, nz)
+        Of which it is a level set.
+
+    Returns
+    -------
+    LevelSurface
+        Triangles 2 i and 2 i + 1 of its mesh are a quad (a, b, c, d) as (a, b, c) and (a, c, d); after all quads there
+        may be a few single triangles.
+    """
+    box, low = _surroundings(density, surface.level)
+    dual = without_short_edges(dual_surface(surface.mesh.moved(-low - 0.5), box > surface.level))
+    points, normals = _evened(dual, straightened(box, surface.level))
+    mesh = TriangleMesh(points + (low + 0.5), _triangles(points, dual))
+    return LevelSurface(_enclosing(mesh, normals, surface.mesh.volume), surface.level)
+
+
+def straightened(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
+    """Turn a density, (nx, ny, nz), into about the signed distance from its level set, positive inside, in some unit.
+
+    Next to a flat face, a solid that is blurred by sigma has the density level (1 + erf(d / (sqrt(2) sigma))) at the
+    signed distance d. Interpolating the density itself is off by up to 0.03 cells for sigma = 0.7, interpolating d by
+    0.004 (on a sphere with a radius of 20 cells).
+    """
+    excess = np.subtract(density, np.float32(level), dtype=np.float32)
+    excess /= np.float32(level)
+    np.clip(excess, -_FAR, _FAR, out=excess)
+    square = excess * excess
+    result = np.full_like(excess, _SERIES[-1])
+    for coefficient in _SERIES[-2::-1]:
+        result *= square
+        result += np.float32(coefficient)
+    result *= excess
+    return result
+
+
+def _surroundings(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.floating], NDArray[np.int64]]:
+    """Return the box of samples about the surface, with zeros beyond the grid, and its first sample, (3,)."""
+    low, high = bounding_box(density > level)
+    low, high = low - _MARGIN, high + _MARGIN
+    box = np.zeros(high - low, density.dtype)
+    source = tuple(slice(max(a, 0), min(b, n)) for a, b, n in zip(low, high, density.shape, strict=True))
+    box[tuple(slice(s.start - a, s.stop - a) for s, a in zip(source, low, strict=True))] = density[source]
+    return box, low
+
+
+def _evened(dual: DualSurface, field: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the points of a dual, moved, and outward unit normals of the field there, both (n, 3).
+
+    Points that do not find the surface near them, or turn a quad over, stay where they are, with a normal of zero:
+    crumbs may be too small for the field.
+    """
+    low, high = dual.cubes - _LEEWAY, dual.cubes + (1.0 + _LEEWAY)
+    middles = _Middles(dual)
+    points, normals, found = _projected(dual.points, field, low, high)
+    points[~found] = dual.points[~found]
+    for _ in range(_ROUNDS):
+        moves = middles.of(points) - points
+        moves -= np.einsum("nd,nd->n", moves, normals)[:, None] * normals
+        moves[~found] = 0.0
+        points = np.clip(points + moves, low, high)
+    points, normals, _ = _projected(points, field, low, high)
+    before, after = (_area_vectors(at, dual.quads) for at in (dual.points, points))
+    found[dual.quads[np.einsum("nd,nd->n", before, after) < 0.0]] = False
+    points[~found] = dual.points[~found]
+    normals[~found] = 0.0
+    return points, normals
+
+
+def _area_vectors(points: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return normals of quads, (q, 3), as long as twice their area."""
+    a, b, c, d = (points[own] for own in quads.T)
+    return np.cross(c - a, d - b)
+
+
+def _projected(
+    points: NDArray[np.float64], field: NDArray[np.float32], low: NDArray[np.float64], high: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Take a Newton step onto the zero level of a field, within boxes.
+
+    Returns
+    -------
+    points : (n, 3) float64
+    normals : (n, 3) float64
+        Unit normals before the step, outward; shorter where gradients are too small to count.
+    found : (n,) bool
+        Whether the surface was near.
+    """
+    samples = cubic_samples(field, points)
+    slopes = np.maximum(np.linalg.norm(samples.gradients, axis=1), _LEAST_SLOPE)
+    normals = samples.gradients / -slopes[:, None].astype(np.float64)
+    steps = samples.values / slopes
+    found = np.abs(steps) < _LONGEST_STEP
+    steps = np.clip(steps, -_LONGEST_STEP, _LONGEST_STEP)
+    return np.clip(points + steps[:, None] * normals, low, high), normals, found
+
+
+def _enclosing(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float) -> TriangleMesh:
+    """Shift a surface along the normals of its vertices, (n, 3), until it encloses a volume."""
+    for _ in range(_SHIFTS):
+        missing = volume - mesh.volume
+        shift = np.clip(missing / mesh.area, -_LEEWAY, _LEEWAY)
+        mesh = TriangleMesh(mesh.vertices + shift * normals, mesh.faces)
+        if abs(missing) <= _MUCH_MISSING * abs(volume):
+            break
+    return mesh
+
+
+class _Middles:
+    """Means of the middles of the faces around every point of a surface."""
+
+    def __init__(self, dual: DualSurface) -> None:
+        quads, triangles, count = len(dual.quads), len(dual.triangles), len(dual.points)
+        corners = np.concatenate([dual.quads.ravel(), dual.triangles.ravel()])
+        ends = np.concatenate([np.arange(0, 4 * quads, 4), np.arange(4 * quads, len(corners) + 1, 3)])
+        self._faces = csr_array((np.ones(len(corners)), corners, ends), shape=(quads + triangles, count))
+        self._shares = np.repeat([1.0 / 4.0, 1.0 / 3.0], [quads, triangles])[:, None]
+        self._faces_around = np.bincount(corners, minlength=count)[:, None]
+
+    def of(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return them for points at some places, (n, 3)."""
+        return self._faces.T @ ((self._faces @ points) * self._shares) / self._faces_around
+
+
+def _triangles(points: NDArray[np.float64], dual: DualSurface) -> NDArray[np.int64]:
+    """Cut quads along their shorter diagonals; those that are no quads come last."""
+    a, b, c, d = (points[own] for own in dual.quads.T)
+    lengths = [np.einsum("nd,nd->n", line, line) for line in (c - a, d - b)]
+    across = lengths[1] < _EQUAL**2 * lengths[0]
+    quads = np.where(across[:, None], np.roll(dual.quads, -1, axis=1), dual.quads)
+    return np.concatenate([quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), dual.triangles])
