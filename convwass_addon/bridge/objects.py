@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
+from ..geometry.polygons import Polygons
 
 if TYPE_CHECKING:
     from ..applications.morphs.part_labels import FaceLabels
@@ -148,7 +149,7 @@ def frozen_copy(
     return mesh
 
 
-def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
+def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons | None = None) -> None:
     """Replace the geometry of a mesh, smooth shaded.
 
     Parameters
@@ -157,16 +158,18 @@ def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
         Its materials stay.
     mesh : TriangleMesh
         In the local space of the objects that use `mesh_data`.
+    polygons : Polygons, optional
+        The faces instead of the triangles.
     """
+    polygons = polygons or Polygons.of_triangles(mesh.faces)
     mesh_data.clear_geometry()
-    triangles = len(mesh.faces)
     mesh_data.vertices.add(len(mesh.vertices))
-    mesh_data.loops.add(3 * triangles)
-    mesh_data.polygons.add(triangles)
+    mesh_data.loops.add(len(polygons.corners))
+    mesh_data.polygons.add(len(polygons.starts))
     # Only contiguous arrays of exactly these types are copied at once; others go element by element.
     mesh_data.vertices.foreach_set("co", _short(mesh.vertices).ravel())
-    mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(mesh.faces, dtype=np.int32).ravel())
-    mesh_data.polygons.foreach_set("loop_start", np.arange(0, 3 * triangles, 3, dtype=np.int32))
+    mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(polygons.corners, dtype=np.int32))
+    mesh_data.polygons.foreach_set("loop_start", np.ascontiguousarray(polygons.starts, dtype=np.int32))
     mesh_data.shade_smooth()
     mesh_data.update(calc_edges=True)
 

@@ -36,7 +36,7 @@ examples:
 
 """
 
-WRITTEN = ("flat_output", "grays")
+WRITTEN = ("flat_output", "faces", "grays")
 """The settings of a request that say what is written; the others say what is made."""
 
 

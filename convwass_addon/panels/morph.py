@@ -210,6 +210,8 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         layout.prop(settings, "output", text="Type")
         if settings.output == "OBJECTS":
             layout.prop(settings, "flat_output")
+        if settings.output != "VOLUME":
+            layout.prop(settings, "faces")
         pictures = settings.output == "OBJECTS" and settings.flat_output == "PICTURE"
         if pictures:
             layout.prop(settings, "grays")

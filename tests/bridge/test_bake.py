@@ -28,6 +28,7 @@ from convwass_addon.bridge.morphs.stored import (
 )
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError, InputError
+from convwass_addon.geometry.mesh import TriangleMesh
 
 SETTINGS = {"frames": 4, "resolution": 64, "sharpness": None, "weights": [0.5, 0.5], "level": "volume"}
 RECORD = {"iterations": 12, "converged": True, "error": 1e-3, "ratio": float("nan"), "history": [1.0, 2.0]}
@@ -232,6 +233,22 @@ def test_single_blend_stays_in_place(baked):
     (obj,) = baked(single_blend([1, 1], 2)).objects
     assert tuple(obj.location) == (0, 0, 0)
     assert not obj.hide_render
+
+
+@pytest.mark.parametrize(("faces", "corners"), [("TRIANGLES", [3] * 12), ("QUADS", [4] * 6), (None, [3] * 12)])
+def test_frames_are_made_of_the_faces_asked_for(bare_scene, inputs, faces, corners):
+    points = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    quads = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
+    cube = TriangleMesh.from_arrays(points, quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3))
+    blend = single_blend([0.5, 0.5], 2)[0]
+    bake = MorphBake.begin(bare_scene, inputs, [blend], {**SETTINGS, **({"faces": faces} if faces else {})}, 1)
+    bake.preview(MorphFrame(blend, cube, {}))
+    mesh = bake.add(MorphFrame(blend, cube, RECORD)).data
+    assert [len(polygon.vertices) for polygon in mesh.polygons] == corners
+    assert not mesh.validate()
+    mesh.calc_loop_triangles()
+    assert len(mesh.loop_triangles) == 12
+    bake.finish(hide_inputs=True)
 
 
 def test_discard_leaves_nothing(bare_scene, inputs, morph_frames, inventory):

@@ -16,6 +16,8 @@ from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph_problem import MorphFrame
 from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
+from ...geometry.mesh import TriangleMesh
+from ...geometry.polygons import Polygons
 from ..frame_range import play_among_others, play_whole
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
@@ -139,7 +141,7 @@ class MorphBake:
         if obj is None:
             obj = self._shown_object(frame, index)
         elif frame.mesh is not None:
-            write_mesh(obj.data, frame.mesh)
+            self._write(obj.data, frame.mesh)
         self._finished[index] = _Finished(Handle.of("objects", obj), frame.record)
         return obj
 
@@ -159,7 +161,7 @@ class MorphBake:
         if obj is None:
             self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
         elif frame.mesh is not None:
-            write_mesh(obj.data, frame.mesh)
+            self._write(obj.data, frame.mesh)
 
     def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
         """Make an object at its place and with its keyframes."""
@@ -181,9 +183,14 @@ class MorphBake:
             data = self._living(self._inputs[frame.blend.source].mesh)
         else:
             data = bpy.data.meshes.new(name)
-            write_mesh(data, frame.mesh)
+            self._write(data, frame.mesh)
         wear_material(data)
         return bpy.data.objects.new(name, data)
+
+    def _write(self, data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
+        """Give a frame its surface, made of the faces that were asked for."""
+        quads = self._stored.settings.get("faces") == "QUADS"
+        write_mesh(data, mesh, Polygons.of_quads(mesh.faces) if quads else None)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Store the settings, fit the scene's frame range, and return the collection.

@@ -130,6 +130,17 @@ class MorphRequest(Settings):
         "drawings of one Grease Pencil object, or a sequence of PNG files beside the .blend and a plane that shows it; "
         "anything else than objects, --render and --export take meshes",
     )
+    faces: str = setting(
+        "TRIANGLES",
+        "Faces",
+        "What the meshes of blends are made of",
+        choices=(
+            Choice("TRIANGLES", "Triangles", "Triangles of even size"),
+            Choice(
+                "QUADS", "Quads", "Quads of even size, and triangles in a few narrow places; to sculpt or subdivide"
+            ),
+        ),
+    )
     grays: str = setting(
         "IMAGES",
         "Grays",

@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Faces with any number of corners, as Blender stores them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Polygons:
+    """Faces of a mesh.
+
+    Attributes
+    ----------
+    corners : (c,) int64
+        Vertices of all faces, one face after the other; counter-clockwise seen from outside.
+    starts : (f,) int64
+        Where each face begins among them.
+    """
+
+    corners: NDArray[np.int64]
+    starts: NDArray[np.int64]
+
+    @classmethod
+    def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:
+        """Take triangles, (m, 3), as they are."""
+        return cls(faces.ravel(), np.arange(0, faces.size, 3))
+
+    @classmethod
+    def of_quads(cls, faces: NDArray[np.int64]) -> Polygons:
+        """Join each pair of triangles (a, b, c) and (a, c, d) that follow each other, of (m, 3), to (a, b, c, d).
+
+        Pairs begin at even rows, as in :func:`.even_surface.even_surface`. Others stay triangles and come last.
+        """
+        paired = faces[: len(faces) // 2 * 2].reshape(-1, 2, 3)
+        fits = (paired[:, 0, 0] == paired[:, 1, 0]) & (paired[:, 0, 2] == paired[:, 1, 1])
+        quads = paired[fits].reshape(-1, 6)[:, [0, 1, 2, 5]]
+        rest = np.concatenate([paired[~fits].reshape(-1, 3), faces[2 * len(paired) :]])
+        starts = [np.arange(0, quads.size, 4), quads.size + np.arange(0, rest.size, 3)]
+        return cls(np.concatenate([quads.ravel(), rest.ravel()]), np.concatenate(starts))
