@@ -17,6 +17,7 @@ from . import (
     constants,
     correspondences,
     flat,
+    meshing,
     midpoints,
     morph,
     peers,
@@ -99,9 +100,12 @@ def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
     parser.add_argument("--clean-only", action="store_true", help="only whether the frames of twelve pairs are clean")
     parser.add_argument("--held-back", action="store_true", help="take the pairs that no parameter was chosen by")
+    parser.add_argument("--meshing-only", action="store_true", help="only what meshes are like beside Blender's Remesh")
     parser.set_defaults(
-        run=lambda options: quality.main(
-            options.cells, options.meshes, clean_only=options.clean_only, held_back=options.held_back
+        run=lambda options: (
+            meshing.print_meshes(options.cells)
+            if options.meshing_only
+            else quality.main(options.cells, options.meshes, clean_only=options.clean_only, held_back=options.held_back)
         )
     )
 

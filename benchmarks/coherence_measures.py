@@ -24,6 +24,9 @@ from .rival_measures import Hold
 REACH_SHARE = 0.95
 """Share of the volume that a shape's reach holds."""
 
+WORST_PERCENTILE = 1.0
+"""Triangles with a lower corner in this percentile are the worst."""
+
 # A step that has a point moving more than so many times the mean is a jump.
 _JUMP = 2.0
 # A limb is looked for within this angle about its direction, and no farther than so many times its length.
@@ -32,8 +35,6 @@ _CONE, _OVERLONG = np.radians(13.0), 1.25
 _LAGS = np.linspace(-0.15, 0.15, 7)
 # Vertices beyond this share of the reach are the limb's tip.
 _TIP_SHARE = 0.95
-# Triangles with a lower corner in this percentile are the worst.
-_WORST_PERCENTILE = 1.0
 
 
 @dataclass(frozen=True)
@@ -127,12 +128,16 @@ def changes_of_topology(meshes: Sequence[TriangleMesh]) -> int:
 
 def worst_angle(mesh: TriangleMesh) -> float:
     """Return the first percentile of the smallest angles of the triangles, in degrees."""
+    return float(np.percentile(smallest_angles(mesh), WORST_PERCENTILE))
+
+
+def smallest_angles(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return the smallest angle of every triangle, (m,), in degrees."""
     sides = np.roll(mesh.corners, -1, axis=1) - mesh.corners
     lengths = np.maximum(np.linalg.norm(sides, axis=2, keepdims=True), 1e-300)
     units = sides / lengths
     cosines = -np.einsum("fcd,fcd->fc", units, np.roll(units, 1, axis=1))
-    smallest = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0))).min(axis=1)
-    return float(np.percentile(smallest, _WORST_PERCENTILE))
+    return np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0))).min(axis=1)
 
 
 def crossing_share(mesh: TriangleMesh) -> float:

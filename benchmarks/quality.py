@@ -9,6 +9,7 @@ from statistics import mean
 
 from .clean_frames import print_clean_frames
 from .coherence_pairs import half
+from .meshing import print_meshes
 from .processes import PROJECT, measured
 
 _CASES = "benchmarks.quality_cases"
@@ -82,6 +83,7 @@ def main(cells: int, meshes: Path | None, *, clean_only: bool = False, held_back
     if clean_only:
         return
     pairs = [*((str(SHAPES / f"{a}.ply"), str(SHAPES / f"{b}.ply")) for a, b in PAIRS), *_further_pairs(meshes)]
+    print_meshes(cells)
     _print_ellipsoids(cells)
     _print_handles(pairs, cells, frames=24)
     _print_edges(pairs, cells)

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the meshes of a level set are like, beside those of Blender's Remesh and of OpenVDB's adaptive meshing."""
+
+from __future__ import annotations
+
+from .meshing_cases import METHODS
+from .processes import measured
+
+SHAPES = ("ball", "torus", "turned box", "horse", "octopus")
+
+_HEADING = """
+Shapes at {cells} cells, blurred as in a morph, meshed in several ways. Remesh gets the mesh of marching cubes and
+voxels of one cell.
+
+angle     of the smallest angles of all triangles, the first percentile and the median, degrees
+edges     first percentile, median and 99th percentile of their lengths, cells
+off       mean distance of the vertices to the true surface, cells; turn: mean angle of their normals to the true ones
+volume    difference from the shape's
+topology  difference of the Euler number from marching cubes', and edges with other than two triangles
+"""
+
+
+def print_meshes(cells: int) -> None:
+    """Mesh all shapes in all ways and print a table."""
+    print(_HEADING.format(cells=cells))
+    print(
+        f"{'shape':11} {'method':23} {'triangles':>9} {'angle':>10} {'edges':>14} {'off':>6} {'turn':>5} {'volume':>8} "
+        f"{'topology':>8} {'CPU':>6}"
+    )
+    for shape in SHAPES:
+        for method in METHODS:
+            found = measured("benchmarks.meshing_cases", "meshed", shape=shape, method=method, cells=cells)
+            print(line(shape, method, found), flush=True)
+
+
+def line(shape: str, method: str, found: dict[str, object]) -> str:
+    """Return a row of the table."""
+    off, turn = (
+        "" if found[name] is None else f"{found[name]:.{places}f}" for name, places in (("off", 3), ("turn", 1))
+    )
+    edges = " ".join(f"{length:.2f}" for length in found["edges"])
+    return (
+        f"{shape:11} {method:23} {found['triangles']:9} {found['angle']:5.1f} {found['median_angle']:4.1f} {edges:>14} "
+        f"{off:>6} {turn:>5} {100 * found['volume']:6.2f} % {found['euler']:3} {found['uneven']:4} {found['cpu']:6.3f}"
+    )
