@@ -49,12 +49,18 @@ class Stage:
         Size of the neighborhoods that turn and scale together, on the surface of unit area.
     rounds : int
         How many.
+    give : float or None
+        Strain from which on the surface gives way, so that strain gathers where it bends; None where it is spread.
+    grip : float
+        Share of the closest points' weight with which they also hold against sliding along the surface. Needs `give`.
     """
 
     closeness: float
     trust: float
     width: float
     rounds: int
+    give: float | None = None
+    grip: float = 1.0
 
 
 BY_PAIRS = (Stage(0.0, 0.0, 0.1, 10), Stage(3.0, 0.0, 0.1, 8), Stage(10.0, 0.0, 0.08, 8))
@@ -67,6 +73,46 @@ SETTLING = (Stage(100.0, 0.0, 0.04, 8), Stage(300.0, 0.0, 0.03, 6))
 """From where it is nearly right."""
 TO_THE_END = (Stage(30.0, 0.0, 0.06, 8), *SETTLING)
 """From any of the others."""
+
+
+@dataclass(frozen=True)
+class _Pulls:
+    """Points of the target that pull vertices of the source.
+
+    Attributes
+    ----------
+    vertices : (k,) int64
+        Vertices of the source, some perhaps more than once.
+    weights : (k,) float64
+    positions, normals : (k, 3) float64
+        Of the points.
+    """
+
+    vertices: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64]
+
+    def weight_sums(self, count: int) -> NDArray[np.float64]:
+        """Return the weights that pull each of `count` vertices, (n,)."""
+        return np.bincount(self.vertices, self.weights, count)
+
+    def pulled(self, count: int) -> NDArray[np.float64]:
+        """Return the weighted positions that pull each of `count` vertices, (n, 3)."""
+        return _summed(self.vertices, self.weights[:, None] * self.positions, count)
+
+    def springs(self, count: int, grip: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return springs, (n, 3, 3), of which a share `grip` also holds along the surface, and their pulls, (n, 3)."""
+        across = (1.0 - grip) * self.normals[:, :, None] * self.normals[:, None, :]
+        springs = self.weights[:, None, None] * (across + grip * np.eye(3))
+        pulls = np.einsum("kij,kj->ki", springs, self.positions)
+        sums = _summed(self.vertices, np.concatenate([springs.reshape(-1, 9), pulls], axis=1), count)
+        return sums[:, :9].reshape(-1, 3, 3), sums[:, 9:]
+
+
+def _summed(rows: NDArray[np.int64], values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Sum the values, (k, d), of every row, (n, d)."""
+    return np.stack([np.bincount(rows, column, count) for column in values.T], axis=1)
 
 
 class Registration:
@@ -116,31 +162,38 @@ class Registration:
     def _step(self, stage: Stage) -> None:
         areas = self._source.areas
         trusted = stage.trust * self._confidence * areas
-        weights = trusted + _HOLD * areas
+        held = trusted + _HOLD * areas
         pulls = trusted[:, None] * self._guess + _HOLD * areas[:, None] * self.points
-        if stage.closeness > 0:
-            near, sums = self._closest(stage.closeness)
-            weights = weights + self._pulled * near
-            pulls += self._pulled[:, None] * sums
         here, there = self._pairs.T
-        np.add.at(weights, here, _PAIR_WEIGHT)
+        np.add.at(held, here, _PAIR_WEIGHT)
         np.add.at(pulls, here, _PAIR_WEIGHT * self._target.vertices[there])
-        self.points = self._shape.relaxed(self.points, weights, pulls, stage.width)
+        found = self._closest(stage.closeness) if stage.closeness > 0 else []
+        if stage.give is None:
+            for near in found:
+                held += near.weight_sums(len(areas))
+                pulls += near.pulled(len(areas))
+            self.points = self._shape.relaxed(self.points, held, pulls, stage.width)
+            return
+        springs = held[:, None, None] * np.eye(3)
+        for near in found:
+            own, aims = near.springs(len(areas), stage.grip)
+            springs += own
+            pulls += aims
+        self.points = self._shape.relaxed_robustly(self.points, springs, pulls, stage.width, stage.give)
 
-    def _closest(self, closeness: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return weights, (n,), and weighted positions, (n, 3), of the closest points here and there."""
+    def _closest(self, closeness: float) -> list[_Pulls]:
+        """Return how the closest points pull, from here to there and back."""
         normals = vertex_normals(self.points, self._source.mesh.faces)
         found = self._samples.find(self.points, normals)
-        agreement = np.einsum("nd,nd->n", self._facing[found.triangles], normals)
-        weights = closeness * self._source.areas * np.maximum(agreement, 0.0)
-        pulls = weights[:, None] * found.interpolated(self._target.mesh.corners)
+        facing = self._facing[found.triangles]
+        agreement = np.maximum(np.einsum("nd,nd->n", facing, normals), 0.0)
+        positions = found.interpolated(self._target.mesh.corners)
+        everywhere = np.arange(len(self.points))
+        there = _Pulls(everywhere, self._pulled * closeness * self._source.areas * agreement, positions, facing)
         nearest = self._nearest(normals)
-        agreement = np.einsum("nd,nd->n", normals[nearest], self._target_normals)
-        back = closeness * self._target.areas * np.maximum(agreement, 0.0)
-        weights += np.bincount(nearest, back, len(weights))
-        for axis, column in enumerate(self._target.vertices.T):
-            pulls[:, axis] += np.bincount(nearest, back * column, len(weights))
-        return weights, pulls
+        agreement = np.maximum(np.einsum("nd,nd->n", normals[nearest], self._target_normals), 0.0)
+        weights = self._pulled[nearest] * closeness * self._target.areas * agreement
+        return [there, _Pulls(nearest, weights, self._target.vertices, self._target_normals)]
 
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the source's vertex nearest to each of the target's."""
@@ -151,8 +204,11 @@ class Registration:
         """Return the points of the target where the source's vertices have come to lie."""
         return self._samples.find(self.points, vertex_normals(self.points, self._source.mesh.faces))
 
-    def energy(self) -> float:
-        """Return what is left to be desired: strain, distances to the closest points both ways, and pairs missed."""
+    def energy(self, give: float | None = None) -> float:
+        """Return what is left to be desired: strain, distances to the closest points both ways, and pairs missed.
+
+        No edge counts more than one that is strained by `give`, if that is given.
+        """
         normals = vertex_normals(self.points, self._source.mesh.faces)
         found = self._samples.find(self.points, normals)
         nearest = self._nearest(normals)
@@ -160,4 +216,8 @@ class Registration:
         here, partners = self._pairs.T
         missed = np.square(self.points[here] - self._target.vertices[partners]).sum()
         apart = self._source.areas @ np.square(found.distances) + self._target.areas @ there
-        return self._shape.strain(self.points, _JUDGED_WIDTH) + _JUDGED_CLOSENESS * apart + _PAIR_WEIGHT * missed
+        if give is None:
+            strain = self._shape.strain(self.points, _JUDGED_WIDTH)
+        else:
+            strain = self._shape.robust_strain(self.points, _JUDGED_WIDTH, give)
+        return strain + _JUDGED_CLOSENESS * apart + _PAIR_WEIGHT * missed

@@ -9,7 +9,9 @@ of how the other was laid on it, and from place to place the better is taken.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,10 @@ _DRAFT_VERTICES = 1500
 _FROM_MAP = (Stage(0.0, 100.0, 0.06, 3), Stage(20.0, 30.0, 0.05, 5), Stage(100.0, 5.0, 0.04, 5))
 _FROM_PLACE = (*AS_PLACED, Stage(30.0, 0.0, 0.06, 6), Stage(100.0, 0.0, 0.04, 3))
 _HEALING = (Stage(20.0, 30.0, 0.05, 4), Stage(100.0, 5.0, 0.04, 4))
+# Strain from which on a surface gives way, so that joints bend and what lies between them keeps its length, and how
+# coarse meshes are laid on each other then (docs/performance.md, Motions).
+_GIVE = 0.2
+_TIGHTENING = (Stage(30.0, 20.0, 0.05, 2, _GIVE), Stage(100.0, 0.0, 0.04, 6, _GIVE, 0.1))
 _FINISHING = (Stage(100.0, 5.0, 0.04, 3), Stage(300.0, 0.0, 0.03, 5))
 # What a place pays: for the way there and back and for its distance, both in sizes of the surface, and for the
 # logarithm of its stretch. At these values it pays one, which is the most for each.
@@ -90,6 +96,42 @@ class _Proposal:
     inverse: Laid
 
 
+@dataclass(frozen=True)
+class _Registered:
+    """A mesh that has been laid on another.
+
+    Attributes
+    ----------
+    mesh, target : TriangleMesh
+        The two.
+    own : (m,) int64
+        Vertices of the mesh of which it is known where they lie.
+    faces : (t, 3) int64
+        Triangles between those, by their places in `own`.
+    known : (m, 3) float64
+        Where these lie.
+    laid : Registration
+        Knows how well they fit.
+    """
+
+    mesh: TriangleMesh
+    own: NDArray[np.int64]
+    faces: NDArray[np.int64]
+    target: TriangleMesh
+    known: NDArray[np.float64]
+    laid: Registration
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """Where all vertices lie, (n, 3)."""
+        return with_others(self.mesh.vertices, self.own, self.known)
+
+    def drawn(self, control: Control) -> NDArray[np.float64]:
+        """Return the same, (n, 3), drawn to the target along the normals."""
+        drawn = drawn_along_normals(TriangleMesh(self.known, self.faces), self.target, control)
+        return with_others(self.mesh.vertices, self.own, drawn)
+
+
 def laid_on_each_other(
     shapes: tuple[Carrier, Carrier], starts: tuple[Laid, Laid], pairs: NDArray[np.int64], control: Control
 ) -> tuple[Laid, Laid]:
@@ -122,7 +164,7 @@ def laid_on_each_other(
     rough = [
         Laid(start.points[draft.seeds], start.trust[draft.seeds]) for start, draft in zip(starts, drafts, strict=True)
     ]
-    drafted = _drafted(drafts, rough, ends, control)
+    drafted = _tightened(drafts, _drafted(drafts, rough, ends, control), ends, control)
     found = []
     for k in (0, 1):
         draft, own = drafts[k], drafted[k]
@@ -130,7 +172,7 @@ def laid_on_each_other(
         begin = Laid(
             draft.carried(own.points, gradients), own.trust if draft.blend is None else draft.blend @ own.trust
         )
-        found.append(_registered(shapes[k], shapes[1 - k], begin, both[k], _FINISHING, control, draw=True))
+        found.append(_registered(shapes[k], shapes[1 - k], begin, both[k], _FINISHING, control).drawn(control))
     homes = [_home(shapes[k], shapes[1 - k], *found[:: 1 - 2 * k]) for k in (0, 1)]
     return tuple(
         Laid(points, np.exp(-0.5 * np.square(home / _MISSED))) for points, home in zip(found, homes, strict=True)
@@ -162,6 +204,29 @@ def _drafted(
     return [_trusted(found) for found in kept]
 
 
+def _tightened(
+    drafts: tuple[Carrier, Carrier], starts: list[Laid], pairs: NDArray[np.int64], control: Control
+) -> list[Laid]:
+    """Lay coarse meshes on each other such that limbs keep their lengths and strain gathers in joints.
+
+    Maps slide along limbs, which look alike all along. Skin that is gone under a raised arm on one of the shapes cannot
+    be found from there, but from the other one: where the two ways disagree, the inverse of the other is tried too.
+    """
+    both = pairs, pairs[:, ::-1]
+
+    def tightened(k: int, start: Laid) -> _Registered:
+        return _registered(drafts[k], drafts[1 - k], start, both[k], _TIGHTENING, control)
+
+    best = [tightened(k, starts[k]) for k in (0, 1)]
+    for k in (0, 1):
+        own, other = drafts[k], drafts[1 - k]
+        if not _agree(drafts, best, k):
+            inverse = _judged(other, own, best[1 - k].points, control).inverse
+            rival = tightened(k, inverse)
+            best[k] = min(best[k], rival, key=lambda one: one.laid.energy(_GIVE))
+    return [_trusted(_judged(drafts[k], drafts[1 - k], best[k].points, control)) for k in (0, 1)]
+
+
 def _total(drafts: tuple[Carrier, Carrier], found: list[_Proposal]) -> float:
     """Return what both shapes pay on average, and for how far from home the way there and back ends."""
     total = 0.0
@@ -172,7 +237,7 @@ def _total(drafts: tuple[Carrier, Carrier], found: list[_Proposal]) -> float:
     return total
 
 
-def _agree(drafts: tuple[Carrier, Carrier], found: list[_Proposal], k: int) -> bool:
+def _agree(drafts: tuple[Carrier, Carrier], found: Sequence[_Proposal | _Registered], k: int) -> bool:
     """Tell whether the way there and back comes home."""
     home = _home(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
     return _share_95(home, drafts[k].mesh.vertex_areas) <= _NEAR_HOME
@@ -190,7 +255,7 @@ def _mended(
     own, other = drafts[k], drafts[1 - k]
     for start, stages in ways:
         best = _fused(own, best, _proposed(drafts, k, start, pairs, stages, control))
-    return _judged(own, other, _registered(own, other, _trusted(best), pairs, _HEALING, control), control)
+    return _judged(own, other, _registered(own, other, _trusted(best), pairs, _HEALING, control).points, control)
 
 
 def _proposed(
@@ -202,7 +267,7 @@ def _proposed(
     control: Control,
 ) -> _Proposal:
     own, other = drafts[k], drafts[1 - k]
-    return _judged(own, other, _registered(own, other, start, pairs, stages, control), control)
+    return _judged(own, other, _registered(own, other, start, pairs, stages, control).points, control)
 
 
 def _trusted(found: _Proposal) -> Laid:
@@ -289,10 +354,8 @@ def _registered(
     pairs: NDArray[np.int64],
     stages: tuple[Stage, ...],
     control: Control,
-    *,
-    draw: bool = False,
-) -> NDArray[np.float64]:
-    """Return the vertices of one mesh laid on another, (n, 3), from a start; parts without one go with the others."""
+) -> _Registered:
+    """Lay one mesh on another from a start; components without one go with the others."""
     mesh = source.mesh
     labels = vertex_components(mesh)
     known = (start.trust > 0) & (labels >= 0)
@@ -310,7 +373,4 @@ def _registered(
         for _ in range(stage.rounds):
             control.check()
             laid.advance(replace(stage, rounds=1))
-    points = size * laid.points + center
-    if draw:
-        points = drawn_along_normals(TriangleMesh(points, part.faces), target.mesh, control)
-    return with_others(mesh.vertices, own, points)
+    return _Registered(mesh, own, part.faces, target.mesh, size * laid.points + center, laid)

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces that resist being bent and sheared, spreading strain or leaving it in joints."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.elastic_surface import ElasticSurface
+from convwass_addon.geometry.unit_shape import UnitShape
+from tests.grids import figure, sheet
+
+WIDTH = 0.04
+
+
+@pytest.fixture(scope="module")
+def strip():
+    """A flat strip along x, three times as long as wide."""
+    mesh = sheet(31, 11)
+    shape = UnitShape.of(type(mesh)(mesh.vertices * (3.0, 1.0, 1.0), mesh.faces))
+    return shape, ElasticSurface(shape)
+
+
+def test_without_give_it_relaxes_as_it_does_with_equal_springs():
+    shape = UnitShape.of(figure()[0])
+    surface = ElasticSurface(shape)
+    rng = np.random.default_rng(0)
+    points = shape.vertices + 0.02 * rng.normal(size=shape.vertices.shape)
+    weights = shape.areas * rng.uniform(1.0, 100.0, len(points))
+    pulls = weights[:, None] * (shape.vertices * (1.2, 1.0, 0.9))
+    expected = surface.relaxed(points, weights, pulls, WIDTH)
+    springs = weights[:, None, None] * np.eye(3)
+    found = surface.relaxed_robustly(points, springs, pulls, WIDTH, give=1e6)
+    np.testing.assert_allclose(found, expected, atol=1e-3 * np.linalg.norm(expected, axis=1).max())
+
+
+def test_strain_stays_where_it_is_large(strip):
+    """A strip whose middle is drawn apart, held at both ends: its halves keep their lengths or become longer."""
+    shape, surface = strip
+    x = shape.vertices[:, 0]
+    apart = 0.1 * np.clip(x / 0.2, -1.0, 1.0)
+    start = shape.vertices + np.stack([apart, 0 * x, 0 * x], axis=1)
+    held = np.abs(x) > 0.95 * x.max()
+    springs = np.where(held, 10.0, 0.0)[:, None, None] * np.eye(3)
+    pulls = np.einsum("nij,nj->ni", springs, start)
+
+    def stretched(give):
+        points = start
+        for _ in range(12):
+            points = surface.relaxed_robustly(points, springs, pulls, WIDTH, give)
+        quarter, end = (np.abs(x - share * x.max()) < 0.02 * x.max() for share in (0.4, 1.0))
+        return (points[end, 0].mean() - points[quarter, 0].mean()) / (0.6 * x.max()) - 1.0
+
+    # Spread evenly, every part becomes longer by this share; after twelve rounds, more than half of it.
+    evenly = 0.1 / x.max()
+    assert stretched(1e6) > 0.5 * evenly
+    assert stretched(0.03) < 0.2 * evenly
+
+
+def test_springs_across_a_surface_let_it_slide(strip):
+    shape, surface = strip
+    start = shape.vertices + np.array([0.1, 0.0, 0.05])
+    springs = 100.0 * shape.areas[:, None, None] * np.diag([0.0, 0.0, 1.0])
+    pulls = np.einsum("nij,nj->ni", springs, shape.vertices)
+    found = surface.relaxed_robustly(start, springs, pulls, WIDTH, give=0.2)
+    np.testing.assert_allclose(found, shape.vertices + np.array([0.1, 0.0, 0.0]), atol=1e-3)
