@@ -18,7 +18,8 @@ from .edge_energy import EdgeEnergy
 from .factorization import Factorization, factorize
 from .mesh import TriangleMesh
 
-# Weight per area with which vertices are drawn to their anchors: it fixes where every component is, and nothing else.
+# Weight per area, on a surface of unit area, with which vertices are drawn to their anchors by default: it fixes where
+# every component is, and nothing else.
 _ANCHORING = 1e-4
 # Triangles thinner than this, by area over squared longest edge, have no gradient of their own.
 _THIN = 1e-9
@@ -80,7 +81,7 @@ class PoissonDeformation:
     """Finds vertices whose triangles come closest to given deformation gradients.
 
     They minimize sum_tij w_tij |(y_i - y_j) - G_t (x_i - x_j)|^2 over the edges of triangles, plus the same for links,
-    plus a very small multiple of the squared distances from anchors. The system is factorized at its first use, and
+    plus a multiple of the squared distances from anchors. The system is factorized at its first use, and
     anew after it was sent to another process.
 
     Parameters
@@ -89,14 +90,17 @@ class PoissonDeformation:
         At rest, of any topology.
     links : Links
         Between its vertices.
+    anchoring : float
+        That multiple, per area where the whole surface has area one: parts larger than its square root's inverse follow
+        their anchors. By default, so small that only the mean of the anchors matters.
     """
 
-    def __init__(self, mesh: TriangleMesh, links: Links) -> None:
+    def __init__(self, mesh: TriangleMesh, links: Links, anchoring: float = _ANCHORING) -> None:
         self.mesh, self.links = mesh, links
         self._energy = EdgeEnergy.of(mesh)
         area = max(mesh.area, np.finfo(float).tiny)
         # A vertex that nothing holds goes to its anchor.
-        self._anchoring = _ANCHORING * np.maximum(mesh.vertex_areas / area, 1e-9)
+        self._anchoring = anchoring * np.maximum(mesh.vertex_areas / area, 1e-9)
         self._factor: Factorization | None = None
 
     def __getstate__(self) -> dict[str, object]:
@@ -115,7 +119,7 @@ class PoissonDeformation:
         link_vectors : (k, 3)
             What should lead from the second to the first end of every link.
         anchors : (n, 3)
-            Where vertices are drawn to; with exact gradients only their mean matters.
+            Where vertices are drawn to.
         """
         if self._factor is None:
             self._factor = factorize(self._system())

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.poisson_deformation import Links, PoissonDeformation
 from ...geometry.subdivision import with_short_edges
+from ...geometry.surface_samples import SurfaceSamples
 from ...progress import Control
 from ..far_meshes import refuse_far
 
@@ -28,6 +30,9 @@ _LONGEST_EDGE = 0.03
 _NEAR_ENOUGH = 1.5
 # Meshes that cannot be simplified are taken as they are up to so many times the vertices of a carrier.
 _BEARABLE = 8
+# Vertices that stand for the parts of a shape, how far they see each other, in sizes of the surface, and how firmly
+# their positions hold the surface: over more than a twentieth of its size (docs/performance.md, Motions).
+_SAMPLES, _REACH, _ANCHORING = 300, 0.3, 400.0
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,11 @@ class Carrier:
     def size(self) -> float:
         """Square root of the area."""
         return float(np.sqrt(self.mesh.area))
+
+    @cached_property
+    def samples(self) -> SurfaceSamples:
+        """Vertices of `mesh` that stand for its parts."""
+        return SurfaceSamples.of(self.mesh, _SAMPLES, _REACH)
 
     def places(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return which vertices of `mesh` some of `rest`, (k,), are; the nearest ones for those that are none."""
@@ -139,7 +149,7 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
                 most=_BEARABLE * count,
             )
     control.check()
-    poisson = PoissonDeformation(outward, component_links(outward, control))
+    poisson = PoissonDeformation(outward, component_links(outward, control), _ANCHORING)
     return Carrier(name, rest, cut.parents, outward, seeds, blend, poisson)
 
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.hinged_poses import hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.rotation_fields import rotation_matrices
@@ -158,12 +159,13 @@ class GuidedMotion:
         self, shape: int, shares: Mapping[int, float]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the gradients of a shape's triangles, its links and its anchors."""
-        mesh, links = self.carriers[shape].mesh, self.carriers[shape].poisson.links
+        carrier = self.carriers[shape]
+        mesh, links = carrier.mesh, carrier.poisson.links
         way, stiffness = self.settings.way, self.settings.stiffness
         others = [(way * share, self.deformations[shape, other]) for other, share in shares.items() if other != shape]
         stays = 1.0 - sum(share for share, _ in others)
         vectors = sum(share * found.vectors for share, found in others)
-        anchors = stays * mesh.vertices + sum(share * found.points for share, found in others)
+        offsets = (1.0 - stiffness) * sum(share * found.offsets for share, found in others)
         scale = stays + sum(share * found.scale for share, found in others)
         stretches = stays * np.eye(3) + sum(share * found.stretches for share, found in others)
         rest = mesh.vertices[links.ends[:, 0]] - mesh.vertices[links.ends[:, 1]]
@@ -171,6 +173,10 @@ class GuidedMotion:
         if stiffness > 0:
             stretches = (1.0 - stiffness) * stretches + stiffness * scale * np.eye(3)
             link_stretches = (1.0 - stiffness) * link_stretches + stiffness * scale * rest
+        poses, taken = [found.pose for _, found in others], [share for share, _ in others]
+        rigid = 1.0 - stiffness + stiffness * scale
+        parts = hinged_points(carrier.samples, mesh.vertices, poses, taken, rigid, 1.0 - stiffness)
+        anchors = parts + np.einsum("nij,nj->ni", rotation_matrices(vectors), offsets)
         gradients = rotation_matrices(vectors[mesh.faces].mean(axis=1)) @ stretches
         turned = np.einsum("kij,kj->ki", rotation_matrices(vectors[links.ends].mean(axis=1)), link_stretches)
         return gradients, turned, anchors

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPoints
 from ...geometry.elastic_surface import ElasticSurface
 from ...geometry.facing_points import FacingPointFinder
+from ...geometry.hinged_poses import HingedPose, hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.poisson_deformation import deformation_gradients
@@ -43,6 +44,10 @@ class ShapeDeformation:
         Q of every triangle.
     link_stretches : (k, 3) float64
         What every link becomes, turned back by its rotation.
+    pose : HingedPose
+        Where its parts come to lie.
+    offsets : (n, 3) float64
+        What the vertices differ by from where their parts take them, turned back.
     scale : float
         How much longer lengths of the whole shape become.
     images : ClosestPoints
@@ -55,6 +60,8 @@ class ShapeDeformation:
     vectors: NDArray[np.float64]
     stretches: NDArray[np.float64]
     link_stretches: NDArray[np.float64]
+    pose: HingedPose
+    offsets: NDArray[np.float64]
     scale: float
     images: ClosestPoints
     confidence: NDArray[np.float64]
@@ -98,8 +105,12 @@ def split_deformation(
     stretches = np.swapaxes(turns, 1, 2) @ deformation_gradients(mesh.vertices, points, mesh.faces)
     link_turns = rotation_matrices(vectors[links.ends].mean(axis=1))
     link_stretches = np.einsum("kji,kj->ki", link_turns, points[links.ends[:, 0]] - points[links.ends[:, 1]])
+    control.check()
+    pose = HingedPose.of(source.samples, mesh.vertices, points, vectors)
+    apart = points - hinged_points(source.samples, mesh.vertices, [pose], [1.0])
+    offsets = np.einsum("nji,nj->ni", rotation_matrices(vectors), apart)
     scale = float(np.sqrt(TriangleMesh(points, mesh.faces).area / mesh.area))
-    return ShapeDeformation(points, vectors, stretches, link_stretches, scale, images, laid.trust)
+    return ShapeDeformation(points, vectors, stretches, link_stretches, pose, offsets, scale, images, laid.trust)
 
 
 def _smooth_rotations(mesh: TriangleMesh, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts that turn against each other, and the samples that stand for them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.geometry.hinged_poses import HingedPose, hinged_points
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.geometry.surface_samples import SurfaceSamples
+from tests.shapes import box, joined
+
+JOINT = np.array([0.6, 0.0, 0.2])
+AXIS = np.array([0.0, 1.0, 0.0])
+
+
+def fine_box(size, center, edge):
+    return with_short_edges(box(size, center), edge, 100_000).mesh
+
+
+@pytest.fixture(scope="module")
+def hinge():
+    """A large box and a small one beside it, two components, and which vertices are the small one's."""
+    mesh = joined(fine_box((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.15), fine_box((0.3, 0.2, 0.2), (0.8, 0.0, 0.2), 0.08))
+    return mesh, mesh.vertices[:, 0] > 0.55
+
+
+def swung(points, angle):
+    return Rotation.from_rotvec(angle * AXIS).apply(points - JOINT) + JOINT
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5, 1.0])
+def test_a_part_turns_about_the_joint_that_its_ends_tell(hinge, share):
+    """The two parts touch nowhere, and only where the small one ends up says what it turns about."""
+    mesh, small = hinge
+    angle = np.radians(100.0)
+    moved = np.where(small[:, None], swung(mesh.vertices, angle), mesh.vertices)
+    vectors = np.where(small[:, None], angle * AXIS, 0.0)
+    samples = SurfaceSamples.of(mesh, 120, 0.4)
+    pose = HingedPose.of(samples, mesh.vertices, moved, vectors)
+    found = hinged_points(samples, mesh.vertices, [pose], [share])
+    expected = np.where(small[:, None], swung(mesh.vertices, share * angle), mesh.vertices)
+    np.testing.assert_allclose(found, expected, atol=5e-3)
+
+
+def test_what_stands_still_at_both_ends_stands_still(hinge):
+    mesh, small = hinge
+    moved = np.where(small[:, None], swung(mesh.vertices, 2.0), mesh.vertices)
+    samples = SurfaceSamples.of(mesh, 120, 0.4)
+    pose = HingedPose.of(samples, mesh.vertices, moved, np.where(small[:, None], 2.0 * AXIS, 0.0))
+    found = hinged_points(samples, mesh.vertices, [pose], [0.5])
+    apart = np.linalg.norm(found - mesh.vertices, axis=1)
+    assert apart[~small].max() < 2e-3
+    assert apart[small].min() > 0.04
+
+
+def test_samples_see_each_other_through_the_solid():
+    """Of a bar that is bent to three quarters of a circle, the ends do not."""
+    bar = fine_box((0.1, 0.1, 1.0), (0.0, 0.0, 0.0), 0.05)
+    turn, radius = 1.5 * np.pi * bar.vertices[:, 2], 1.0 / (1.5 * np.pi) + bar.vertices[:, 0]
+    bent = TriangleMesh(np.stack([radius * np.cos(turn), bar.vertices[:, 1], radius * np.sin(turn)], axis=1), bar.faces)
+    samples = SurfaceSamples.of(bent, 100, 1.0)
+    along = bar.vertices[samples.seeds][samples.pairs][:, :, 2]
+    assert np.abs(along[:, 0] - along[:, 1]).max() < 0.5
+    assert len(samples.pairs) > 5 * len(samples.seeds)
+    np.testing.assert_allclose(np.asarray(samples.blend.sum(axis=1)).ravel(), 1.0)
+    assert samples.areas.sum() == pytest.approx(bent.area)
