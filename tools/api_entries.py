@@ -35,7 +35,7 @@ APPLICATIONS = {
         "density_paths": ("interpolation_steps", "path_steps", "blend_steps"),
         "density_graphs": ("propagation_steps",),
         "density_frames": ("DensityFrames",),
-        "density_measures": ("measured_distance", "distance_table"),
+        "density_measures": ("measuring_steps", "distance_table_steps"),
         "vertex_distances": ("distances_from",),
         "density_tools": ("diffused", "sharpened", "sharpened_by", "unit_mass"),
     },

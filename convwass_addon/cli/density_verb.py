@@ -11,7 +11,7 @@ import numpy as np
 
 from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_graphs import propagation_steps
-from ..applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table, measured_distance
+from ..applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table_steps, measuring_steps
 from ..applications.densities.density_paths import blend_steps, path_steps
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import heat_map
@@ -26,7 +26,7 @@ from ..bridge.files import checked_target, save_blend
 from ..bridge.vertex_groups import group_names, write_group
 from ..console import ProgressBar
 from ..errors import InputError
-from ..progress import Work
+from ..progress import Work, drained
 from .answer import Answer
 from .density_inputs import DensityScene, open_mesh
 from .from_schema import given_settings
@@ -134,14 +134,16 @@ def _propagated(options: Namespace, scene: DensityScene, settings: DensitySettin
 
 def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings) -> Answer:
     first, second = options.measure
-    found = measured_distance(
-        scene.weights(first),
-        scene.weights(second),
-        scene.surface,
-        (first, second),
-        debias=not options.biased,
-        match_pieces=settings.pieces == "match",
-        **_chosen_limits(options),
+    found = drained(
+        measuring_steps(
+            scene.weights(first),
+            scene.weights(second),
+            scene.surface,
+            (first, second),
+            debias=not options.biased,
+            match_pieces=settings.pieces == "match",
+            **_chosen_limits(options),
+        )
     )
     if not found.converged:
         note("the distance is less exact than asked for; more --blur helps")
@@ -159,7 +161,8 @@ def _matrix(options: Namespace, scene: DensityScene) -> Answer:
         )
     if len(names) < len(groups):
         note(f"empty groups that are left out: {len(groups) - len(names)}")
-    table = distance_table([groups[name] for name in names], names, scene.surface, **_chosen_limits(options))
+    weights = [groups[name] for name in names]
+    table = drained(distance_table_steps(weights, names, scene.surface, **_chosen_limits(options)))
     for notice in table.notices:
         note(notice)
     width = max(*map(len, names), _DIGITS + 6)

@@ -7,13 +7,13 @@ import pytest
 
 from convwass_addon.applications.densities.density_measures import (
     MEASURING_SUBSTEPS,
-    distance_table,
     distance_table_steps,
-    measured_distance,
+    measuring_steps,
 )
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 from tests.applications.test_density_pieces import BALLS, on
 from tests.controls import CountingControl, recorded
 from tests.transport.sheets import strip
@@ -33,7 +33,7 @@ def caps(*places):
 def test_caps_are_as_far_apart_as_the_great_circle(apart):
     """In scene units, in any scale of the weights. A turn is not the best transport: measured 0 to 5 % short."""
     first, second = caps(0.0, apart)
-    found = measured_distance(0.2 * first, 7.0 * second, LARGE, ("A", "B"))
+    found = drained(measuring_steps(0.2 * first, 7.0 * second, LARGE, ("A", "B")))
     assert found.converged
     assert found.length == pytest.approx(3.0 * apart, rel=0.06)
     assert found.squared == pytest.approx(found.length**2)
@@ -42,9 +42,9 @@ def test_caps_are_as_far_apart_as_the_great_circle(apart):
 
 def test_the_debiased_distance_to_itself_is_zero_and_that_of_the_paper_is_not():
     (only,) = caps(0.0)
-    found = measured_distance(only, only, LARGE, ("A", "A"))
+    found = drained(measuring_steps(only, only, LARGE, ("A", "A")))
     assert found.length < 1e-3
-    plain = measured_distance(only, only, LARGE, ("A", "A"), debias=False)
+    plain = drained(measuring_steps(only, only, LARGE, ("A", "A"), debias=False))
     assert not plain.debiased
     assert abs(plain.squared) > 0.1
     assert plain.length == pytest.approx(np.sqrt(max(plain.squared, 0.0)))
@@ -52,12 +52,12 @@ def test_the_debiased_distance_to_itself_is_zero_and_that_of_the_paper_is_not():
 
 def test_tables_hold_the_distances():
     groups = caps(0.0, 0.7, 2.0)
-    table = distance_table(groups, "ABC", LARGE)
+    table = drained(distance_table_steps(groups, "ABC", LARGE))
     assert table.names == ("A", "B", "C")
     assert table.converged
     assert not table.notices
     for i, j in ((0, 1), (1, 2), (0, 2)):
-        expected = measured_distance(groups[i], groups[j], LARGE, ("a", "b")).length
+        expected = drained(measuring_steps(groups[i], groups[j], LARGE, ("a", "b"))).length
         assert table.lengths[i, j] == table.lengths[j, i] == pytest.approx(expected, rel=1e-4)
     np.testing.assert_array_equal(np.diag(table.lengths), 0.0)
 
@@ -68,12 +68,12 @@ def test_tables_tell_of_every_few_pairs():
     fractions = [step.fraction for step in found.reports]
     assert fractions == sorted(fractions) and fractions[0] == 0.0 and 0.9 < fractions[-1] <= 1.0
     assert len({round(fraction, 1) for fraction in fractions}) > 5
-    np.testing.assert_array_equal(found.result.lengths, distance_table(groups, "ABCDEFGH", LARGE).lengths)
+    assert found.result.converged
 
 
 def test_tables_leave_out_what_no_mass_can_reach():
     groups = [on(1.0, 0.0, 1), on(1.0, 0.0, 2), on(0.0, 1.0, 3), on(0.5, 0.5, 4)]
-    table = distance_table(groups, ["Head", "Ear", "Tail", "All"], BALLS)
+    table = drained(distance_table_steps(groups, ["Head", "Ear", "Tail", "All"], BALLS))
     apart = np.isinf(table.lengths)
     assert apart.sum() == 10
     assert not apart[0, 1]
@@ -83,8 +83,8 @@ def test_tables_leave_out_what_no_mass_can_reach():
 def test_pieces_are_refused_or_matched():
     pair = on(0.5, 0.5, 1), on(0.4, 0.6, 2)
     with pytest.raises(InputError, match="Head and Tail have different shares"):
-        measured_distance(*pair, BALLS, ("Head", "Tail"))
-    found = measured_distance(*pair, BALLS, ("Head", "Tail"), match_pieces=True)
+        drained(measuring_steps(*pair, BALLS, ("Head", "Tail")))
+    found = drained(measuring_steps(*pair, BALLS, ("Head", "Tail"), match_pieces=True))
     assert found.converged
     assert 0 <= found.length < 0.5
 
@@ -92,18 +92,18 @@ def test_pieces_are_refused_or_matched():
 def test_it_can_be_cancelled():
     control = CountingControl(last=2)
     with pytest.raises(Cancelled):
-        distance_table(caps(0.0, 1.0), "AB", LARGE, control=control)
+        drained(distance_table_steps(caps(0.0, 1.0), "AB", LARGE, control=control))
     assert control.count == 2
 
 
 def test_what_is_no_distribution_is_refused_by_name():
     first, second = caps(0.0, 1.0)
     with pytest.raises(InputError, match="The end is empty"):
-        measured_distance(first, 0 * second, LARGE, ("The start", "The end"))
+        drained(measuring_steps(first, 0 * second, LARGE, ("The start", "The end")))
     with pytest.raises(InputError, match="C has negative"):
-        distance_table([first, second, -first], "ABC", LARGE)
+        drained(distance_table_steps([first, second, -first], "ABC", LARGE))
     with pytest.raises(InputError, match="at least two"):
-        distance_table([first], "A", LARGE)
+        drained(distance_table_steps([first], "A", LARGE))
 
 
 def test_a_blur_that_does_not_reach_says_so():
@@ -112,4 +112,4 @@ def test_a_blur_that_does_not_reach_says_so():
     first, second = np.zeros((2, *long.shape))
     first[0] = second[-1] = 1.0
     with pytest.raises(InputError, match=r"A blur of 0\.0255 is too short to carry mass between A, B; try 0\.0382"):
-        measured_distance(first, second, long, ("A", "B"))
+        drained(measuring_steps(first, second, long, ("A", "B")))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control, Progress, Work, drained, within
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import Surface
 from ...transport.distance import distance_matrix_rounds, distance_rounds
@@ -83,7 +83,7 @@ class DistanceTable:
     notices: tuple[Sentence, ...]
 
 
-def measured_distance(
+def measuring_steps(
     first: ArrayLike,
     second: ArrayLike,
     surface: Surface,
@@ -94,7 +94,7 @@ def measured_distance(
     tolerance: float = 1e-5,
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
-) -> DensityDistance:
+) -> Work[DensityDistance]:
     """Measure the Wasserstein distance between two densities (Algorithm 1).
 
     Parameters
@@ -114,39 +114,20 @@ def measured_distance(
     control : Control
         Ends the solve when cancelled.
 
+    Yields
+    ------
+    Progress
+        After every round.
+
+    Returns
+    -------
+    DensityDistance
+
     Raises
     ------
     InputError
         Weights that are no distributions, or that lie on different pieces.
     """
-    return drained(
-        measuring_steps(
-            first,
-            second,
-            surface,
-            names,
-            debias=debias,
-            match_pieces=match_pieces,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            control=control,
-        )
-    )
-
-
-def measuring_steps(
-    first: ArrayLike,
-    second: ArrayLike,
-    surface: Surface,
-    names: tuple[str, str],
-    *,
-    debias: bool = True,
-    match_pieces: bool = False,
-    tolerance: float = 1e-5,
-    max_iterations: int = 1000,
-    control: Control = UNINTERRUPTED,
-) -> Work[DensityDistance]:
-    """Do the same as :func:`measured_distance` and report every round; parameters and errors are the same."""
     pair = np.stack([distribution(w, surface, name) for w, name in zip((first, second), names, strict=True)])
     pair = on_same_pieces(pair, names, surface, match_pieces)
     yield from preparing(surface)
@@ -166,31 +147,6 @@ def measuring_steps(
     return DensityDistance(found.length, found.value, debias, *figures)
 
 
-def distance_table(
-    weights: Sequence[ArrayLike],
-    names: Sequence[str],
-    surface: Surface,
-    *,
-    tolerance: float = 1e-5,
-    max_iterations: int = 1000,
-    control: Control = UNINTERRUPTED,
-) -> DistanceTable:
-    """Measure the debiased distances between all pairs of densities; parameters as :func:`measured_distance`.
-
-    Densities between which no mass can travel are infinitely far apart.
-
-    Raises
-    ------
-    InputError
-        Fewer than two, or weights that are no distributions.
-    """
-    return drained(
-        distance_table_steps(
-            weights, names, surface, tolerance=tolerance, max_iterations=max_iterations, control=control
-        )
-    )
-
-
 def distance_table_steps(
     weights: Sequence[ArrayLike],
     names: Sequence[str],
@@ -200,7 +156,15 @@ def distance_table_steps(
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
 ) -> Work[DistanceTable]:
-    """Do the same as :func:`distance_table` and report every round; parameters and errors are the same."""
+    """Measure the debiased distances between all pairs of densities; parameters as :func:`measuring_steps`.
+
+    Densities between which no mass can travel are infinitely far apart.
+
+    Raises
+    ------
+    InputError
+        Fewer than two, or weights that are no distributions.
+    """
     if len(weights) < 2:
         raise InputError("There must be at least two groups to measure between; paint one more.")
     densities = np.stack([distribution(w, surface, name) for w, name in zip(weights, names, strict=True)])
