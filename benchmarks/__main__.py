@@ -30,7 +30,7 @@ from . import (
     table1,
 )
 
-_ALL = (
+ALL = (
     "morph",
     "flat",
     "quality",
@@ -45,6 +45,7 @@ _ALL = (
     "peers",
     "constants",
 )
+"""The names of all benchmarks."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -52,7 +53,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
     names = parser.add_subparsers(
         title="benchmarks",
-        metavar=" | ".join(_ALL),
+        metavar=" | ".join(ALL),
     )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_flat(names.add_parser("flat", help=flat.__doc__))
@@ -68,7 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
     _add_peers(names.add_parser("peers", help=peers.__doc__))
     _add_constants(names.add_parser("constants", help=constants.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
-    for chosen in [arguments] if arguments else [[name] for name in _ALL]:
+    for chosen in [arguments] if arguments else [[name] for name in ALL]:
         options = parser.parse_args(chosen)
         options.run(options)
     return 0

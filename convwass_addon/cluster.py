@@ -22,9 +22,11 @@ from .errors import ConvwassError, InputError
 if TYPE_CHECKING:
     from distributed import Client
 
-# How long a scheduler may take to answer, and its first worker to be there.
-_SECONDS = 10.0
-_WORKER_SECONDS = 10.0
+ANSWER_SECONDS = 10.0
+"""How long a scheduler may take to answer; chosen, as what follows."""
+
+WORKER_SECONDS = 10.0
+"""How long its first worker may take to be there."""
 
 
 class ClusterExecutor(SharingExecutor):
@@ -136,7 +138,7 @@ def _connected(distributed: Any, address: str) -> Iterator[Client]:
         ) from error
     with client:
         try:
-            client.wait_for_workers(1, timeout=_WORKER_SECONDS)
+            client.wait_for_workers(1, timeout=WORKER_SECONDS)
         except OSError as error:
             raise InputError(
                 "The scheduler at {address} has no workers; start some and try again.", address=address
@@ -147,9 +149,9 @@ def _connected(distributed: Any, address: str) -> Iterator[Client]:
 def _client(distributed: Any, address: str) -> Client:
     """Connect; once more where Dask's own thread did not start in its ten seconds, on a machine that is too busy."""
     try:
-        return distributed.Client(address, timeout=_SECONDS, set_as_default=False)
+        return distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
     except AssertionError:
-        return distributed.Client(address, timeout=_SECONDS, set_as_default=False)
+        return distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
 
 
 def _first_line(error: Exception) -> str:

@@ -157,7 +157,7 @@ def test_what_cannot_work_is_refused(tmp_path, red, blue, arguments, monkeypatch
 
 def test_palettes_that_could_not_be_matched_write_nothing(tmp_path, red, blue, capfd, monkeypatch):
     """As the operator does."""
-    monkeypatch.setattr(recolor_job, "_LARGEST_ERROR", 0.0)
+    monkeypatch.setattr(recolor_job, "LARGEST_ERROR", 0.0)
     before = sorted(tmp_path.iterdir())
     code = run(red, "--palette", blue, "--out", tmp_path / "out.png", "--cube", tmp_path / "grade.cube")
     assert code == 3 and "could not be matched" in capfd.readouterr().err

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
+import re
+from argparse import ArgumentParser, HelpFormatter
 from dataclasses import dataclass, fields
+from functools import partial
 
 import bpy
 import pytest
@@ -307,7 +309,7 @@ def test_every_setting_is_in_its_group_and_among_the_options_of_its_verb(kind, o
     held = owner.bl_rna.properties[group].fixed_type.properties
     parser = ArgumentParser(add_help=False)
     next(one for one in VERBS if one.name == verb).add_options(parser)
-    options = {word for action in parser._actions for word in action.option_strings}
+    options = set(re.findall(r"--[a-z][\w-]*", parser.format_help()))
     settings = list(settings_of(kind))
     assert settings
     for one in settings:
@@ -317,9 +319,10 @@ def test_every_setting_is_in_its_group_and_among_the_options_of_its_verb(kind, o
 
 
 def option_help(verb, option):
-    parser = ArgumentParser(add_help=False)
+    wide = partial(HelpFormatter, max_help_position=100, width=10_000)
+    parser = ArgumentParser(add_help=False, formatter_class=wide)
     next(one for one in VERBS if one.name == verb).add_options(parser)
-    return next(action.help for action in parser._actions if option in action.option_strings)
+    return next(line for line in parser.format_help().splitlines() if line.lstrip().startswith(option))
 
 
 def test_the_tolerance_that_is_told_is_the_one_that_is_used():

@@ -48,16 +48,17 @@ def validate(extension: Path) -> None:
 
 
 def _call(*arguments: str) -> None:
-    command = [sys.executable, str(_program()), *arguments]
+    command = [sys.executable, str(program()), *arguments]
     answer = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
     if answer.returncode:
         raise BuilderError(answer.stdout.strip())
 
 
-def _program() -> Path:
-    found = importlib.util.find_spec("bpy")
-    folders = map(Path, (found and found.submodule_search_locations) or ())
+def program() -> Path:
+    """Return where the builder is that comes with Blender; raises BuilderError where there is none."""
+    spec = importlib.util.find_spec("bpy")
+    folders = map(Path, (spec and spec.submodule_search_locations) or ())
     for folder in folders:
-        for program in folder.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
-            return program
+        for found in folder.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
+            return found
     raise BuilderError("Blender's extension builder was not found: this needs the Python that run.py sets up")

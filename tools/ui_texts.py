@@ -76,7 +76,7 @@ def source_texts() -> Iterator[str]:
         for path in sorted((PACKAGE / room).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.Call):
-                    yield from _texts_of_call(node)
+                    yield from texts_of_call(node)
     yield from TEXTS.values()
     yield from (path.stem for path in (PACKAGE / "presets").rglob("*.py"))
 
@@ -85,7 +85,8 @@ def _name(call: ast.Call) -> str:
     return call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
 
 
-def _texts_of_call(call: ast.Call) -> Iterator[str]:
+def texts_of_call(call: ast.Call) -> Iterator[str]:
+    """Yield the texts for users that stand in a call."""
     name = _name(call)
     if name in _TRANSLATORS and call.args:
         yield from _literal(call.args[0])

@@ -102,7 +102,7 @@ def aligned(
         A shape without volume where all are to have equal volumes.
     """
     outward = [orient_outward(mesh) for mesh in meshes]
-    solids = [_Solid.of(mesh) for mesh in outward]
+    solids = [SolidMoments.of(mesh) for mesh in outward]
     first = solids[0]
     scales = _equal_volume_scales(outward, solids, names) if scaling == "EQUAL_VOLUME" else [1.0] * len(solids)
     moves = []
@@ -115,7 +115,7 @@ def aligned(
 
 
 @dataclass(frozen=True)
-class _Solid:
+class SolidMoments:
     """Moments of a shape about its center: of the volume, or of the surface where it encloses nothing clear.
 
     The second and third ones, (3, 3) and (3, 3, 3), are those of mass 1.
@@ -127,7 +127,8 @@ class _Solid:
     third: NDArray[np.float64]
 
     @classmethod
-    def of(cls, outward: TriangleMesh) -> _Solid:
+    def of(cls, outward: TriangleMesh) -> SolidMoments:
+        """Return those of a mesh whose faces look outward."""
         corners = outward.corners
         directed = _directed_areas(corners)
         areas = np.linalg.norm(directed, axis=1)
@@ -147,7 +148,7 @@ class _Solid:
     @classmethod
     def _of_simplices(
         cls, simplices: NDArray[np.float64], sizes: NDArray[np.float64], has_volume: bool, origin: NDArray[np.float64]
-    ) -> _Solid:
+    ) -> SolidMoments:
         center = np.einsum("m,mi->i", sizes, simplices.mean(axis=1))
         second, third = _moments(simplices - center, sizes)
         return cls(has_volume, center + origin, second, third)
@@ -178,7 +179,7 @@ def _moments(
 
 
 def _equal_volume_scales(
-    outward: Sequence[TriangleMesh], solids: Sequence[_Solid], names: Sequence[str]
+    outward: Sequence[TriangleMesh], solids: Sequence[SolidMoments], names: Sequence[str]
 ) -> list[float]:
     for index, solid in enumerate(solids):
         if not solid.has_volume:
@@ -192,7 +193,7 @@ def _equal_volume_scales(
     return [float(np.cbrt(volumes[0] / volume)) for volume in volumes]
 
 
-def _turn(solid: _Solid, first: _Solid) -> NDArray[np.float64]:
+def _turn(solid: SolidMoments, first: SolidMoments) -> NDArray[np.float64]:
     """Return the rotation, (3, 3), that turns the axes of one solid onto those of another."""
     own, goal = _axes(solid.second), _axes(first.second)
     goal_axes = _settled(goal, own.directions)
@@ -207,7 +208,7 @@ def _turn(solid: _Solid, first: _Solid) -> NDArray[np.float64]:
     return turns[np.argmax(np.where(as_good, angles, -np.inf))]
 
 
-def _negligible(solid: _Solid, first: _Solid) -> float:
+def _negligible(solid: SolidMoments, first: SolidMoments) -> float:
     """Difference of matches that means nothing: all of them where a shape is symmetric about its center."""
     skews = [np.linalg.norm(one.third) / np.trace(one.second) ** 1.5 for one in (solid, first)]
     return np.inf if min(skews) < 1e-4 else 1e-9

@@ -141,3 +141,6 @@ def _address_of(routine: str) -> Callable[..., None] | None:
 
 _dgemm = _address_of("dgemm")
 _sgemm = _address_of("sgemm")
+
+LETS_OTHERS_WORK = _dgemm is not None and _sgemm is not None
+"""Whether other threads work during products: SciPy declares its functions of C as they are known here."""

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-# So many pixels of boxes around triangles are looked at together.
-_BLOCK = 2_000_000
+PIXELS_AT_ONCE = 2_000_000
+"""Pixels of boxes around triangles that are looked at together."""
 
 # Pixels whose center lies outside of a triangle by so much of its height belong to it: none falls between two.
 _SLACK = 1e-6
@@ -75,7 +75,7 @@ def uv_pixels(uv: NDArray[np.floating], faces: NDArray[np.integer], size: int, m
     start = 0
     while start < len(counts):
         done = ends[start - 1] if start else 0
-        stop = max(start + 1, int(np.searchsorted(ends, done + _BLOCK, side="right")))
+        stop = max(start + 1, int(np.searchsorted(ends, done + PIXELS_AT_ONCE, side="right")))
         _draw(slice(start, stop), corners, low, boxes, counts, owner, shares)
         start = stop
     places = np.flatnonzero(owner >= 0)

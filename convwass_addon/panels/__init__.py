@@ -8,7 +8,7 @@ import bpy
 
 from . import armatures, baked, densities, light, morph, morph_guides, progress, recolor, soft_maps
 
-# What comes first is drawn above the others.
-_MODULES = (progress, morph, morph_guides, baked, densities, soft_maps, armatures, recolor, light)
+MODULES = (progress, morph, morph_guides, baked, densities, soft_maps, armatures, recolor, light)
+"""In the order in which they are drawn, from the top."""
 
-register, unregister = bpy.utils.register_classes_factory([cls for module in _MODULES for cls in module.classes])
+register, unregister = bpy.utils.register_classes_factory([cls for module in MODULES for cls in module.classes])

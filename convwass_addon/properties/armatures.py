@@ -39,11 +39,13 @@ def depth_property() -> object:
     )
 
 
-def _is_mesh(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+def is_mesh(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+    """Whether an object can be a body, as the panel asks."""
     return obj.type == "MESH"
 
 
-def _is_rig(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+def is_rig(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+    """Whether an object can be a rig: an armature, or a mesh of edges alone."""
     return obj.type == "ARMATURE" or (obj.type == "MESH" and not obj.data.polygons and bool(obj.data.edges))
 
 
@@ -51,13 +53,13 @@ class CONVWASS_PG_armature(FitProperties, bpy.types.PropertyGroup):
     """Settings of fitting armatures in a scene."""
 
     body: PointerProperty(
-        name="Body", description="Mesh that the armature is fitted into", type=bpy.types.Object, poll=_is_mesh
+        name="Body", description="Mesh that the armature is fitted into", type=bpy.types.Object, poll=is_mesh
     )
     rig: PointerProperty(
         name="Armature",
         description="Armature that is fitted, or a mesh of edges without faces; while there is none, the active one",
         type=bpy.types.Object,
-        poll=_is_rig,
+        poll=is_rig,
     )
     depth: depth_property()
     show_joints: BoolProperty(
@@ -76,7 +78,7 @@ def chosen_rig(context: bpy.types.Context) -> bpy.types.Object | None:
     return active if active is not None and active.type == "ARMATURE" else None
 
 
-def _dotted_rig(context: bpy.types.Context) -> bpy.types.Object | None:
+def dotted_rig(context: bpy.types.Context) -> bpy.types.Object | None:
     """Return the rig whose joints are drawn: only where somebody works on one with the panel."""
     own = context.scene.convwass_armature
     rig = chosen_rig(context) if own.show_joints and own.body is not None else None
@@ -85,7 +87,7 @@ def _dotted_rig(context: bpy.types.Context) -> bpy.types.Object | None:
 
 _classes = (CONVWASS_PG_armature,)
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-_dots = JointDots(_dotted_rig)
+_dots = JointDots(dotted_rig)
 
 
 def register() -> None:

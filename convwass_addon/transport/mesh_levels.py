@@ -17,8 +17,9 @@ from ..geometry.laplacian import Laplacian, laplacian
 from ..geometry.mesh import TriangleMesh
 from ..progress import UNINTERRUPTED, Control
 
-# Smaller meshes are solved as fast as coarser ones of them are made.
-_FEWEST_VERTICES = 8000
+FEWEST_VERTICES = 8000
+"""Smaller meshes are solved as fast as coarser ones of them are made."""
+
 # The share of the vertices that the next coarser mesh has: of half the resolution, as on grids. What coarser meshes
 # gain is measured in docs/performance.md, "Meshes".
 _SHARE = 0.25
@@ -69,7 +70,7 @@ class MeshLevel:
         """The next coarser mesh; None where it would be no gain, or no surface."""
         areas = self.laplacian.areas
         used = int(np.count_nonzero(areas))
-        if used < _FEWEST_VERTICES:
+        if used < FEWEST_VERTICES:
             return None
         coarsening = coarsened(self.mesh, areas, round(_SHARE * used), control=self.control)
         if coarsening is None:
@@ -86,7 +87,7 @@ class MeshLevel:
     def levels_below(self) -> int:
         """About how many coarser meshes there are."""
         used = np.count_nonzero(self.laplacian.areas)
-        return max(0, math.ceil(math.log(max(used, 1) / _FEWEST_VERTICES, 1.0 / _SHARE)))
+        return max(0, math.ceil(math.log(max(used, 1) / FEWEST_VERTICES, 1.0 / _SHARE)))
 
 
 @dataclass(frozen=True)

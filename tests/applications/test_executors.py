@@ -227,7 +227,7 @@ def test_a_scheduler_that_is_lost_ends_the_bake():
 )
 def test_schedulers_that_do_not_answer_are_named(address, message, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("convwass_addon.cluster._SECONDS", 0.5)
+    monkeypatch.setattr("convwass_addon.cluster.ANSWER_SECONDS", 0.5)
     with pytest.raises(InputError, match=message), cluster_workers(address):
         pass
 
@@ -238,7 +238,7 @@ def test_a_scheduler_without_workers_is_refused(monkeypatch):
         monkeypatch.context() as changed,
         pytest.raises(InputError, match="has no workers"),
     ):
-        changed.setattr("convwass_addon.cluster._WORKER_SECONDS", 1.0)
+        changed.setattr("convwass_addon.cluster.WORKER_SECONDS", 1.0)
         with cluster_workers(empty.scheduler_address):
             pass
 

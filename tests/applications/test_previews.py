@@ -198,7 +198,7 @@ def test_nothing_waits_for_the_connectivity_of_the_shapes(monkeypatch):
 
 
 def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
-    """No sketch is finished here before all those before it have been seen."""
+    """No sketch is begun here before all those before it have been seen."""
     seen, waited = threading.Semaphore(0), []
 
     def patient(*args):
@@ -208,8 +208,8 @@ def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
             waited.append(True)
         return real(*args)
 
-    real = blending._sketched_frame
-    monkeypatch.setattr(blending, "_sketched_frame", patient)
+    real = blend_solver.BlendSolver.sketch
+    monkeypatch.setattr(blend_solver.BlendSolver, "sketch", patient)
     for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 6), QUICK, previews=True, workers=1):
         if isinstance(step.payload, MorphPreview) and step.payload.frame.mesh is not None:
             seen.release()

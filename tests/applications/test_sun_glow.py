@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from convwass_addon.applications.skies.glow_travel import GlowTravel
 from convwass_addon.applications.skies.lamps import SUN_RADIUS, split_lamps
 from convwass_addon.applications.skies.sky_frames import Skies
 from convwass_addon.applications.skies.sky_images import LUMINANCE, add_disc, great_circle
@@ -101,12 +102,16 @@ def test_ground_under_the_sun_goes_along():
 
 def test_glow_is_not_drawn_out_sideways():
     first, second = hazy_sky(LOW), hazy_sky(HIGH)
-    (travel,) = Skies(first, second)._travels
+    split = [split_lamps(sky, SkySettings()) for sky in (first, second)]
+    lamps, rest = ([part for part, _ in split], [part for _, part in split])
+    glows = [glow for (glow,) in split_glows(rest, lamps, SkySettings())]
+    way = SunWay.between(*(own.direction for (own,) in lamps))
+    travel = GlowTravel(glows, way, SkySettings())
     areas, vectors = solid_angles(ROWS, 2 * ROWS), directions(ROWS, 2 * ROWS)
 
     def width(time):
         mass = areas * (travel.at(time)[0] @ LUMINANCE)
-        across = vectors @ travel._way.frame(time)[:, 1]
+        across = vectors @ way.frame(time)[:, 1]
         return np.sqrt((mass * across**2).sum() / mass.sum())
 
     assert width(0.5) < 1.1 * max(width(0), width(1))

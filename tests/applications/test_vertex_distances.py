@@ -40,7 +40,7 @@ def test_of_several_sources_the_nearest_counts(monkeypatch):
     alone = [distances_from(vertex, LARGE).lengths for vertex in (3, 900)]
     expected = np.minimum(*alone)
     np.testing.assert_allclose(distances_from([900, 3, 3], LARGE).lengths, expected, atol=1e-12)
-    monkeypatch.setattr("convwass_addon.applications.densities.vertex_distances._VALUES_AT_ONCE", 1)
+    monkeypatch.setattr("convwass_addon.applications.densities.vertex_distances.VALUES_AT_ONCE", 1)
     np.testing.assert_allclose(distances_from([900, 3], LARGE).lengths, expected, atol=1e-9)
 
 

@@ -75,7 +75,10 @@ def test_drawing(monkeypatch):
     JointDots(lambda _context: wanted[0]).register()
     (draw,) = handlers
     draw()
-    assert drawn == [(3, joint_dots._INK), (3, joint_dots._BLUE), (1, joint_dots._INK), (1, joint_dots._GREEN)]
+    assert [count for count, _ in drawn] == [3, 3, 1, 1]
+    rim, free, other_rim, pinned = (color for _, color in drawn)
+    assert rim == other_rim
+    assert len({rim, free, pinned}) == 3
     overlay.show_overlays = False
     draw()
     overlay.show_overlays, wanted[0] = True, None

@@ -15,7 +15,7 @@ from hypothesis import given, strategies as st
 from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH, half_angle_table
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
-from convwass_addon.applications.reflectance.table_pictures import _directions_of, table_of_picture, table_picture
+from convwass_addon.applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
 from convwass_addon.bridge.reflectance.frame_span import Frames
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
 from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table
@@ -310,10 +310,11 @@ def test_pictures_that_are_no_whole_tables_are_refused(spoil, message):
 
 
 @given(st.integers(1, 64), st.integers(2, 8100))
-def test_the_size_of_a_picture_says_how_many_directions_there_are(half_rows, count):
+def test_every_number_of_directions_has_a_size_of_its_own(half_rows, count):
     rows = 2 * half_rows
     height = count * rows + math.ceil(count / (4 * rows))
-    assert _directions_of(4 * rows, height) == count
+    assert has_table_size(4 * rows, height)
+    assert not has_table_size(4 * rows, height + 1)
 
 
 def test_the_matte_color_is_an_input():

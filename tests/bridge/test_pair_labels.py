@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from convwass_addon.bridge.soft_maps.pair_labels import LabeledVertex, _faces_viewer, labels_of
+from convwass_addon.bridge.soft_maps.pair_labels import LabeledVertex, labels_of
 
 
 @pytest.fixture
@@ -64,5 +64,5 @@ def test_those_on_the_far_side_are_told(cube):
     labels = labels_of([LabeledVertex(cube, number, number) for number in range(8)], depsgraph)
     for is_perspective in (True, False):
         view = SimpleNamespace(view_matrix=from_above, is_perspective=is_perspective)
-        near = {label.number for label in labels if _faces_viewer(label, view)}
+        near = {label.number for label in labels if label.faces(view)}
         assert near == {vertex.index for vertex in cube.data.vertices if vertex.co.z > 0}

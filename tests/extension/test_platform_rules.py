@@ -15,6 +15,7 @@ import sys
 import tomllib
 from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -162,8 +163,9 @@ def test_the_installed_extension_stays_off_the_network(monkeypatch, name, is_the
         monkeypatch.setitem(sys.modules, "convwass_addon.cluster", None)
     monkeypatch.setattr(morph_baking, "extension_id", lambda: name)
     if is_there and name == "convwass_addon":
-        with morph_baking._machines("tcp://192.0.2.1:8786"):
-            assert asked == ["tcp://192.0.2.1:8786"]
+        idle = SimpleNamespace(steps=lambda how: (report for report in ()))
+        morph_baking.run_job(idle, Computing(scheduler="tcp://192.0.2.1:8786"), print)
+        assert asked == ["tcp://192.0.2.1:8786"]
         return
     with pytest.raises(InputError, match="stays off the network"):
         morph_baking.run_job(None, Computing(scheduler="tcp://192.0.2.1:8786"), print)

@@ -236,12 +236,12 @@ def pictures(random: Random) -> None:
 def ready(random: Random) -> None:
     """Everything chosen and baked, so that operators have something to work on."""
     scene, call = bpy.context.scene, bpy.ops.convwass
-    for make in random.sample((_morph, _density, _map, _fit, _colors, _light), 2):
+    for make in random.sample((baked_morph, solved_density, stored_map, pinned_rig, palettes, materials_and_skies), 2):
         leave_mode()
         make(random, scene, call)
 
 
-def _morph(random: Random, scene: bpy.types.Scene, call: object) -> None:
+def baked_morph(random: Random, scene: bpy.types.Scene, call: object) -> None:
     for place in (0, 3):
         bpy.ops.mesh.primitive_cube_add(location=(place, 0, 0))
         bpy.context.object.name = f"In {place}"
@@ -256,7 +256,7 @@ def _morph(random: Random, scene: bpy.types.Scene, call: object) -> None:
         call.add_morph_inputs()
 
 
-def _density(random: Random, scene: bpy.types.Scene, call: object) -> None:
+def solved_density(random: Random, scene: bpy.types.Scene, call: object) -> None:
     balls(random)
     call.interpolate_density(first="A", second="B", steps=2, max_iterations=20)
     bpy.context.object.convwass_density.first = "A"
@@ -264,7 +264,7 @@ def _density(random: Random, scene: bpy.types.Scene, call: object) -> None:
     call.add_density_stop(group="B")
 
 
-def _map(random: Random, scene: bpy.types.Scene, call: object) -> None:
+def stored_map(random: Random, scene: bpy.types.Scene, call: object) -> None:
     made = []
     for place in (0, 2):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(place, 0, 0))
@@ -274,14 +274,14 @@ def _map(random: Random, scene: bpy.types.Scene, call: object) -> None:
     call.add_map_pair(source_vertex=0, target_vertex=0)
 
 
-def _fit(random: Random, scene: bpy.types.Scene, call: object) -> None:
+def pinned_rig(random: Random, scene: bpy.types.Scene, call: object) -> None:
     bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=6, radius=3)
     body, rig = bpy.context.object, chain(3, 0.7)
     scene.convwass_armature.body, scene.convwass_armature.rig = body, rig
     call.pin_joints(joints="A.head, C.tail")
 
 
-def _colors(random: Random, scene: bpy.types.Scene, call: object) -> None:
+def palettes(random: Random, scene: bpy.types.Scene, call: object) -> None:
     for number, name in enumerate(("Red", "Blue")):
         made = image_of(name, np.random.default_rng(number).random((8, 9, 4)))
     scene.convwass_recolor.palette = made
@@ -291,7 +291,7 @@ def _colors(random: Random, scene: bpy.types.Scene, call: object) -> None:
         scene.convwass_recolor.palette_object = bpy.context.object
 
 
-def _light(random: Random, scene: bpy.types.Scene, call: object) -> None:
+def materials_and_skies(random: Random, scene: bpy.types.Scene, call: object) -> None:
     own = scene.convwass_reflectance
     own.material, own.material_2 = principled("M1", 0.4), principled("M2", 0.7)
     own_sky = scene.convwass_sky

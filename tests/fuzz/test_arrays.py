@@ -70,10 +70,10 @@ def test_coordinates_whose_squares_are_no_numbers_are_refused(kind, name):
 def test_a_thicket_is_made_of_larger_cells(monkeypatch):
     """A mesh of 120 random triangles encloses what has hundreds of handles, which no reduction takes away."""
     mesh = TriangleMesh.from_arrays(*broken_meshes()["scrambled"]())
-    monkeypatch.setattr(skeleton_bodies, "_RESOLUTION", 64)
+    monkeypatch.setattr(skeleton_bodies, "RESOLUTION", 64)
     sizes = []
     for most in (100, 1000):
-        monkeypatch.setattr(skeleton_bodies, "_MOST_HANDLES", most)
+        monkeypatch.setattr(skeleton_bodies, "MOST_HANDLES", most)
         body = skeleton_bodies.skeleton_body(mesh, mesh.bounds.mean(axis=0)[None], ("middle",))
         assert topology(body.surface).closed
         sizes.append(len(body.surface.vertices))

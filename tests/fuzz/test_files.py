@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.palettes import lookup_table
 from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
@@ -172,25 +171,3 @@ def test_tables_packed_so_that_a_few_bytes_stand_for_any_number_are_refused(tmp_
             archive.writestr(f"{name}.npy", b"\x93NUMPY\x02\x00" + b"\xff\xff\xff\x7f" + bytes(1 << 24))
     assert outcome("table.npz", path.read_bytes(), tmp_path) == "refused"
     assert len(bomb()) < 1 << 20
-
-
-def test_a_cube_file_of_nothing_but_words_takes_no_longer_than_others(tmp_path, monkeypatch):
-    """Sorting its lines took the square of their number."""
-    compared = []
-
-    class Line(list):
-        def __eq__(self, other):
-            compared.append(1)
-            return list.__eq__(self, other)
-
-        __hash__ = None
-
-    words = [f"A{number} x" for number in range(200)] + [f"{number} 0 0" for number in range(200)]
-
-    class Text(str):
-        def split(self):
-            return Line(str.split(self))
-
-    with pytest.raises(lookup_table.InputError):
-        lookup_table._table_of([Text(word) for word in words], tmp_path / "x.cube")
-    assert len(compared) < 2 * len(words)

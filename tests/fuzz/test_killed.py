@@ -16,7 +16,6 @@ import pytest
 
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.runs import RUN_LENGTH
-from convwass_addon.drafts import _drop_old
 from tests.applications.test_frame_cache import assert_same
 from tests.fuzz.job_cases import CASES, call
 from tests.fuzz.killed_bake import FRAMES, bake
@@ -90,7 +89,6 @@ def test_files_outlive_a_blender_that_is_killed_and_the_next_one_cleans_up(name,
     assert left
     for draft in left:
         os.utime(draft, (0, 0))
-    _drop_old.cache_clear()
     run(name, tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == files
     assert all((tmp_path / file).stat().st_size > 100 for file in files)
@@ -131,7 +129,6 @@ def test_of_work_that_is_killed_no_half_file_is_left_and_the_next_one_makes_all_
         assert len(found) == (step if kind else 0)
         for left in folder.rglob(".convwass-*"):
             os.utime(left, (0, 0))
-        _drop_old.cache_clear()
         bpy.ops.wm.read_factory_settings(use_empty=True)
         run(name, folder)
         assert written(folder) == wanted

@@ -11,7 +11,7 @@ import pytest
 
 from tests.fuzz.__main__ import BAD, batch
 from tests.fuzz.operator_session import stored_keys
-from tests.fuzz.stages import _density, _map, _morph
+from tests.fuzz.stages import baked_morph, solved_density, stored_map
 from tests.operators.densities import ball
 from tests.panels.test_panels import draw, panels
 from tests.rigs import chain
@@ -45,7 +45,7 @@ def test_without_a_window_operators_are_refused_quietly(capfd):
 @pytest.mark.usefixtures("empty_scene")
 @pytest.mark.parametrize("value", NONSENSE, ids=lambda value: str(value)[:12])
 def test_nonsense_in_what_is_stored_is_no_traceback(value, capfd):
-    for make in (_morph, _density, _map):
+    for make in (baked_morph, solved_density, stored_map):
         make(Random(0), bpy.context.scene, bpy.ops.convwass)
     for block in (*bpy.data.objects, *bpy.data.collections):
         for key in stored_keys(block):

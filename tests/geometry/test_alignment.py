@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.alignment import RigidMove, aligned
+from convwass_addon.geometry.alignment import RigidMove, SolidMoments, aligned
 from convwass_addon.geometry.mesh import TriangleMesh
 
 from ..shapes import ball, box, joined, square, torus, tube_with_caps, with_faces
@@ -73,9 +73,7 @@ def test_surfaces_that_enclose_nothing_are_aligned_as_sheets(rotation):
 
 def test_moments_are_exact():
     """A box of sides a, b, c has the variances a²/12, b²/12, c²/12; a tetrahedron's third moment is known."""
-    from convwass_addon.geometry.alignment import _Solid
-
-    solid = _Solid.of(box((4.0, 2.0, 1.0), (5, 6, 7)))
+    solid = SolidMoments.of(box((4.0, 2.0, 1.0), (5, 6, 7)))
     np.testing.assert_allclose(solid.second, np.diag([16, 4, 1]) / 12, atol=1e-12)
     np.testing.assert_allclose(solid.center, (5, 6, 7))
     np.testing.assert_allclose(solid.third, 0.0, atol=1e-12)
@@ -83,8 +81,8 @@ def test_moments_are_exact():
         [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
     )
     # A coordinate of a uniform point in it is distributed as Beta(1, 3): raw moments 1/4, 1/10, 1/20.
-    assert _Solid.of(corner).second[0, 0] == pytest.approx(1 / 10 - 1 / 16)
-    assert _Solid.of(corner).third[0, 0, 0] == pytest.approx(1 / 20 - 3 / 4 / 10 + 2 / 64)
+    assert SolidMoments.of(corner).second[0, 0] == pytest.approx(1 / 10 - 1 / 16)
+    assert SolidMoments.of(corner).third[0, 0, 0] == pytest.approx(1 / 20 - 3 / 4 / 10 + 2 / 64)
 
 
 @pytest.mark.parametrize(

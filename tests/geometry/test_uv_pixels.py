@@ -51,12 +51,9 @@ def test_no_pixel_falls_between_triangles(points, block):
 
     places = np.array([*SQUARE.tolist(), *points])
     faces = Delaunay(places).simplices
-    usual = module._BLOCK
-    module._BLOCK = block
-    try:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "PIXELS_AT_ONCE", block)
         pixels = uv_pixels(places[faces], faces, SIZE, 0)
-    finally:
-        module._BLOCK = usual
     assert (pixels.sources >= 0).mean() > 0.999
     seen = pixels.picture(places[:, 0] + 10 * places[:, 1])
     inside = pixels.sources.reshape(SIZE, SIZE) >= 0

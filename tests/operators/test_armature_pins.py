@@ -18,7 +18,7 @@ from convwass_addon.bridge.armatures.rigs import rig_graph
 from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_place, picking
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint
-from convwass_addon.properties.armatures import _dotted_rig, _is_mesh, _is_rig, chosen_rig
+from convwass_addon.properties.armatures import chosen_rig, dotted_rig, is_mesh, is_rig
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
 from tests.rigs import call, chain, choose, lines, own, select_joints, tube, world_ends
 
@@ -103,16 +103,16 @@ def test_the_active_armature_serves_while_none_is_chosen(rig):
 
 def test_only_what_fits_can_be_chosen(rig):
     edges, body = lines([(0, 0, 0), (1, 0, 0)], [(0, 1)]), own().body
-    assert [_is_rig(own(), obj) for obj in (rig, edges, body)] == [True, True, False]
-    assert [_is_mesh(own(), obj) for obj in (rig, edges, body)] == [False, True, True]
+    assert [is_rig(own(), obj) for obj in (rig, edges, body)] == [True, True, False]
+    assert [is_mesh(own(), obj) for obj in (rig, edges, body)] == [False, True, True]
 
 
 def test_joints_are_drawn_while_there_is_a_body(rig):
-    assert _dotted_rig(bpy.context) == rig
+    assert dotted_rig(bpy.context) == rig
     own().show_joints = False
-    assert _dotted_rig(bpy.context) is None
+    assert dotted_rig(bpy.context) is None
     own().show_joints, own().body = True, None
-    assert _dotted_rig(bpy.context) is None
+    assert dotted_rig(bpy.context) is None
 
 
 def test_a_mesh_of_edges_has_pins_too(rig):

@@ -50,7 +50,7 @@ class FakeLayout:
 
     def operator_menu_enum(self, name, prop, text=None, icon="NONE"):
         arguments = self.operator(name, text, icon)
-        assert prop in arguments._names
+        assert prop in arguments.names
 
     def prop_search(self, data, name, search_data, search_property, text=None, icon="NONE", **_options):
         assert search_property in search_data.bl_rna.properties
@@ -78,7 +78,7 @@ class _Arguments:
     """Takes the arguments that an operator has, and no others."""
 
     def __init__(self, names) -> None:
-        object.__setattr__(self, "_names", names)
+        object.__setattr__(self, "names", names)
 
     def __setattr__(self, name, value) -> None:
-        assert name in self._names, name
+        assert name in self.names, name

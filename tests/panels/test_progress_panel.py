@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.panels import _MODULES
+from convwass_addon.panels import MODULES
 from tests.operators.densities import ball
 
 from .test_panels import draw, panels
@@ -49,7 +49,7 @@ def test_there_is_none_while_nothing_runs(space):
 @pytest.mark.parametrize("space", ["VIEW_3D", "IMAGE_EDITOR"])
 def test_it_is_above_all_others_and_leaves_the_tabs_where_they_are(space):
     """Blender draws panels in the order in which they are registered, but those without a header before all tabs."""
-    kinds = [cls for module in _MODULES for cls in module.classes if issubclass(cls, bpy.types.Panel)]
+    kinds = [cls for module in MODULES for cls in module.classes if issubclass(cls, bpy.types.Panel)]
     first = next(kind for kind in kinds if kind.bl_space_type == space)
     assert first.__name__.endswith("progress")
     assert not [kind for kind in kinds if "HIDE_HEADER" in getattr(kind, "bl_options", ())]

@@ -140,7 +140,7 @@ def test_options_exist(page):
     for verb in program.VERBS:
         parser = ArgumentParser()
         verb.add_options(parser)
-        known |= set(parser._option_string_actions)
+        known |= set(re.findall(r"--[a-z][\w-]*", parser.format_help()))
     named = {word for code in _INLINE.findall(prose_of(page)) for word in re.findall(r"(?<!\S)--[a-z][a-z-]*", code)}
     assert named <= known
 

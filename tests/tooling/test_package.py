@@ -7,6 +7,7 @@ from __future__ import annotations
 import os
 import re
 import runpy
+import shutil
 import tomllib
 import zipfile
 from pathlib import Path
@@ -88,14 +89,15 @@ def test_same_source_gives_the_same_bytes(tmp_path, monkeypatch):
         zips = [package.build_small(folder / "work", folder), *package.build_platforms(folder / "work", wheels, folder)]
         return [path.read_bytes() for path in zips]
 
-    def copied_yesterday(stage: Path) -> None:
-        copy(stage)
-        for path in stage.rglob("*"):
-            os.utime(path, (1e9, 1e9))
-
     first = built(tmp_path / "first")
-    copy = package._copy_shipped
-    monkeypatch.setattr(package, "_copy_shipped", copied_yesterday)
+    other = tmp_path / "other source"
+    shutil.copytree(package.PROJECT / "convwass_addon", other / "convwass_addon")
+    for name in package.SHIPPED:
+        if (package.PROJECT / name).is_file():
+            shutil.copyfile(package.PROJECT / name, other / name)
+    for path in other.rglob("*"):
+        os.utime(path, (1e9, 1e9))
+    monkeypatch.setattr(package, "PROJECT", other)
     monkeypatch.setenv("TZ", "Asia/Tokyo")
     mask = os.umask(0o077)
     try:
@@ -122,7 +124,7 @@ def test_each_platform_gets_its_own_wheels_for_both_pythons(project, tmp_path):
 
 def test_blender_takes_the_wheels_of_each_platform_on_both_pythons():
     """It refuses an extension on a Python that none of its wheels names; those for 3.12 and later name none."""
-    taken_on = runpy.run_path(str(builder._program()), run_name="blender_ext")["python_versions_from_wheels"]
+    taken_on = runpy.run_path(str(builder.program()), run_name="blender_ext")["python_versions_from_wheels"]
     for tag in ("manylinux", "macosx", "win"):
         assert taken_on([name for name in WHEELS if tag in name]) == {(3, 11), (3, 13)}
 

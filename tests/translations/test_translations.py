@@ -17,7 +17,7 @@ from convwass_addon.applications.morphs.part_labels import FaceLabels, matched
 from convwass_addon.errors import InputError
 from convwass_addon.sentence import Sentence
 from convwass_addon.translations import catalog, languages, translated
-from tools.ui_texts import Message, _texts_of_call, all_texts, messages, messages_of
+from tools.ui_texts import Message, all_texts, messages, messages_of, texts_of_call
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -82,7 +82,7 @@ def test_the_source_is_read_for_texts():
         "layout.label(text='no', translate=False); iface_(variable)"
     )
     calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
-    assert {text for call in calls for text in _texts_of_call(call)} == set("abcdef")
+    assert {text for call in calls for text in texts_of_call(call)} == set("abcdef")
     texts = all_texts()
     for known in ("Bake Morph", "Resolution", "As Placed", "Go to Object Mode first", "Make a List", "Cache Folder"):
         assert known in texts

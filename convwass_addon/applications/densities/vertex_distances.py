@@ -17,8 +17,8 @@ from ..workers import one_blas_thread
 from .density_tools import check_vertices
 from .surface_densities import HeatMap, blur_of, heat_map
 
-# Values of so many sources at once.
-_VALUES_AT_ONCE = 1 << 22
+VALUES_AT_ONCE = 1 << 22
+"""Values that are solved for together, 32 MB of them: sources times vertices."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def distances_from(vertices: ArrayLike, surface: Surface, control: Control = UNI
     chosen = np.unique(np.atleast_1d(np.asarray(vertices)))
     check_vertices(chosen, surface)
     nearest = np.full(surface.shape, np.inf)
-    at_once = max(1, _VALUES_AT_ONCE // surface.shape[0])
+    at_once = max(1, VALUES_AT_ONCE // surface.shape[0])
     for start in range(0, len(chosen), at_once):
         control.check()
         with one_blas_thread():

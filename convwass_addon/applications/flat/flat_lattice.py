@@ -80,10 +80,13 @@ class FlatLattice:
         """Bring an outline in cells to the scene, at the weighted mean of the centers."""
         return outline.moved(self.corner(weights), self.spacing)
 
+    def memory(self, parts: int, workers: int) -> int:
+        """Return how many bytes a morph takes at the most: `parts` of shapes on the grid, and threads that solve."""
+        return self.shape[0] * self.shape[1] * (parts * _BYTES_PER_SHAPE + workers * _BYTES_PER_WORKER)
+
     def fitting_workers(self, shapes: int, parts: int, most: int) -> int:
         """Return how many threads, up to `most`, can solve at once in the memory that there is; one at least."""
         free = available_memory()
         if free is None:
             return most
-        cells = self.shape[0] * self.shape[1]
-        return int(np.clip((free - cells * shapes * parts * _BYTES_PER_SHAPE) // (cells * _BYTES_PER_WORKER), 1, most))
+        return int(np.clip((free - self.memory(shapes * parts, 0)) // self.memory(0, 1), 1, most))

@@ -22,8 +22,9 @@ from .recoloring import Recoloring, recoloring
 
 # Shares of a job that measuring and solving take, as the progress tells it.
 _MEASURED, _SOLVED = 0.1, 0.3
-# Refused: a plan that is this far off would say little about the palette.
-_LARGEST_ERROR = 0.1
+
+LARGEST_ERROR = 0.1
+"""A plan that is this far off is refused: it would say little about the palette."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ def solved_map(
         Weights that do not fit, or palettes that could not be matched.
     """
     change = recoloring(source, palettes, weights, settings, control)
-    if not change.chroma.marginal_error < _LARGEST_ERROR:
+    if not change.chroma.marginal_error < LARGEST_ERROR:
         raise InputError(
             "The palettes could not be matched (marginal error {error:.0%}); blur or mask what has stray colors.",
             error=change.chroma.marginal_error,

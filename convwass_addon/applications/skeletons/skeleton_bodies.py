@@ -33,16 +33,18 @@ _FEWEST_VERTICES, _MOST_VERTICES = 800, 4000
 _REDUCED_VERTICES = 2500
 # Looking up what lies inside a mesh of more triangles takes longer than all the rest; its reduction does.
 _MOST_FACES = 100_000
-# Cells along the longest side where the body is made of what the mesh encloses.
-_RESOLUTION = 128
 # Laying a thick shell takes the longer, the more cells it is thick.
 _THICK_RESOLUTION = 80
-# A body with more handles is a thicket, not one with limbs: each keeps about sixteen vertices however far it is
-# reduced, so it is made of cells that are twice as large.
-_MOST_HANDLES = 1000
 # Areas from which seeds are spread are no less than this share of the mean.
 _LEAST_AREA = 1e-6
 _SIGMA = 1.0
+
+RESOLUTION = 128
+"""Cells along the longest side where the body is made of what the mesh encloses."""
+
+MOST_HANDLES = 1000
+"""A body with more handles is a thicket, not one with limbs: each keeps about sixteen vertices however far it is
+reduced, so it is made of cells that are twice as large."""
 
 
 @dataclass(frozen=True)
@@ -138,10 +140,10 @@ def _solid_body(
     thickness: float,
     control: Control,
 ) -> SkeletonBody:
-    resolution = _THICK_RESOLUTION if thickness > 0 else _RESOLUTION
+    resolution = _THICK_RESOLUTION if thickness > 0 else RESOLUTION
     piece = _piece_around(_solid(mesh, resolution, thickness, control), pins, names)
     control.check()
-    if topology(piece).euler < 2 - 2 * _MOST_HANDLES:
+    if topology(piece).euler < 2 - 2 * MOST_HANDLES:
         # Where larger cells lose what holds the pins together, it takes the time that it takes.
         with suppress(InputError):
             piece = _piece_around(_solid(mesh, resolution // 2, thickness, control), pins, names)

@@ -69,6 +69,12 @@ class Label:
     point: Vector
     normal: Vector
 
+    def faces(self, view: bpy.types.RegionView3D) -> bool:
+        """Whether the surface is seen from its front there."""
+        inverse = view.view_matrix.inverted()
+        toward = inverse.translation - self.point if view.is_perspective else inverse.col[2].to_3d()
+        return self.normal.dot(toward) >= 0.0
+
 
 class PairLabels(ViewportOverlay[Sequence[LabeledVertex]]):
     """Draws labels while it is registered.
@@ -115,7 +121,7 @@ def _draw_label(label: Label, context: bpy.types.Context) -> None:
     if place is None:
         return
     scale = context.preferences.system.ui_scale
-    opacity = 1.0 if _faces_viewer(label, view) else _FAINT
+    opacity = 1.0 if label.faces(view) else _FAINT
     color = (*_COLORS[(label.number - 1) % len(_COLORS)], opacity)
     center = place + Vector((_RADIUS, _RADIUS)) * 1.2 * scale
     gpu.state.blend_set("ALPHA")
@@ -125,12 +131,6 @@ def _draw_label(label: Label, context: bpy.types.Context) -> None:
     fill_discs([center], _RADIUS * scale, color)
     gpu.state.blend_set("NONE")
     _write(str(label.number), center, _TEXT_SIZE * scale, (*_INK, opacity))
-
-
-def _faces_viewer(label: Label, view: bpy.types.RegionView3D) -> bool:
-    inverse = view.view_matrix.inverted()
-    toward = inverse.translation - label.point if view.is_perspective else inverse.col[2].to_3d()
-    return label.normal.dot(toward) >= 0.0
 
 
 def _write(text: str, center: Vector, size: float, color: tuple[float, ...]) -> None:
