@@ -15,6 +15,8 @@ from .labelling import Pieces
 from .level_topology import euler_numbers_within, hollows_below, pieces_above
 from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
+# Chosen by eye; how many false handles are left is measured in docs/performance.md, "Barycenters on grids", and by
+# `python3 run.py bench quality`.
 # A handle is false where the level is within this share of the density of its thinnest place, or of that in its hole.
 _FALSE_HANDLE = 0.5
 # Density over the level where cells are raised, and where they are lowered, and the radii of it in cells.

@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 from .mesh import TriangleMesh
 from .normals import vertex_normals
 
+# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
 # Rounds in which a ball shrinks, and the share of its radius by which the surface may reach into it in the end.
 _ROUNDS, _TOLERANCE = 40, 1e-3
 # What a ball touches lies this far apart at least, in its radii.

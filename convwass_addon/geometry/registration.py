@@ -23,6 +23,7 @@ from .facing_points import OrientedSamples
 from .normals import triangle_normals, vertex_normals
 from .unit_shape import UnitShape
 
+# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
 # A pair pulls like this much of the surface's area at weight one; with the closest points' weights below that is firm.
 _PAIR_WEIGHT = 20.0
 # A normal that is turned by a right angle counts like this distance, on surfaces of unit area.

@@ -28,7 +28,8 @@ _TRUNCATE = 3.0
 # Typical density along a flat face, where half of the solid's density is the level.
 _FLAT = 0.75
 # The density on the surface of rods of 1 to 5 cells' radius, blurred by 0.7 to 2 cells, is 0.5 (typical / 0.75)^0.65 to
-# about a tenth; a little more than that makes up for the volume that triangles cut off rods of few cells.
+# about a tenth; a little more than that makes up for the volume that triangles cut off rods of few cells
+# (tests/geometry/test_thin_parts.py holds the volumes).
 _POWER = 0.7
 # Where the typical density is less than this there is no part, only what has been scattered.
 _SCATTERED = 0.2

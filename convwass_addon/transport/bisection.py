@@ -23,7 +23,8 @@ _LEVELS, _LEVELS_BELOW_TIMES = 5, 3
 # Frames that are solved together where each takes few sweeps: as many as have so many values, but at least four, whose
 # columns fill the solves of a mesh.
 _VALUES_AT_ONCE, _FEWEST_AT_ONCE = 1 << 17, 4
-# Nats by which a bound is raised at frames that do not converge under it.
+# Nats by which a bound is raised at frames that do not converge under it. Chosen by eye; how far bounds had to be
+# raised is in docs/performance.md, "Meshes".
 _RELIEF = 1.0
 # Halvings of the way whose frames are solved again between nearer ones. Between far ends of a body there are many ways
 # of nearly the same length; the midpoint is spread over all of them, and sharpened to the bound it is a spike with long

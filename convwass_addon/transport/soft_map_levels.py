@@ -21,7 +21,8 @@ from .surface import Surface
 # The coarse meshes have this share of the vertices: a map between them takes a thirtieth of the time, since a
 # sweep is a product of matrices (0.3^3 = 1/37), and is as right (docs/performance.md, "Soft maps").
 _SHARE = 0.3
-# Between smaller meshes maps are solved as fast as coarser ones are made.
+# Between smaller meshes maps are solved as fast as coarser ones are made. Chosen by eye: a sweep grows with the cube of
+# the vertices.
 _FEWEST_VERTICES = 250
 # What one direction is told of the other reaches down to exp(-20) of the largest density.
 _DEPTH = np.float32(20.0)

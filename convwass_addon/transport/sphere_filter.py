@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
+# Chosen by eye; how right the filter is and how fast is measured in docs/performance.md, "Sphere".
 # Azimuths over which the blur along meridians is averaged.
 _AZIMUTHS = 512
 # Turns around a parallel that its Gaussian is wrapped over.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
+# Chosen by eye; what the kernel takes is measured in docs/performance.md, "Sphere".
 # Offsets in longitude that share a matrix product, whose result is then added once.
 _OFFSETS = 8
 # Where the polar caps that are left have fewer rows than this share of all, they are multiplied by themselves.

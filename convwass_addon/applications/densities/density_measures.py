@@ -21,7 +21,8 @@ from .density_solving import solving
 from .surface_densities import distribution
 
 MEASURING_SUBSTEPS = 20
-"""Substeps with which distances are right to a few percent; 10 will do for interpolations."""
+"""Substeps with which distances are right to a few percent (tests/applications/test_density_measures.py); for
+interpolations 10 will do."""
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,11 @@ from ...geometry.mesh import TriangleMesh
 from ...transport import Surface
 from .. import memory
 
-# Measured with cholespy on spheres of 10 000 to 164 000 vertices: bytes per vertex at the peak of building a surface.
+# Bytes per vertex at the peak of building a surface, with cholespy on spheres of 10 000 to 164 000 vertices.
 _BUILD_BYTES = 3500
-# Measured, per vertex: a frame while it is kept and when it is handed on; the coarser meshes, at their peak, and what
-# is being solved; for a graph, whose edges are solved together, the scalings of each and copies of them.
+# Bytes per vertex of a frame while it is kept and when it is handed on; of the coarser meshes, at their peak, and what
+# is being solved: a little above the 3800 of a whole run at 500 000 vertices (docs/performance.md, "Meshes", memory);
+# for a graph, whose edges are solved together, of the scalings of each and copies of them.
 _FRAME_BYTES = 16
 _WORK_BYTES = 4000
 _EDGE_BYTES = 140

@@ -15,7 +15,8 @@ from ...schema import Choice, Companion, Settings, setting
 # Automatic sharpness: whole in the middle, exact towards the ends (where the weight of one shape exceeds the second).
 _SHARPNESS = 0.75
 _CRISP_FROM = 0.85
-# Automatic blur: one cell, and no narrower than float64 carries across a grid.
+# Automatic blur: one cell, and no narrower than float64 carries across a grid. With one cell of a hundred the frames
+# next to a far shape need scalings beyond it, with 1.25 none did; other pairs widen it by themselves (`blend_solver`).
 _CELLS_PER_BLUR = 80.0
 # The automatic tolerance, that of full sharpness, and the sharpness from which it goes there.
 _TOLERANCE, _CRISP_TOLERANCE, _SLOW_FROM = 1e-2, 1e-3, 0.9

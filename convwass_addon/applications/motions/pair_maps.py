@@ -19,6 +19,7 @@ from ..soft_maps.surface_maps import PointMap, SurfaceMap
 from .carriers import Carrier
 from .coinciding_places import coinciding_places
 
+# Chosen by eye; `python3 run.py bench coherence` measures what they give.
 # Guides are left out where the map without them is better by more than this: who clicks is right in case of doubt.
 _MARGIN = 0.08
 # A guide is doubted that the map without guides misses by more than this, in sizes of the surface.

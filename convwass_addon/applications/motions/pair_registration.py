@@ -43,6 +43,7 @@ _HEALING = (Stage(20.0, 30.0, 0.05, 4), Stage(100.0, 5.0, 0.04, 4))
 _GIVE = 0.2
 _TIGHTENING = (Stage(30.0, 20.0, 0.05, 2, _GIVE), Stage(100.0, 0.0, 0.04, 6, _GIVE, 0.1))
 _FINISHING = (Stage(100.0, 5.0, 0.04, 3), Stage(300.0, 0.0, 0.03, 5))
+# Chosen by eye; `python3 run.py bench coherence` measures what they give.
 # What a place pays: for the way there and back and for its distance, both in sizes of the surface, and for the
 # logarithm of its stretch. At these values it pays one, which is the most for each.
 _TRIP, _AWAY, _STRETCH = 0.15, 0.06, 1.0

@@ -22,7 +22,8 @@ from ...transport.meeting import meeting
 # What goes down geometrically from the first round to the last, in cells: the blur of the plans, how far mass goes
 # before it fades, and the size of the parts that move together.
 _SIGMAS, _REACHES, _WIDTHS = (2.0, 1.0), (12.0, 6.0), (7.0, 1.5)
-# Springs per width: measured, stiffer ones keep limbs, softer ones fit.
+# Springs per width: stiffer ones keep limbs, softer ones fit. Chosen by eye; `python3 run.py bench coherence` measures
+# what all of these give.
 _STIFFNESS = 0.7
 # Cells of which less is filled do not belong to a solid.
 _LEAST_FILLED = 0.1

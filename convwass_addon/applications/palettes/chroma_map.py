@@ -21,6 +21,7 @@ SIGMA = 4.0
 
 _BIN = 2.0 * REACH / BINS
 _TOLERANCE = 1e-3
+# Chosen by eye; what the map gives is measured in docs/performance.md, "Palettes".
 # Shares of the largest bin below which an average is not trusted, and is taken from further away.
 _FLOOR = 1e-6
 _LEAST_SMOOTHING, _WIDENING = 0.35, 1.6

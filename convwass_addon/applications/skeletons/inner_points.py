@@ -16,6 +16,7 @@ from ...transport import Surface
 from ..workers import one_blas_thread
 from .skeleton_bodies import SkeletonBody, skeleton_body
 
+# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
 # Blur along the surface, in halves of the thickness behind the point, that brings the mean to the middle of a limb.
 _REACH = 2.0
 # In mean edge lengths: a narrower blur is one of edges, not of the surface.

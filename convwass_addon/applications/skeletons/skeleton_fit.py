@@ -27,6 +27,7 @@ from .skeleton_notices import bone_notices
 from .skeleton_settings import SkeletonSettings
 from .skeleton_settling import settled
 
+# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
 # Where the mean of a joint lies outside, it is laid out again with a kernel so many times wider, so often at most.
 _NOTCH, _NOTCHES = 1.6, 2
 # In diagonals of the body: how far below the surface joints are put that lie outside.

@@ -21,6 +21,7 @@ from ...geometry.solid_angles import Inside
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
 
+# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
 # How strongly a branching joint keeps to where it was laid out, against the pull of its bones.
 _LOYALTY = 0.25
 _ROUNDS = 10

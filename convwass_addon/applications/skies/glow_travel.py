@@ -20,6 +20,7 @@ from .sky_settings import SkySettings
 from .sun_frames import SunWay, seen_in
 from .sun_glow import Glow, horizon, reflecting
 
+# Chosen by eye; tests/applications/test_sun_glow.py holds what they are for.
 # Within this share of the way from an end its glow goes over into what it is there exactly.
 _END = 0.2
 # What it is within so many degrees of the horizon sooner: it would be seen to rise from there.

@@ -16,6 +16,7 @@ from .lamps import Lamp
 from .sky_images import LUMINANCE
 from .sky_settings import SkySettings
 
+# Chosen by eye; tests/applications/test_sun_glow.py holds what they are for.
 # Air is brighter towards the horizon: up to so many times, smoothed over so many degrees.
 _MOST_HAZE, _HAZE_DEGREES = 8.0, 0.7
 # The ground goes along with the glow above it where that is at least this share of its brightest, as much as all but

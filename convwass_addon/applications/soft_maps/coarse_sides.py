@@ -19,6 +19,7 @@ from ...progress import UNINTERRUPTED, Control
 from .map_sides import MapSide
 from .surface_maps import VertexInterpolation
 
+# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
 # A mesh with up to so many times the wanted vertices is taken as it is: a coarser one would be worse for little.
 _NEAR_ENOUGH = 1.3
 # A coarser mesh has at most this share of the vertices.

@@ -24,7 +24,7 @@ from .shape_looks import ShapeLooks, differences, shape_looks
 from .soft_map_settings import SoftMapSettings
 
 # The square of a distance from the match counts so much, in sizes of the surface (the square root of its area), and
-# nothing counts more than 1, which that of 0.16 does.
+# nothing counts more than 1, which that of 0.16 does. Steeper ones are worse (docs/performance.md, "Soft maps").
 _STEEPNESS = 40.0
 # The same for the first guess, where matches are rougher; farther ways than 0.32 are never needed.
 _ROUGH_STEEPNESS = 10.0

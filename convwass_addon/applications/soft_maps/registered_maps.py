@@ -15,6 +15,7 @@ from ...geometry.normals import vertex_normals
 from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
 from ...geometry.unit_shape import UnitShape
 
+# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
 # Pairs that fix how one surface is turned against the other.
 _ENOUGH = 3
 # Mirrored, the source is laid by pairs only if it misses them by no more than this times as much as it does otherwise.

@@ -16,6 +16,7 @@ from ...geometry.unit_shape import UnitShape
 
 _FUNCTIONS = 120
 _ENERGIES = 50
+# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
 # Marked points count three times as much as signatures, and the more the nearer they are: by 1 / (0.1 + d)^2. Distances
 # are compared relative to themselves, those below 0.05 to that.
 _MARKS, _NEARNESS, _SHORT = 3.0, 0.1, 0.05
