@@ -46,11 +46,6 @@ class NamedGuide:
         return {"name": self.name, "points": dict(self.points)}
 
 
-def guides_as_text(guides: Sequence[NamedGuide]) -> str:
-    """Return guides as the text that :func:`parsed_guides` reads."""
-    return json.dumps([guide.as_dict() for guide in guides], ensure_ascii=False)
-
-
 def parsed_guide(name: str, points: str) -> NamedGuide:
     """Read one guide, of which the points are JSON; raises InputError where they are not."""
     try:
