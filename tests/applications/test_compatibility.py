@@ -19,6 +19,7 @@ from tests.grids import figure, sheet
 from tests.shapes import ball, box, joined, square, torus
 
 NONE = np.empty((0, 2), np.int64)
+ONE, FOUR = np.array([[0, 1]]), np.array([[0, 1], [0, 2], [1, 3], [2, 3]])
 
 
 def side(mesh, **groups):
@@ -76,8 +77,7 @@ def test_left_and_right_look_the_same_until_something_is_marked(arms):
     assert (told[rows, mirror[rows]] > told[rows, rows] + 0.05).all()
 
 
-@pytest.mark.parametrize("bend", [0.0, 0.8])
-@pytest.mark.parametrize("pairs", [2, 3])
+@pytest.mark.parametrize(("bend", "pairs"), [(0.0, 2), (0.8, 3)])
 @pytest.mark.parametrize("is_mirrored", [False, True])
 def test_two_or_three_pairs_decide_either_way(arms, is_mirrored, pairs, bend):
     mesh, mirror, hand, foot = arms
@@ -119,17 +119,17 @@ def test_painted_groups_tell_alike_points_apart():
 
 
 @pytest.mark.parametrize(
-    ("source", "target"),
+    ("source", "target", "pairs"),
     [
-        (torus(segments=(16, 10)), ball(points=120)),
-        (sheet(9, 7), ball(points=120)),
-        (ball(points=60), ball(points=700)),
-        (joined(ball(points=60), ball(points=60, center=(3, 0, 0))), ball(points=120)),
-        (square(), square()),
-        (square(), box()),
+        (torus(segments=(16, 10)), ball(points=120), NONE),
+        (sheet(9, 7), ball(points=120), ONE),
+        (ball(points=60), ball(points=300), FOUR),
+        (joined(ball(points=60), ball(points=60, center=(3, 0, 0))), ball(points=120), ONE),
+        (square(), square(), NONE),
+        (square(), square(), FOUR),
+        (square(), box(), ONE),
     ],
 )
-@pytest.mark.parametrize("pairs", [NONE, np.array([[0, 1]]), np.array([[0, 1], [0, 2], [1, 3], [2, 3]])])
 def test_odd_cases_give_numbers(source, target, pairs):
     found = comparison(side(source), side(target), pairs)
     assert found.costs.shape == (len(source.vertices), len(target.vertices))

@@ -30,8 +30,8 @@ from tests.shapes import ball, box
 
 SHAPES = (ball(), box())
 QUICK = MorphSettings(motion="transport", resolution=32)
-BLENDS = path_blends(2, 96)
-RUNS = 25
+BLENDS = path_blends(2, 48)
+RUNS = 13
 """Enough for work to be left when a worker is killed after the first of them."""
 
 
@@ -80,9 +80,8 @@ def kill(processes):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows knows no SIGKILL")
-@pytest.mark.parametrize("victims", [1, 2], ids=["one worker", "all workers"])
-def test_a_bake_survives_workers_that_are_killed(cluster, expected, victims):
-    """With all of them go all copies of what the runs have in common."""
+def test_a_bake_survives_workers_that_are_killed(cluster, expected):
+    """All of them, and with them all copies of what the runs have in common."""
     frames = []
     with counted(cluster.scheduler_address) as (executor, futures):
         before = set(executor.client.run(os.getpid).values())
@@ -91,10 +90,10 @@ def test_a_bake_survives_workers_that_are_killed(cluster, expected, victims):
             if not frames:
                 assert len(futures) == RUNS
                 assert sum(not future.done() for future in futures) >= RUNS // 2
-                kill(sorted(before)[:victims])
+                kill(before)
             frames.append(step.payload)
         executor.client.wait_for_workers(2, timeout=60)
-        assert len(before & set(executor.client.run(os.getpid).values())) == 2 - victims
+        assert not before & set(executor.client.run(os.getpid).values())
     assert_same(frames, expected)
 
 

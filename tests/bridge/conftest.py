@@ -10,12 +10,20 @@ import pytest
 from convwass_addon.geometry.mesh import TriangleMesh
 
 
-@pytest.fixture(autouse=True)
-def bare_scene():
-    """Blender with factory settings and nothing in the scene; returns that scene."""
+@pytest.fixture(scope="session")
+def factory_preferences():
+    """Reset the preferences once: it would register Blender's own add-ons again, for every test."""
     import bpy
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+@pytest.fixture(autouse=True)
+def bare_scene(factory_preferences):
+    """Blender with factory settings and nothing in the scene; returns that scene."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return bpy.context.scene
 
 

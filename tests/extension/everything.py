@@ -16,13 +16,15 @@ import numpy as np
 QUICK = {"frames": 3, "resolution": 24}
 
 
-def make_everything(folder: Path) -> dict[str, list[str]]:
+def make_everything(folder: Path, only: str = "") -> dict[str, list[str]]:
     """Make one of everything in the file that is open.
 
     Parameters
     ----------
     folder : Path
         For what is written to files.
+    only : str
+        The one kind of things to make, such as "morphs"; all of them by default.
 
     Returns
     -------
@@ -32,40 +34,42 @@ def make_everything(folder: Path) -> dict[str, list[str]]:
     bpy.context.scene.frame_end = 24
     # Each application at a place of its own, since densities and maps look at the selection.
     answers: dict[str, list[str]] = {}
-    for make in (_morphs, _flat, _densities, _soft_map, _armature, _recolors, _skies, _materials):
+    makers = (_morphs, _outputs, _flat, _densities, _soft_map, _armature, _recolors, _skies, _materials)
+    for make in makers:
+        if only and make.__name__ != f"_{only}":
+            continue
         bpy.ops.object.select_all(action="DESELECT")
         for name, answer in make(folder).items():
             answers[name] = sorted(answer)
     return answers
 
 
-def _morphs(folder: Path) -> dict[str, set[str]]:
-    answers = {}
-    outputs = {"objects": {}, "player": {}, "pad": {"layout": "TRIANGLE"}, "volume": {}, "cache": {}}
-    for place, (output, options) in enumerate(outputs.items()):
-        shapes = [_ball(f"{output} ball", (0, 4 * place, 0)), _box(f"{output} box", (3, 4 * place, 0))]
-        if output == "pad":
-            shapes.append(_ball(f"{output} egg", (6, 4 * place, 0), 0.5))
-        _select(*shapes)
-        # Guiding takes most of the time; once is enough, and earlier versions did not have it.
-        motion = {} if output == "volume" or not _has_motions() else {"motion": "TRANSPORT"}
-        answers[f"bake_morph {output}"] = bpy.ops.convwass.bake_morph(**QUICK, **motion, **options)
-        if output == "player":
-            answers["make_player"] = bpy.ops.convwass.make_player()
-        elif output == "pad":
-            answers["make_blend_pad"] = bpy.ops.convwass.make_blend_pad()
-        elif output == "volume":
-            answers["make_volume"] = bpy.ops.convwass.make_volume(folder=str(folder / "volumes"))
-        elif output == "cache":
-            answers["make_cache"] = bpy.ops.convwass.make_cache(folder=str(folder / "caches"))
+def _morphs(_folder: Path) -> dict[str, set[str]]:
+    answers = {"bake_morph objects": _baked("objects", 0), "bake_morph player": _baked("player", 1)}
+    return {**answers, "make_player": bpy.ops.convwass.make_player()}
+
+
+def _outputs(folder: Path) -> dict[str, set[str]]:
+    egg = _ball("pad egg", (6, 8, 0), 0.5)
+    answers = {"bake_morph pad": _baked("pad", 2, egg, layout="TRIANGLE")}
+    answers["make_blend_pad"] = bpy.ops.convwass.make_blend_pad()
+    # Guiding takes most of the time; once is enough.
+    answers["bake_morph volume"] = _baked("volume", 3, is_guided=True)
+    answers["make_volume"] = bpy.ops.convwass.make_volume(folder=str(folder / "volumes"))
+    answers["bake_morph cache"] = _baked("cache", 4)
+    answers["make_cache"] = bpy.ops.convwass.make_cache(folder=str(folder / "caches"))
     _select(_ball("listed ball", (0, 20, 0)), _box("listed box", (3, 20, 0)))
     answers["add_morph_inputs"] = bpy.ops.convwass.add_morph_inputs()
     return answers
 
 
-def _has_motions() -> bool:
-    """Tell whether the installed version offers a choice of how shapes move."""
-    return "motion" in bpy.ops.convwass.bake_morph.get_rna_type().properties
+def _baked(output: str, place: int, *others: bpy.types.Object, is_guided: bool = False, **options: object) -> set[str]:
+    """Bake a morph from a ball to a box, and to others."""
+    _select(_ball(f"{output} ball", (0, 4 * place, 0)), _box(f"{output} box", (3, 4 * place, 0)), *others)
+    # Earlier versions had no choice of how shapes move.
+    has_motions = "motion" in bpy.ops.convwass.bake_morph.get_rna_type().properties
+    motion = {"motion": "TRANSPORT"} if has_motions and not is_guided else {}
+    return bpy.ops.convwass.bake_morph(**QUICK, **motion, **options)
 
 
 def _flat(_folder: Path) -> dict[str, set[str]]:

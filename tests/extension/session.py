@@ -119,10 +119,10 @@ def clear() -> None:
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
-def make(folder: str) -> dict[str, list[str]]:
-    """Make one of everything, and save the file in the folder."""
+def make(folder: str, only: str = "") -> dict[str, list[str]]:
+    """Make one of everything, or of one kind of things, and save the file in the folder."""
     Path(folder).mkdir(parents=True, exist_ok=True)
-    answers = beside("everything").make_everything(Path(folder))
+    answers = beside("everything").make_everything(Path(folder), only)
     bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "everything.blend"))
     return answers
 

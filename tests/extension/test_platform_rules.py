@@ -14,6 +14,7 @@ import struct
 import sys
 import tomllib
 from contextlib import nullcontext
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -48,6 +49,7 @@ def manifest() -> dict:
     return tomllib.loads((PROJECT / "blender_manifest.toml").read_text(encoding="utf-8"))
 
 
+@cache
 def tree(name: str) -> ast.Module:
     return ast.parse((PACKAGE / name).read_text(encoding="utf-8"))
 
@@ -64,8 +66,10 @@ def imported(name: str) -> set[str]:
 
 
 def used(name: str) -> set[str]:
-    """Return the names that a file uses, dotted ones as they stand there."""
-    return {ast.unparse(node) for node in ast.walk(tree(name)) if isinstance(node, (ast.Name, ast.Attribute))}
+    """Return the names that a file uses, and those with one dot, as they stand there."""
+    nodes = list(ast.walk(tree(name)))
+    dotted = (node for node in nodes if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name))
+    return {node.id for node in nodes if isinstance(node, ast.Name)} | {f"{n.value.id}.{n.attr}" for n in dotted}
 
 
 def complaints(name: str) -> list[str]:

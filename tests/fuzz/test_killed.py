@@ -96,22 +96,11 @@ def test_files_outlive_a_blender_that_is_killed_and_the_next_one_cleans_up(name,
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
 @pytest.mark.usefixtures("empty_scene")
-@pytest.mark.parametrize("name", ["interpolate_density"])
-def test_work_can_be_done_again_in_the_file_of_a_blender_that_was_killed(name, project, tmp_path):
-    killed(project, name, tmp_path, 2)
-    assert [path.name for path in tmp_path.iterdir()] == ["work.blend"]
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "work.blend"))
-    assert call(name, **CASES[name][1]) == {"FINISHED"}
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
-@pytest.mark.usefixtures("empty_scene")
 @pytest.mark.parametrize(
     ("name", "moments"),
     [
-        ("bake_morph pictures", [("", 2), ("placing: ", 1)]),
-        ("recolor_clip", [("", 4), ("placing: ", 1)]),
-        ("blend_skies", [("", 1), ("placing: ", 1)]),
+        ("bake_morph pictures", [("", 2)]),
+        ("recolor_clip", [("placing: ", 1)]),
     ],
 )
 def test_of_work_that_is_killed_no_half_file_is_left_and_the_next_one_makes_all_of_them(
@@ -146,9 +135,9 @@ def written(folder):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
 @pytest.mark.usefixtures("empty_scene")
-@pytest.mark.parametrize("name", ["bake_morph", "bake_morph flat", "fit_armature"])
-def test_the_file_on_disk_is_as_it_was_and_the_work_comes_out_the_same(name, project, tmp_path):
+def test_the_file_on_disk_is_as_it_was_and_the_work_comes_out_the_same(project, tmp_path):
     """What was killed is done again from the saved scene, to the same result as without."""
+    name = "bake_morph"
     (tmp_path / "whole").mkdir()
     run(name, tmp_path / "whole")
     wanted = positions_of_all()

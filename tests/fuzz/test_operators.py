@@ -16,7 +16,7 @@ from tests.operators.densities import ball
 from tests.panels.test_panels import draw, panels
 from tests.rigs import chain
 
-SESSIONS = 3
+SESSIONS = 2
 NONSENSE = ("", "{", "[" * 100_000, "null", 3, 2.5, [1, 2], b"CWMAP\0xxxx", "[[1, 2]]", '{"schema": 1}')
 
 

@@ -6,11 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import pytest
 
-from benchmarks.left_to_transport import TIMES, left_to_transport, motions_noted
-from convwass_addon.applications.morphs.moving_problem import MovingProblem
+from benchmarks.left_to_transport import TIMES, left_to_transport
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball, joined
@@ -43,14 +41,3 @@ def test_what_is_left_is_the_share_of_the_way_that_a_motion_does_not_go(left):
     assert 0.5 in TIMES
     found = left_to_transport(Closing(left), [two_balls(1.0), two_balls(2.0)])
     assert found == pytest.approx(left, rel=0.05)
-
-
-def test_motions_are_noted_and_morphs_made_as_before(monkeypatch):
-    made = []
-    monkeypatch.setattr(MovingProblem, "of", classmethod(lambda kind, *given: made.append(given) or np.pi))
-    before = MovingProblem.__dict__["of"]
-    with motions_noted() as noted:
-        assert MovingProblem.of("still", "motion", "blends") == np.pi
-    assert noted == ["motion"]
-    assert made == [("still", "motion", "blends")]
-    assert MovingProblem.__dict__["of"] is before

@@ -7,10 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.rival_measures import Hold, Passage, detour, overlap, solid
+from benchmarks.rival_measures import Passage, detour
 from convwass_addon.applications.morphs.volumes import Lattice
-from convwass_addon.geometry.mesh import TriangleMesh
-from tests.shapes import ball, joined, torus
+from tests.shapes import ball, joined
 
 
 def passage(middle):
@@ -44,21 +43,3 @@ def test_the_way_through_an_end_is_no_detour():
     filled = np.zeros((2, 24, 24, 24))
     filled[0, 4:8, 8:16, 8:16] = filled[1, 14:18, 8:16, 8:16] = 1.0
     assert detour(filled[0], filled) == pytest.approx(1.0, abs=1e-3)
-
-
-def test_pieces_handles_and_bubbles_are_counted():
-    both = joined(torus(), ball(0.5, (3.0, 0.0, 0.0)), ball(0.2, (3.0, 0.0, 0.0)).flipped())
-    hold = Hold.of(both)
-    assert len(hold.shares) == 2
-    assert hold.handles == 1
-    np.testing.assert_allclose(hold.shares.sum(), 1.0)
-
-
-def test_overlap_of_a_shape_with_half_of_it():
-    whole = np.ones((4, 4, 4))
-    half = whole.copy()
-    half[:2] = 0.0
-    assert overlap(whole, half) == 0.5
-    shape = ball(1.0)
-    lattice = Lattice.around([shape], 32, 1.0)
-    assert overlap(solid(shape, lattice), solid(TriangleMesh(shape.vertices, shape.faces), lattice)) == 1.0
