@@ -57,7 +57,7 @@ PAIRS = {
 
 def frames(name: str, cells: int, count: int) -> dict[str, object]:
     """Make all frames from one shape to another, and fit curves to them."""
-    settings = FlatSettings(resolution=cells)
+    settings = FlatSettings(resolution=cells, motion="transport")
     clock = Clock()
     # One more, since the two ends are the shapes themselves.
     steps = flat_morph(PAIRS[name], name.split(" to "), path_blends(2, count + 1), settings, workers=2)

@@ -39,13 +39,13 @@ def main() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     shapes = {"A": lettered("A"), "B": lettered("B"), "heart": heart(), "bubbles": bubbles()}
     inked = {name: tinted(shape, _INKS[name]) for name, shape in shapes.items()}
-    settings = FlatSettings(resolution=512)
+    settings = FlatSettings(resolution=512, motion="transport")
     path = [inked[name] for name in ("A", "B", "heart")]
     transported = frames_of(path, path_blends(3, 4), settings)
     faded = [fade(path, frame.blend) for frame in transported]
     save(np.concatenate([np.concatenate(faded, axis=1), row(transported, path)], axis=0), "flat.png")
     corners = [inked[name] for name in ("A", "B", "bubbles", "heart")]
-    sheet = frames_of(corners, grid_blends(4, 5), FlatSettings(resolution=256))
+    sheet = frames_of(corners, grid_blends(4, 5), FlatSettings(resolution=256, motion="transport"))
     halves = [
         np.concatenate([np.concatenate(tiles[5 * r : 5 * r + 5], axis=1) for r in range(5)], axis=0)
         for tiles in ([fade(corners, frame.blend) for frame in sheet], [drawn(frame, corners) for frame in sheet])

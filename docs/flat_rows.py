@@ -45,7 +45,7 @@ def draw_words() -> None:
     words = [_inked(lettered(word), ink) for word, ink in zip(_WORDS, _INKS, strict=True)]
     rows = []
     for how in ("letters", "mass"):
-        frames = frames_of(words, path_blends(2, 5), FlatSettings(resolution=512, words=how))
+        frames = frames_of(words, path_blends(2, 5), FlatSettings(resolution=512, words=how, motion="transport"))
         rows.append(np.concatenate([_drawn(frame, words) for frame in frames], axis=1))
     save(np.concatenate(rows, axis=0), "flat_words.png")
 
@@ -66,7 +66,7 @@ def _drawn(frame: FlatFrame, words: Sequence[FlatShape]) -> NDArray[np.float64]:
 def draw_grays() -> None:
     """Draw two gray images: signs with a shadow."""
     images = [_image(sign, ink) for sign, ink in zip(_SIGNS, _INKS, strict=True)]
-    settings = FlatSettings(resolution=256, output="densities")
+    settings = FlatSettings(resolution=256, output="densities", motion="transport")
     blends = path_blends(2, 6)
     frames = frames_of(images, blends, settings)
     ends = [frames[0].density, frames[-1].density]

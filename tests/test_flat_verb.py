@@ -54,7 +54,8 @@ def test_words_drawings_and_pictures_become_a_blend(files, capfd):
 
 def test_meshes_are_exported(files, capsys):
     target = files / "shapes.obj"
-    options = ["--weights", "1,1", "--resolution", "256", "--out", str(files / "morph.blend"), "--export", str(target)]
+    options = ["--weights", "1,1", "--resolution", "256", "--motion", "transport"]
+    options += ["--out", str(files / "morph.blend"), "--export", str(target)]
     assert main(["morph", "text:I", "text:O", *options]) == 0
     capsys.readouterr()
     assert [path.name for path in files.glob("*.obj")] == ["shapes_0001.obj"]

@@ -69,6 +69,31 @@ class Boundary:
         shift = np.asarray(offset, dtype=np.float64)
         return Boundary(self.starts * factor + shift, self.ends * factor + shift)
 
+    def divided(self, longest: float) -> Boundary:
+        """Return the same boundary with edges cut into equal pieces no longer than `longest`."""
+        along = self.ends - self.starts
+        counts = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / longest), 1).astype(np.int64)
+        edge = np.repeat(np.arange(len(along)), counts)
+        place = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+        starts = self.starts[edge] + (place / counts[edge])[:, None] * along[edge]
+        ends = self.starts[edge] + ((place + 1) / counts[edge])[:, None] * along[edge]
+        # The corners themselves, not what rounding makes of them.
+        last = place + 1 == counts[edge]
+        ends[last] = self.ends[edge[last]]
+        return Boundary(starts, ends)
+
+    def contains(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether points, (n, 2), lie in what is filled, (n,)."""
+        found = np.zeros(len(points), bool)
+        starts, ends = self.starts, self.ends
+        for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(starts) // _AT_ONCE)):
+            x, y = points[part, 0, None], points[part, 1, None]
+            row, edge = np.nonzero((starts[:, 1] <= y) != (ends[:, 1] <= y))
+            share = (y[row, 0] - starts[edge, 1]) / (ends[edge, 1] - starts[edge, 1])
+            beyond = starts[edge, 0] + share * (ends[edge, 0] - starts[edge, 0]) > x[row, 0]
+            found[part] = np.bincount(row[beyond], minlength=len(part)) % 2 == 1
+        return found
+
     def united(self, others: Sequence[Boundary]) -> Boundary:
         """Return the boundary of what this one or any of the others fills."""
         starts = np.concatenate([self.starts, *(other.starts for other in others)])

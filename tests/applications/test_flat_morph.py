@@ -20,7 +20,7 @@ from convwass_addon.geometry.planar_fill import filled_boundary
 from tests.controls import CountingControl
 from tests.flat_shapes import ellipse, rectangle
 
-SETTINGS = FlatSettings(resolution=128)
+SETTINGS = FlatSettings(resolution=128, motion="transport")
 
 
 def shape(*rings, **options):
@@ -56,7 +56,7 @@ def overlap(outline, ring):
 )
 @pytest.mark.parametrize("sharpness", [None, 1.0])
 def test_halfway_between_shapes_whose_map_is_linear(first, second, middle, sharpness):
-    settings = FlatSettings(resolution=128, sharpness=sharpness)
+    settings = FlatSettings(resolution=128, motion="transport", sharpness=sharpness)
     (frame,) = frames_of([shape(first), shape(second)], single_blend([1, 1], 2), settings)
     assert frame.record["converged"]
     assert overlap(frame.outline, middle) > 0.97
@@ -152,7 +152,7 @@ def test_words_go_letter_by_letter():
         return shape(*(rectangle((x, 0), (x + w, 1)) for x, w in zip(starts, widths, strict=True)))
 
     shapes = [word([1, 1, 1], 0), word([0.5, 0.5, 0.5], 0)]
-    settings = FlatSettings(resolution=128, words="letters")
+    settings = FlatSettings(resolution=128, motion="transport", words="letters")
     (frame,) = frames_of(shapes, single_blend([1, 1], 2), settings)
     assert len(frame.outline.regions) == 3
     assert list(frame.record["parts"]) == ["letter 1", "letter 2", "letter 3"]
@@ -182,7 +182,7 @@ def test_gray_images_become_densities_with_the_grays_of_the_inputs():
         return np.exp(-((np.arange(64)[:, None] - x) ** 2 + (np.arange(64) - 32.0) ** 2) / 50.0)
 
     images = [FlatImage(spot(x), 1 / 64) for x in (16.0, 48.0)]
-    settings = FlatSettings(resolution=128, output="densities")
+    settings = FlatSettings(resolution=128, motion="transport", output="densities")
     first, middle, last = frames_of(images, [Blend((1.0, 0.0)), Blend((0.5, 0.5)), Blend((0.0, 1.0))], settings)
     mass = [frame.density.values.sum() * frame.density.pixel**2 for frame in (first, middle, last)]
     assert mass[1] == pytest.approx(0.5 * (mass[0] + mass[2]), rel=1e-4)
@@ -274,7 +274,7 @@ def test_holes_that_belong_to_a_blend_are_not_filled():
     ring = shape(ellipse(radii=(1.4, 1.4)), ellipse(radii=(0.9, 0.9)), rule="even-odd")
     holes = [ellipse((0, y), (0.6, 0.5)) for y in (0.7, -0.7)]
     eight = shape(ellipse(radii=(1.4, 1.8)), *holes, rule="even-odd")
-    (frame,) = frames_of([ring, eight], single_blend([1, 1], 2), FlatSettings(resolution=256))
+    (frame,) = frames_of([ring, eight], single_blend([1, 1], 2), FlatSettings(resolution=256, motion="transport"))
     assert frame.record["found"] == {"regions": 1, "holes": 3}
     assert frame.record["mended"] == {"crumbs": 0, "filled": 0, "bridged": 0}
     for mirror in ([-1, 1], [1, -1]):

@@ -14,7 +14,7 @@ from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.geometry.planar_fill import filled_boundary
 from tests.flat_shapes import ellipse, rectangle
 
-SETTINGS = FlatSettings(resolution=128)
+SETTINGS = FlatSettings(resolution=128, motion="transport")
 RED, GREEN, BLUE, WHITE = np.array([[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1], [1, 1, 1, 1]], dtype=float)
 
 
@@ -86,5 +86,7 @@ def test_shapes_of_one_color_are_not_divided(colors):
 
 def test_nothing_is_divided_where_colors_are_not_carried():
     two = shape((rectangle((0, 0), (1, 2)), RED), (rectangle((1, 0), (2, 2)), BLUE))
-    (frame,) = frames_of([two, two], single_blend([1, 1], 2), FlatSettings(resolution=128, carry=False))
+    (frame,) = frames_of(
+        [two, two], single_blend([1, 1], 2), FlatSettings(resolution=128, motion="transport", carry=False)
+    )
     assert frame.regions == ()

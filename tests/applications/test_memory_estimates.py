@@ -9,7 +9,7 @@ import tracemalloc
 import pytest
 
 from convwass_addon.applications.flat.flat_morph import flat_morph
-from convwass_addon.applications.flat.flat_problem import flat_problem
+from convwass_addon.applications.flat.flat_problem import flat_problem, pieces_of
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
@@ -43,7 +43,7 @@ def test_of_solids(shapes):
 
 def test_of_flat_shapes():
     shapes = [FlatShape((ellipse(radii=radii),)) for radii in ((1.0, 1.0), (0.5, 1.5))]
-    settings = FlatSettings(resolution=256)
-    lattice = flat_problem(shapes, ["a", "b"], settings).lattice
+    settings = FlatSettings(resolution=256, motion="transport")
+    lattice = flat_problem(shapes, pieces_of(shapes, ["a", "b"], settings), ["a", "b"], settings).lattice
     peak = peak_of(lambda: flat_morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
     assert 0.3 < peak / lattice.memory(2, 1) < 1.0

@@ -38,7 +38,7 @@ from tests.shapes import ball
 
 _BALL = ball(points=80)
 _SOLID = MorphSettings(motion="transport", resolution=20, blur=1.0)
-_FLAT = FlatSettings(resolution=32, blur=1.0)
+_FLAT = FlatSettings(resolution=32, blur=1.0, motion="transport")
 
 
 def outcome(run: Callable[[], object]) -> str:
@@ -93,7 +93,10 @@ def skeleton_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> None:
 
 def flat_of(rings: list[np.ndarray], control: Control = UNINTERRUPTED) -> None:
     """Morph rings into an ellipse, by mass and by letters, as outlines and as densities."""
-    for settings in (_FLAT, FlatSettings(resolution=32, blur=1.0, words="letters", output="densities")):
+    for settings in (
+        _FLAT,
+        FlatSettings(resolution=32, blur=1.0, motion="transport", words="letters", output="densities"),
+    ):
         shapes = [FlatShape(tuple(rings)), FlatShape((ellipse(corners=16),))]
         _flat(shapes, settings, control)
 

@@ -10,15 +10,17 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.flat_mending import FlatMending
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.blend_solver import BlendSolver, SolvedBlend
 from ..morphs.blending import HandOver
+from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.layouts import Blend
 from ..morphs.spare_threads import at_once
 from ..morphs.thin_shapes import wall_share
 from .flat_frames import FlatDensity, FlatFrame
-from .flat_origins import FlatOrigins
-from .flat_outlines import blend_outline, filled_area, own_outline
+from .flat_origins import FlatOrigins, MovedOrigins
+from .flat_outlines import blend_outline, filled_area, half_max_outline, own_outline, prepared_density
 from .flat_problem import FlatProblem
 from .flat_regions import colored_regions
 
@@ -34,19 +36,24 @@ def solve_flat_blends(
     frames = []
     for blend in blends:
         if blend.source is not None:
-            frames.append(hand_over(partial(_input_frame, problem, blend)))
+            frames.append(hand_over(partial(input_frame, problem, blend)))
         else:
             frames.append(hand_over(partial(_frame, problem, solver.solve(blend, problem.blend_areas(blend)))))
     return [frame() for frame in frames]
 
 
-def _input_frame(problem: FlatProblem, blend: Blend) -> FlatFrame:
-    """Frame of an input as it is: its density where densities are asked for."""
+def _frame(problem: FlatProblem, solved: SolvedBlend) -> FlatFrame:
+    return surfaced_frame(problem, solved, FlatOrigins.of(problem, solved) if problem.settings.carry else None)
+
+
+def input_frame(problem: FlatProblem, blend: Blend) -> FlatFrame:
+    """Return the frame of an input as it is: its density where densities are asked for."""
     record = {
         "weights": blend.weights,
         "input": blend.source,
         "cell": problem.lattice.spacing,
         "area": problem.transport.input_volume(blend.source),
+        **_motion_record(problem),
     }
     if problem.settings.output == "outlines":
         return FlatFrame(blend, None, record)
@@ -56,33 +63,90 @@ def _input_frame(problem: FlatProblem, blend: Blend) -> FlatFrame:
     return FlatFrame(blend, outline, record, _image(problem, blend, occupancy))
 
 
-def _frame(problem: FlatProblem, solved: SolvedBlend) -> FlatFrame:
-    """Read a blend from the barycenters of its parts."""
-    lattice, settings, blend = problem.lattice, problem.settings, solved.blend
+def surfaced_frame(
+    problem: FlatProblem,
+    solved: SolvedBlend,
+    origins: FlatOrigins | MovedOrigins | None,
+    solids: CoincidingSolids | None = None,
+) -> FlatFrame:
+    """Read a blend from the barycenters of its parts.
+
+    Parameters
+    ----------
+    problem : FlatProblem
+        The shapes and the settings.
+    solved : SolvedBlend
+        The blend.
+    origins : FlatOrigins, MovedOrigins or None
+        Where its matter comes from.
+    solids : CoincidingSolids, optional
+        The mean of moved shapes: where they agree, it takes the place of the barycenter.
+    """
+    settings, blend = problem.settings, solved.blend
     merged = solved.merged()
-    shapes = [problem.connectivity[index] for index in np.flatnonzero(blend.weights)]
     interpolated = merged.volume * problem.fullness(blend)
-    area = max(interpolated, filled_area(merged.density)) if settings.output == "outlines" else interpolated
-    mending = blend_outline(merged.density, area, shapes, settings)
-    outline = lattice.to_scene(mending.drawn.outline, blend.weights)
+    # Moved shapes nearly coincide: what is between them does not spread.
+    spreads = settings.output == "outlines" and solids is None
+    area = max(interpolated, filled_area(merged.density)) if spreads else interpolated
+    if settings.level == "half-max" and solids is None:
+        mending = half_max_outline(merged.density)
+    else:
+        mending = _outline(problem, blend, prepared_density(merged.density, area, solids), area)
     record = {
-        "weights": blend.weights,
         **solved.figures(),
         "sigma": max(solved.sigmas),
         "wall": wall_share(merged.density),
+        "area_wanted": area * problem.lattice.spacing**2,
+        "area_interpolated": interpolated * problem.lattice.spacing**2,
+        **solved.part_figures(problem.transport, merged),
+    }
+    density = _image(problem, blend, _mass_per_cell(solved)) if settings.output == "densities" else None
+    return _finished(problem, blend, mending, record, origins, density)
+
+
+def coinciding_frame(
+    problem: FlatProblem, blend: Blend, solids: CoincidingSolids, origins: MovedOrigins | None
+) -> FlatFrame:
+    """Return the mean of moved shapes that coincide: nothing is left to transport."""
+    area = float(problem.blend_areas(blend).sum()) * problem.fullness(blend)
+    mending = _outline(problem, blend, solids.density, area)
+    wanted = area * problem.lattice.spacing**2
+    record = {"converged": True, "area_wanted": wanted, "area_interpolated": wanted}
+    return _finished(problem, blend, mending, record, origins)
+
+
+def _outline(problem: FlatProblem, blend: Blend, prepared: NDArray[np.floating], area: float) -> FlatMending:
+    shapes = [problem.connectivity[index] for index in np.flatnonzero(blend.weights)]
+    return blend_outline(prepared, area, shapes, problem.settings)
+
+
+def _finished(
+    problem: FlatProblem,
+    blend: Blend,
+    mending: FlatMending,
+    figures: dict[str, object],
+    origins: FlatOrigins | MovedOrigins | None,
+    density: FlatDensity | None = None,
+) -> FlatFrame:
+    """Bring an outline in cells to the scene, and complete its record."""
+    lattice = problem.lattice
+    outline = lattice.to_scene(mending.drawn.outline, blend.weights)
+    record = {
+        "weights": blend.weights,
+        **figures,
         "cells": lattice.shape,
         "cell": lattice.spacing,
         "level": mending.drawn.level,
         "area": outline.area,
-        "area_wanted": area * lattice.spacing**2,
-        "area_interpolated": interpolated * lattice.spacing**2,
         **mending.record(),
-        **solved.part_figures(problem.transport, merged),
+        **_motion_record(problem),
     }
-    density = _image(problem, blend, _mass_per_cell(solved)) if settings.output == "densities" else None
-    origins = FlatOrigins.of(problem, solved) if settings.carry else None
     regions = colored_regions(problem, blend, mending, origins) if problem.layers and origins is not None else ()
     return FlatFrame(blend, outline, record, density, origins, regions)
+
+
+def _motion_record(problem: FlatProblem) -> dict[str, object]:
+    return {"motion": dict(problem.motion)} if problem.motion else {}
 
 
 def _mass_per_cell(solved: SolvedBlend) -> NDArray[np.float64]:

@@ -17,8 +17,6 @@ from .flat_frames import FlatFrame
 from .flat_pieces import layers_of
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
-# Points and edges that are compared at once.
-_AT_ONCE = 4_000_000
 # Points of an outline that a color is looked for at, along its longest side.
 _SAMPLES = 512.0
 # Pixels of less opacity have no color.
@@ -86,26 +84,13 @@ def _of_layers(points: NDArray[np.float64], shape: FlatShape) -> NDArray[np.floa
     boundaries = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers]
     found = np.full(len(points), -1)
     for index, boundary in enumerate(boundaries):
-        found[is_inside(points, boundary)] = index
+        found[boundary.contains(points)] = index
     outside = np.flatnonzero(found < 0)
     if len(outside):
         samples = [_samples(boundary) for boundary in boundaries]
         owners = np.repeat(np.arange(len(samples)), [len(own) for own in samples])
         found[outside] = owners[cKDTree(np.concatenate(samples)).query(points[outside])[1]]
     return colors[found]
-
-
-def is_inside(points: NDArray[np.float64], boundary: Boundary) -> NDArray[np.bool_]:
-    """Whether points, (n, 2), lie in what a boundary encloses, (n,)."""
-    found = np.zeros(len(points), bool)
-    starts, ends = boundary.starts, boundary.ends
-    for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(starts) // _AT_ONCE)):
-        x, y = points[part, 0, None], points[part, 1, None]
-        row, edge = np.nonzero((starts[:, 1] <= y) != (ends[:, 1] <= y))
-        share = (y[row, 0] - starts[edge, 1]) / (ends[edge, 1] - starts[edge, 1])
-        beyond = starts[edge, 0] + share * (ends[edge, 0] - starts[edge, 0]) > x[row, 0]
-        found[part] = np.bincount(row[beyond], minlength=len(part)) % 2 == 1
-    return found
 
 
 def _samples(boundary: Boundary) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...geometry.outlines import Outline
 from ...one_line import one_line
 from ..morphs.layouts import Blend
-from .flat_origins import FlatOrigins
+from .flat_origins import FlatOrigins, MovedOrigins
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class FlatFrame:
         Where densities were asked for; of inputs too.
     record : dict
         The solver's figures, the level, area wanted and reached, regions and holes; ready for JSON.
-    origins : FlatOrigins or None
+    origins : FlatOrigins, MovedOrigins or None
         Tells for any points of the blend where on every input their matter comes from.
     regions : tuple of ColoredOutline
         How colors divide the outline, the largest first; empty where all of it has one.
@@ -81,7 +81,7 @@ class FlatFrame:
     outline: Outline | None
     record: dict[str, object]
     density: FlatDensity | None = None
-    origins: FlatOrigins | None = None
+    origins: FlatOrigins | MovedOrigins | None = None
     regions: tuple[ColoredOutline, ...] = ()
 
     __repr__ = one_line("blend", "outline", "density", "regions")

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,8 @@ from .flat_pieces import FlatPieces
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 16
+# Cells that are left free around what moves.
+_ROOM = 4
 # Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of a part of every shape and of a
 # thread that solves.
 _BYTES_PER_SHAPE, _BYTES_PER_WORKER = 60, 400
@@ -67,6 +69,19 @@ class FlatLattice:
         cells = (np.ceil(cells / _MULTIPLE - 1e-9) * _MULTIPLE).astype(int)
         origin = (low + high) / 2 - cells * spacing / 2
         return cls((int(cells[0]), int(cells[1])), spacing, origin, centers)
+
+    def holding(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> FlatLattice:
+        """Return a lattice with the same cells and as many more as a box needs.
+
+        Parameters
+        ----------
+        low, high : (2,) float64
+            Corners of the box relative to the centers of the shapes, scene units.
+        """
+        below = np.ceil((self.origin - low) / self.spacing + _ROOM).clip(min=0)
+        end = np.maximum((high - self.origin) / self.spacing + _ROOM, self.shape)
+        cells = (np.ceil((end + below) / _MULTIPLE - 1e-9) * _MULTIPLE).astype(int)
+        return replace(self, shape=(int(cells[0]), int(cells[1])), origin=self.origin - below * self.spacing)
 
     def grid(self, sigma: float) -> Grid:
         """Return the transport domain with a kernel of `sigma` cells."""

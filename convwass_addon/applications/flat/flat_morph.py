@@ -6,21 +6,24 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
 from ..morphs.runs import as_solved, runs_of, solved_in_threads
 from .flat_blending import solve_flat_blends
-from .flat_problem import flat_problem
+from .flat_motion import chosen_flat_motion
+from .flat_moving import FlatMovingProblem, solve_moving_flat_blends
+from .flat_problem import flat_problem, pieces_of
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatInput
 
-# Share of the progress at which the shapes are on their grid.
-_BEGUN = 0.05
+# Shares of the progress at which the shapes are on their grid, and the motion is chosen.
+_BEGUN, _CHOSEN = 0.05, 0.3
 
 
 def flat_morph(
@@ -70,14 +73,22 @@ def flat_morph(
     runs = dict(enumerate(runs_of(blends, wanted)))
     yield Progress(0.0, Sentence("Laying out the grid"))
     control.check()
-    problem = flat_problem(shapes, names, settings)
+    pieces = pieces_of(shapes, names, settings)
+    problem = flat_problem(shapes, pieces, names, settings)
     yield Progress(_BEGUN, Sentence("Drew the shapes on the grid"))
+    regions = max(own.regions for own in problem.connectivity)
+    work = chosen_flat_motion(pieces, names, blends, settings, regions, problem.lattice.centers, control)
+    choice = yield from within(work, _BEGUN, _CHOSEN)
+    problem = replace(problem, motion=choice.record)
     threads = min(workers or os.cpu_count() or 1, len(runs))
     fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
     solve = partial(solve_flat_blends, problem)
+    if choice.motion is not None:
+        moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends)
+        solve = partial(solve_moving_flat_blends, moving)
     with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
         for done, frame in enumerate(frames, start=1):
-            fraction = _BEGUN + (1.0 - _BEGUN) * done / total
+            fraction = _CHOSEN + (1.0 - _CHOSEN) * done / total
             yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)

@@ -12,6 +12,7 @@ from scipy.ndimage import gaussian_filter
 
 from ...geometry.contours import LevelOutline, outline_at_level, outline_enclosing
 from ...geometry.flat_mending import FlatConnectivity, FlatMending, mended_outline
+from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.merging import typical_density
 from .flat_settings import FlatSettings
 
@@ -24,19 +25,43 @@ def own_outline(occupancy: NDArray[np.floating], area: float) -> LevelOutline:
     return outline_enclosing(gaussian_filter(occupancy, _READING_BLUR), area)
 
 
+def prepared_density(
+    density: NDArray[np.float64], area: float, solids: CoincidingSolids | None = None
+) -> NDArray[np.floating]:
+    """Blur the density of a blend as it is read.
+
+    Parameters
+    ----------
+    density : (nx, ny)
+        The barycenter.
+    area : float
+        In cells, that is going to be enclosed.
+    solids : CoincidingSolids, optional
+        The mean of moved shapes: where they agree, it takes the place of the barycenter.
+    """
+    prepared = gaussian_filter(density / density.max(), _READING_BLUR)
+    if solids is None:
+        return prepared
+    # The mean is one half on its outline, and so must the barycenter be.
+    level = outline_enclosing(prepared, area).level
+    return solids.mixed(prepared * (0.5 / level), (slice(None), slice(None)))
+
+
 def blend_outline(
-    density: NDArray[np.float64], area: float, shapes: Sequence[FlatConnectivity], settings: FlatSettings
+    prepared: NDArray[np.floating], area: float, shapes: Sequence[FlatConnectivity], settings: FlatSettings
 ) -> FlatMending:
     """Outline of a blend that encloses `area` cells, connected as the shapes are that it is made of."""
-    if settings.level == "half-max":
-        return FlatMending(outline_at_level(density, float(density.max()) / 2), density)
-    prepared = gaussian_filter(density / density.max(), _READING_BLUR)
     if not settings.mend:
         return FlatMending(outline_enclosing(prepared, area), prepared)
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)
     return mended_outline(prepared, area, most)
+
+
+def half_max_outline(density: NDArray[np.floating]) -> FlatMending:
+    """Outline at half of the largest density."""
+    return FlatMending(outline_at_level(density, float(density.max()) / 2), density)
 
 
 def filled_area(density: NDArray[np.float64]) -> float:

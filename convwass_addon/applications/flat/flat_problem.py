@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from ..morphs.transport_problem import TransportProblem
 from .flat_lattice import FlatLattice
 from .flat_layers import InputLayers, input_layers
 from .flat_outlines import own_outline
-from .flat_pieces import flat_pieces
+from .flat_pieces import FlatPieces, flat_pieces
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatImage, FlatInput
 from .letters import matched_letters
@@ -41,12 +41,15 @@ class FlatProblem:
         Area in cells of what of every shape is at least half full.
     layers : tuple of InputLayers
         Where every shape has which color, where colors are carried and there are several.
+    motion : mapping
+        What records say about the motion that was chosen; empty where none was asked for.
     """
 
     transport: TransportProblem
     connectivity: tuple[FlatConnectivity, ...]
     silhouettes: tuple[float, ...]
     layers: tuple[InputLayers, ...]
+    motion: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def lattice(self) -> FlatLattice:
@@ -58,6 +61,10 @@ class FlatProblem:
         """How to blend the shapes."""
         return self.transport.settings
 
+    def on(self, lattice: FlatLattice, layers: tuple[InputLayers, ...]) -> FlatProblem:
+        """Return the same problem with a grid of the same cells and more of them, and its layers there."""
+        return replace(self, transport=replace(self.transport, lattice=lattice), layers=layers)
+
     def blend_areas(self, blend: Blend) -> NDArray[np.float64]:
         """Areas of the parts of a blend in cells, (p,); where densities are asked for, their masses.
 
@@ -66,28 +73,52 @@ class FlatProblem:
         """
         if self.settings.output == "densities":
             return self.transport.blend_volumes(blend)
-        return np.array([_interpolated_area(blend.weights, part.volumes) for part in self.transport.parts])
+        return np.array([interpolated_area(blend.weights, part.volumes) for part in self.transport.parts])
 
     def fullness(self, blend: Blend) -> float:
         """How many times larger the silhouette of a blend is than its mass in full cells: more than 1 for gray ones."""
-        silhouette = _interpolated_area(blend.weights, self.silhouettes)
-        return silhouette / _interpolated_area(blend.weights, self.transport.volumes)
+        silhouette = interpolated_area(blend.weights, self.silhouettes)
+        return silhouette / interpolated_area(blend.weights, self.transport.volumes)
 
 
-def _interpolated_area(weights: Sequence[float], areas: Sequence[float] | NDArray[np.float64]) -> float:
+def interpolated_area(weights: Sequence[float], areas: Sequence[float] | NDArray[np.float64]) -> float:
+    """Interpolate areas as squares of lengths."""
     return float(np.dot(weights, np.sqrt(areas)) ** 2)
 
 
-def flat_problem(shapes: Sequence[FlatInput], names: Sequence[str], settings: FlatSettings) -> FlatProblem:
-    """Rasterize shapes on one grid, and read how they are connected.
+def pieces_of(shapes: Sequence[FlatInput], names: Sequence[str], settings: FlatSettings) -> list[FlatPieces]:
+    """Return what of every shape is transported, in its parts.
 
     Raises
     ------
     InputError
-        Shapes, words or settings that cannot work.
+        Shapes or words that cannot work.
     """
     letters = matched_letters(shapes, names) if settings.words == "letters" else [None] * len(shapes)
-    pieces = [flat_pieces(*each) for each in zip(shapes, names, letters, strict=True)]
+    return [flat_pieces(*each) for each in zip(shapes, names, letters, strict=True)]
+
+
+def flat_problem(
+    shapes: Sequence[FlatInput], pieces: Sequence[FlatPieces], names: Sequence[str], settings: FlatSettings
+) -> FlatProblem:
+    """Rasterize shapes on one grid, and read how they are connected.
+
+    Parameters
+    ----------
+    shapes : sequence of FlatShape or FlatImage
+        The inputs.
+    pieces : sequence of FlatPieces
+        What of them is transported; see :func:`pieces_of`.
+    names : sequence of str
+        What messages call them.
+    settings : FlatSettings
+        How.
+
+    Raises
+    ------
+    InputError
+        Shapes that are too small beside the others, or settings that cannot work.
+    """
     lattice = FlatLattice.around(pieces, settings.resolution, settings.sigma)
     every = [
         own.densities(lattice.origin + center, lattice.spacing, lattice.shape)

@@ -21,7 +21,7 @@ from ...geometry.flat_mending import FlatMending
 from ...geometry.outlines import Outline, ring_area
 from ..morphs.layouts import Blend
 from .flat_frames import ColoredOutline
-from .flat_origins import FlatOrigins
+from .flat_origins import FlatOrigins, MovedOrigins
 from .flat_problem import FlatProblem
 
 # How fast a field leaves zero at a border between layers, beside its fall at the edge of the blend; and by how much
@@ -36,7 +36,7 @@ _LEAST_CELLS = 4.0
 
 
 def colored_regions(
-    problem: FlatProblem, blend: Blend, mending: FlatMending, origins: FlatOrigins
+    problem: FlatProblem, blend: Blend, mending: FlatMending, origins: FlatOrigins | MovedOrigins
 ) -> tuple[ColoredOutline, ...]:
     """Divide a blend by the colors that it carries.
 
@@ -48,7 +48,7 @@ def colored_regions(
         Which one.
     mending : FlatMending
         Its outline, in cells, and the density that this was drawn of.
-    origins : FlatOrigins
+    origins : FlatOrigins or MovedOrigins
         Where its matter comes from.
 
     Returns

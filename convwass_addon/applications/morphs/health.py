@@ -30,6 +30,7 @@ TEXTS: dict[str, str] = {
     "COMBINED": "Limbs swing and shapes are warped: the map between them is not sure (agreement {score:.0%})",
     "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
     "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
+    "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "NO_MOTION": "Mass takes the nearest free place: no motion between the shapes could be made ({failure})",
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
 }
@@ -43,7 +44,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID"), "INFO"),
+    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY"), "INFO"),
     "NO_MOTION": "WARNING",
     "GOOD": "INFO",
 }
@@ -245,8 +246,8 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
     chosen = next((figure for figure in figures if figure.get("motion_reason") not in (None, "ASKED")), None)
     if chosen is None:
         return []
-    if chosen["motion_reason"] == "SOLID":
-        return [HealthNote("SOLID", {})]
+    if chosen["motion_reason"] in ("SOLID", "MANY"):
+        return [HealthNote(str(chosen["motion_reason"]), {})]
     kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
     if kind is None or chosen.get("motion_score") is None:
         return [HealthNote("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []

@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat morphs whose shapes move towards each other: every blend transports only what still differs between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from ...geometry.coverage import coverage
+from ...progress import UNINTERRUPTED, Control
+from ..morphs.blend_solver import BlendSolver
+from ..morphs.blending import HandOver
+from ..morphs.coinciding_solids import CoincidingSolids
+from ..morphs.layouts import Blend
+from ..morphs.parts import SplitShapes
+from ..morphs.spare_threads import at_once
+from ..morphs.transport_problem import TransportProblem
+from .flat_blending import coinciding_frame, input_frame, surfaced_frame
+from .flat_frames import FlatFrame
+from .flat_layers import input_layers
+from .flat_motion import FlatMotion, MovedPart
+from .flat_origins import FlatOrigins, MovedOrigins
+from .flat_problem import FlatProblem
+from .flat_shapes import FlatInput
+
+# Where less of the outline differs than this share, transport has nothing to do.
+_LEAST_REST = 1e-3
+# Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.
+_SAMPLED_BLENDS = 33
+# Cells over which the parts of a blend are told from each other.
+_ABOUT = 2.0
+
+
+@dataclass(frozen=True)
+class FlatMovingProblem:
+    """What all blends of moving flat shapes have in common.
+
+    Attributes
+    ----------
+    still : FlatProblem
+        The shapes where they stand, on a grid that has room for the moved ones: their areas and connectivity are those
+        that blends get.
+    motion : FlatMotion
+        Where the parts of the shapes are in every blend.
+    """
+
+    still: FlatProblem
+    motion: FlatMotion
+
+    @classmethod
+    def of(
+        cls, still: FlatProblem, shapes: Sequence[FlatInput], motion: FlatMotion, blends: Sequence[Blend]
+    ) -> FlatMovingProblem:
+        """Lay out a grid that holds the moved shapes, (k,), of all `blends`."""
+        mixed = [blend for blend in blends if blend.source is None]
+        low, high = np.full(2, np.inf), np.full(2, -np.inf)
+        chosen = np.linspace(0, len(mixed) - 1, min(len(mixed), _SAMPLED_BLENDS)).round().astype(int)
+        for index in chosen:
+            weights = mixed[index].weights
+            for part in motion.moved(weights):
+                bounds = np.stack([own.boundary.bounds for own in part if own is not None])
+                bounds -= np.asarray(weights) @ still.lattice.centers
+                low, high = np.minimum(low, bounds[:, 0].min(axis=0)), np.maximum(high, bounds[:, 1].max(axis=0))
+        lattice = still.lattice.holding(low, high) if mixed else still.lattice
+        layers = input_layers(shapes, lattice.centers, lattice) if still.layers else ()
+        return cls(still.on(lattice, layers), motion)
+
+    def frame(self, blend: Blend, control: Control) -> FlatFrame:
+        """Make one blend; an input with a weight of one is shown as it is."""
+        if blend.source is not None:
+            return input_frame(self.still, blend)
+        control.check()
+        active = np.flatnonzero(blend.weights)
+        moved = [[part[index] for index in active] for part in self.motion.moved(blend.weights)]
+        filled = self._filled(blend, moved)
+        occupancies = [np.clip(sum(own[place] for own in filled), 0.0, 1.0) for place in range(len(active))]
+        solids = CoincidingSolids.of(occupancies, [blend.weights[index] for index in active])
+        if solids.disagreement <= _LEAST_REST:
+            return coinciding_frame(self.still, blend, solids, self._origins(blend, moved, filled, None))
+        problem = self._problem_of(blend, filled, active)
+        alone = Blend(tuple(blend.weights[index] for index in active))
+        solved = BlendSolver(problem.transport, control).solve(alone, problem.blend_areas(alone))
+        transported = FlatOrigins.of(problem, solved) if self.still.settings.carry else None
+        origins = self._origins(blend, moved, filled, transported)
+        return surfaced_frame(self.still, replace(solved, blend=blend), origins, solids)
+
+    def _filled(self, blend: Blend, moved: Sequence[Sequence[MovedPart]]) -> list[list[NDArray[np.float64]]]:
+        """Return the share of every cell that each part fills, by part and by input of positive weight."""
+        lattice = self.still.lattice
+        corner, scale = lattice.corner(blend.weights), 1.0 / lattice.spacing
+        return [[coverage(own.boundary.moved(-corner * scale, scale), lattice.shape) for own in part] for part in moved]
+
+    def _problem_of(
+        self, blend: Blend, filled: Sequence[list[NDArray[np.float64]]], active: NDArray[np.int64]
+    ) -> FlatProblem:
+        """Return the problem of what is moved in one blend, with the areas of the shapes where they stand."""
+        center = np.asarray(blend.weights) @ self.still.lattice.centers
+        lattice = replace(self.still.lattice, centers=np.tile(center, (len(active), 1)))
+        names = tuple(part.name for part in self.still.transport.parts)
+        volumes = np.stack([part.volumes[active] for part in self.still.transport.parts])
+        split = SplitShapes(names, tuple([own.astype(np.float32) for own in part] for part in filled), volumes, ())
+        transport = TransportProblem.of(split, lattice, self.still.settings)
+        return replace(self.still, transport=transport)
+
+    def _origins(
+        self,
+        blend: Blend,
+        moved: Sequence[Sequence[MovedPart]],
+        filled: Sequence[list[NDArray[np.float64]]],
+        transported: FlatOrigins | None,
+    ) -> MovedOrigins | None:
+        if not self.still.settings.carry:
+            return None
+        weights = [weight for weight in blend.weights if weight > 0]
+        about = [gaussian_filter(sum(w * own for w, own in zip(weights, part, strict=True)), _ABOUT) for part in filled]
+        lattice = self.still.lattice
+        return MovedOrigins(
+            tuple(tuple(part) for part in moved),
+            np.flatnonzero(blend.weights),
+            np.argmax(np.stack(about), axis=0).astype(np.int16),
+            lattice.spacing,
+            lattice.corner(blend.weights),
+            lattice.origin + lattice.centers,
+            transported,
+        )
+
+
+def solve_moving_flat_blends(
+    problem: FlatMovingProblem,
+    blends: Sequence[Blend],
+    control: Control = UNINTERRUPTED,
+    hand_over: HandOver = at_once,
+) -> list[FlatFrame]:
+    """Make blends of moving flat shapes; the parameters are those of :func:`.blending.solve_blends`."""
+    frames = [hand_over(partial(problem.frame, blend, control)) for blend in blends]
+    return [frame() for frame in frames]

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat shapes as sheets of triangles, which move as surfaces do and carry boundaries along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.mesh import TriangleMesh
+from ...geometry.planar_fill import Boundary
+from ...geometry.planar_mesh import planar_mesh
+from ..motions.motion import MovedShape
+
+# Edges of the triangles and of carried boundaries, as shares of the root of the area: strokes that are a tenth as wide
+# as a letter is high have three triangles across.
+_TRIANGLES, _BOUNDARY = 0.08, 0.02
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a part of a flat shape fills, as a mesh in the plane z = 0.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        The triangles.
+    boundary : Boundary
+        Of short edges.
+    starts, ends : AttachedPoints
+        The corners of the boundary on the triangles.
+    """
+
+    mesh: TriangleMesh
+    boundary: Boundary
+    starts: AttachedPoints
+    ends: AttachedPoints
+
+    @classmethod
+    def of(cls, boundary: Boundary) -> Sheet:
+        """Triangulate what a boundary encloses, which must have an area."""
+        size = np.sqrt(boundary.area)
+        mesh = planar_mesh(boundary, _TRIANGLES * size)
+        fine = boundary.divided(_BOUNDARY * size)
+        finder = ClosestPointFinder(mesh.corners)
+        attached = (AttachedPoints.of(points, mesh.vertices, mesh.faces, finder) for points in (fine.starts, fine.ends))
+        return cls(mesh, fine, *attached)
+
+    def moved(self, shape: MovedShape) -> Boundary:
+        """Return the boundary of the sheet where it has been moved."""
+        moved = shape.vertices[: len(self.mesh.vertices)]
+        return Boundary(self.starts.on(moved, self.mesh.faces), self.ends.on(moved, self.mesh.faces))
+
+
+@dataclass(frozen=True)
+class AttachedPoints:
+    """Points of the plane that go where triangles close to them go.
+
+    Attributes
+    ----------
+    triangles : (n,) int64
+        The closest one of each.
+    shares : (n, 3) float64
+        Barycentric coordinates in it, of sum 1; negative ones outside.
+    """
+
+    triangles: NDArray[np.int64]
+    shares: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls,
+        points: NDArray[np.float64],
+        vertices: NDArray[np.float64],
+        faces: NDArray[np.int64],
+        finder: ClosestPointFinder,
+    ) -> AttachedPoints:
+        """Attach points, (n, 2), to triangles in the plane; `finder` knows these triangles."""
+        triangles = finder.find(np.column_stack([points, np.zeros(len(points))])).triangles
+        corners = vertices[faces[triangles]][..., :2]
+        # Columns are the edges from the first corner; a triangle that was pressed flat has its middle.
+        sides = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
+        flat = np.abs(np.linalg.det(sides)) <= 1e-9 * np.square(sides).sum(axis=(1, 2))
+        sides[flat] = np.eye(2)
+        others = np.linalg.solve(sides, (points - corners[:, 0])[:, :, None])[:, :, 0]
+        others[flat] = 1.0 / 3.0
+        return cls(triangles, np.column_stack([1.0 - others.sum(axis=1), others]))
+
+    def on(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return where the points are, (n, 2), when the vertices are there, (m, 3)."""
+        return np.einsum("nc,ncd->nd", self.shares, vertices[faces[self.triangles]][..., :2])

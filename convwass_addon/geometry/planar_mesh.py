@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Even triangles over a filled part of the plane."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import Delaunay, cKDTree
+
+from .mesh import TriangleMesh
+from .planar_fill import Boundary
+
+# Inner points keep this distance from the boundary, in edge lengths, so that no triangle between them is thin.
+_CLEARANCE = 0.6
+# Triangles of less area, in squared edge lengths, have three corners on one line.
+_LEAST_AREA = 1e-6
+
+
+def planar_mesh(boundary: Boundary, edge: float) -> TriangleMesh:
+    """Triangulate what a boundary encloses.
+
+    The boundary and a hexagonal lattice inside are sampled, and the Delaunay triangles whose middle is inside are kept.
+    Where the boundary's sides are at least an edge apart, that is exactly what it encloses.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        Any number of regions and holes.
+    edge : float
+        Wanted length of the triangles' edges.
+
+    Returns
+    -------
+    TriangleMesh
+        In the plane z = 0, facing up. Points of the boundary come first.
+    """
+    rim = np.unique(boundary.divided(edge).starts, axis=0)
+    inner = _lattice(boundary.bounds, edge)
+    inner = inner[boundary.contains(inner)]
+    inner = inner[cKDTree(rim).query(inner)[0] > _CLEARANCE * edge] if len(inner) else inner
+    points = np.concatenate([rim, inner])
+    triangles = Delaunay(points).simplices.astype(np.int64)
+    one, other = (points[triangles[:, corner]] - points[triangles[:, 0]] for corner in (1, 2))
+    doubled = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    triangles = np.where((doubled < 0)[:, None], triangles[:, ::-1], triangles)
+    kept = (np.abs(doubled) > _LEAST_AREA * edge**2) & boundary.contains(points[triangles].mean(axis=1))
+    return TriangleMesh(np.column_stack([points, np.zeros(len(points))]), triangles[kept])
+
+
+def _lattice(bounds: NDArray[np.float64], edge: float) -> NDArray[np.float64]:
+    """Return the points of a hexagonal lattice in a box, (n, 2)."""
+    rows = np.arange(bounds[0, 1], bounds[1, 1], edge * np.sqrt(0.75))
+    columns = np.arange(bounds[0, 0], bounds[1, 0], edge)
+    x, y = np.meshgrid(columns, rows)
+    x[1::2] += edge / 2
+    return np.stack([x.ravel(), y.ravel()], axis=1)

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat shapes that move towards each other: a turned shape turns, and what has no limbs is transported."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.flat.flat_colors import carried_colors
+from convwass_addon.applications.flat.flat_morph import flat_morph
+from convwass_addon.applications.flat.flat_motion import chosen_flat_motion
+from convwass_addon.applications.flat.flat_problem import pieces_of
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
+from convwass_addon.applications.flat.sheets import Sheet
+from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.errors import InputError
+from convwass_addon.geometry.coverage import coverage
+from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.flat_shapes import ellipse, rectangle
+
+# A hook without symmetry; its areas are known.
+HOOK = np.array([[0, 0], [2, 0], [2, 0.5], [0.4, 0.5], [0.4, 3], [0, 3]], dtype=np.float64) - [0.6, 1.2]
+TURN = np.radians(80.0)
+SHIFT = np.array([5.0, 1.0])
+RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
+
+
+def turned(points, angle, shift=(0.0, 0.0)):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points) @ np.array([[c, s], [-s, c]]) + np.asarray(shift)
+
+
+def overlap(rings, other):
+    """Intersection over union of two shapes, on fine cells."""
+    low = np.concatenate([*rings, *other]).min(axis=0) - 0.05
+    factor = 500 / float((np.concatenate([*rings, *other]).max(axis=0) + 0.05 - low).max())
+    one, two = (
+        coverage(filled_boundary(own, "non-zero").moved(-low * factor, factor), (500, 500)) for own in (rings, other)
+    )
+    return np.minimum(one, two).sum() / np.maximum(one, two).sum()
+
+
+@pytest.fixture(scope="module")
+def hooks():
+    return [
+        FlatShape((HOOK,), colors=np.array([RED])),
+        FlatShape((turned(HOOK, TURN, SHIFT),), colors=np.array([BLUE])),
+    ]
+
+
+@pytest.fixture(scope="module")
+def frames(hooks):
+    settings = FlatSettings(resolution=128, motion="guided")
+    made = [step.payload for step in flat_morph(hooks, ["down", "up"], path_blends(2, 3), settings)]
+    return [frame for frame in made if frame is not None]
+
+
+def test_a_turned_shape_turns_at_every_time(frames):
+    assert [frame.outline is None for frame in frames] == [True, False, False, True]
+    center = filled_boundary([HOOK], "non-zero").center
+    for frame in frames[1:-1]:
+        t = frame.blend.weights[1]
+        expected = turned(HOOK - center, t * TURN) + (1 - t) * center + t * (turned(center, TURN) + SHIFT)
+        assert overlap(frame.outline.rings, [expected]) > 0.95
+        assert frame.record["motion"]["kind"] == "guided"
+        assert frame.outline.area == pytest.approx(frame.record["area_wanted"], rel=1e-3)
+
+
+def test_matter_comes_from_where_it_was_on_the_turned_shape(frames, hooks):
+    center = filled_boundary([HOOK], "non-zero").center
+    inner = np.array([[1.0, 0.25], [0.2, 1.5], [0.2, 2.8]]) - [0.6, 1.2]
+    frame = frames[1]
+    t = frame.blend.weights[1]
+    places = turned(inner - center, t * TURN) + (1 - t) * center + t * (turned(center, TURN) + SHIFT)
+    found = frame.origins.at(places)
+    assert found[0] == pytest.approx(inner, abs=0.15)
+    assert found[1] == pytest.approx(turned(inner, TURN, SHIFT), abs=0.15)
+    mixed = (1 - t) * np.array(RED) + t * np.array(BLUE)
+    assert carried_colors(places, frame, hooks) == pytest.approx(np.tile(mixed, (3, 1)))
+
+
+def chosen(shapes, regions=1, **settings):
+    names = [f"shape {index}" for index in range(len(shapes))]
+    own = FlatSettings(resolution=128, **settings)
+    pieces = pieces_of(shapes, names, own)
+    blends = [Blend((0.5, 0.5))]
+    return drained(chosen_flat_motion(pieces, names, blends, own, regions, np.zeros((2, 2)), UNINTERRUPTED))
+
+
+def test_shapes_without_limbs_are_transported():
+    choice = chosen([FlatShape((ellipse(),)), FlatShape((rectangle(),))])
+    assert choice.motion is None
+    assert choice.record["reason"] == "SOLID"
+
+
+@pytest.mark.parametrize("words", ["letters", "mass"])
+def test_words_of_many_letters_are_transported(words):
+    word = FlatShape(tuple(HOOK + np.array([4.0 * index, 0.0]) for index in range(7)))
+    choice = chosen([word, word], regions=7, words=words)
+    assert choice.motion is None
+    assert choice.record["reason"] == "MANY"
+
+
+@pytest.mark.parametrize("motion", ["guided", "warp"])
+def test_images_cannot_be_asked_to_move(motion):
+    with pytest.raises(InputError, match="no outline"):
+        chosen([FlatImage(np.ones((8, 8))), FlatShape((HOOK,))], motion=motion)
+    assert chosen([FlatImage(np.ones((8, 8))), FlatShape((HOOK,))]).record["reason"] == "ASKED"
+
+
+def test_a_sheet_carries_its_boundary_along():
+    boundary = filled_boundary([ellipse((1, 2), (2, 1)), ellipse((1, 2), (1, 0.5))[::-1]], "non-zero")
+    sheet = Sheet.of(boundary)
+    assert sheet.mesh.area == pytest.approx(boundary.area, rel=1e-3)
+    moved = turned(sheet.mesh.vertices[:, :2], 0.7, SHIFT)
+    carried = sheet.moved(MovedShape(sheet.mesh, np.column_stack([moved, np.zeros(len(moved))])))
+    assert carried.starts == pytest.approx(turned(sheet.boundary.starts, 0.7, SHIFT))
+    assert carried.area == pytest.approx(boundary.area)
