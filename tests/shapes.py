@@ -61,6 +61,28 @@ def tube_with_caps(radius=0.7, height=4.0, sides=64):
     return TriangleMesh.from_arrays(np.r_[low, high, [(0, 0, -height / 2), (0, 0, height / 2)]], corners)
 
 
+def bent_tube(turn, sides=12, rings=60):
+    """A tube with capped ends, bent about the z axis by an angle: a ring beyond a full turn, but of genus 0."""
+    u = np.linspace(0.0, turn, rings)[:, None]
+    v = np.arange(sides) * 2 * np.pi / sides
+    radius = 1.0 + 0.3 * np.cos(v)
+    points = np.stack([radius * np.cos(u), radius * np.sin(u), np.broadcast_to(0.3 * np.sin(v), (rings, sides))], -1)
+    here = np.arange(sides)
+    after = np.roll(here, -1)
+    faces = []
+    for i in range(rings - 1):
+        low, high = i * sides, (i + 1) * sides
+        faces += [
+            np.stack([low + here, high + here, high + after], 1),
+            np.stack([low + here, high + after, low + after], 1),
+        ]
+    first, last = rings * sides, rings * sides + 1
+    faces += [np.stack([after, np.full(sides, first), here], 1)]
+    faces += [np.stack([(rings - 1) * sides + here, np.full(sides, last), (rings - 1) * sides + after], 1)]
+    ends = [[np.cos(a), np.sin(a), 0.0] for a in (0.0, turn)]
+    return TriangleMesh.from_arrays(np.concatenate([points.reshape(-1, 3), ends]), np.concatenate(faces))
+
+
 _LIMBS = (
     ((0.0, 0.0, 1.62), (0.0, 0.0, 1.70), 0.11),
     ((0.0, 0.0, 1.45), (0.0, 0.0, 1.60), 0.055),

@@ -45,6 +45,12 @@ class Connectivity:
             max(self.pieces, other.pieces), max(self.handles, other.handles), max(self.bubbles, other.bubbles)
         )
 
+    def or_less(self, other: Connectivity) -> Connectivity:
+        """Return the smaller number of each kind."""
+        return Connectivity(
+            min(self.pieces, other.pieces), min(self.handles, other.handles), min(self.bubbles, other.bubbles)
+        )
+
     def beyond(self, most: Connectivity) -> Connectivity:
         """Return by how much each number is larger than another."""
         return Connectivity(

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 
@@ -20,7 +20,10 @@ from .part_potentials import PartPotentials
 from .parts import SplitShapes
 from .reading import connectivity_of
 from .transport_problem import TransportProblem
+from .true_connectivity import true_connectivity
 from .volumes import Lattice
+
+_SIMPLE = Connectivity(1, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,10 @@ class MorphProblem:
     transport : TransportProblem
         The shapes as distributions, and how to blend them.
     connectivity : tuple of Connectivity
-        How every shape is connected at this resolution; empty where there are to be sketches only.
+        How every shape is connected, as far as it can be told at this resolution; empty where there are to be sketches
+        only.
+    meshes : tuple of TriangleMesh
+        The shapes, until their connectivity is known.
     keeps_potentials : bool
         Whether frames bring what blends next to them can be had from.
     motion : dict
@@ -80,6 +86,7 @@ class MorphProblem:
     connectivity: tuple[Connectivity, ...] = ()
     keeps_potentials: bool = False
     motion: Mapping[str, object] = field(default_factory=dict)
+    meshes: tuple[TriangleMesh, ...] = ()
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
@@ -87,9 +94,11 @@ class MorphProblem:
         return cls.for_sketches(shapes, lattice, settings).with_connectivity()
 
     @classmethod
-    def for_sketches(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
+    def for_sketches(
+        cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings, meshes: Sequence[TriangleMesh] = ()
+    ) -> MorphProblem:
         """Prepare voxelized shapes for sketches of their blends, which are not mended."""
-        return cls(TransportProblem.of(shapes, lattice, settings))
+        return cls(TransportProblem.of(shapes, lattice, settings), meshes=tuple(meshes))
 
     @property
     def lattice(self) -> Lattice:
@@ -105,8 +114,15 @@ class MorphProblem:
         """Return what finished blends need; an executor's threads, if there is one, read the shapes side by side."""
         each = map if executor is None else executor.map
         shapes = range(len(self.transport.volumes))
-        return replace(self, connectivity=tuple(each(self.shape_connectivity, shapes)))
+        return replace(self, connectivity=tuple(each(self.shape_connectivity, shapes)), meshes=())
 
     def shape_connectivity(self, index: int) -> Connectivity:
-        """Read how shape `index` is connected, from all of its parts."""
-        return connectivity_of(self.transport.occupancy(index), self.settings)
+        """Tell how shape `index` is connected: what its cells show, less what only they show.
+
+        Fingers that touch in the cells make handles which the shape does not have.
+        """
+        seen = connectivity_of(self.transport.occupancy(index), self.settings)
+        if not self.meshes or seen == _SIMPLE:
+            return seen
+        finer = true_connectivity(self.meshes[index], index, self.lattice, self.settings)
+        return seen if finer is None else seen.or_less(finer)

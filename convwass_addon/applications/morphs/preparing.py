@@ -63,7 +63,7 @@ def sketchable_problem(
             volumes.append(own)
             message = Sentence("Voxelized {name}", {"name": names[index]})
             yield Progress(VOXEL_SHARE * (index + 1) / len(shapes), message)
-    return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings)
+    return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, shapes)
 
 
 def with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:

@@ -218,7 +218,7 @@ def _solve_sketched(
     sketches: Sequence[Future[Sketch]] | None,
 ) -> list[MorphFrame]:
     known = None if sketches is None else [sketch.result() for sketch in sketches]
-    whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity))
+    whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity), meshes=())
     spare.begin()
     return solve_blends(whole, run, control, known, spare.hand_over)
 
