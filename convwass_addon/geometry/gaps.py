@@ -30,10 +30,16 @@ class Gap:
         The cell that joins them.
     width : float
         The sum of its distances from both, in cells.
+    height : float
+        Density of that cell.
+    sides : (int, int)
+        Numbers of the pieces on either side.
     """
 
     place: tuple[int, int, int]
     width: float
+    height: float
+    sides: tuple[int, int]
 
 
 def densest_gaps(density: NDArray[np.floating], labels: NDArray[np.int32], lowest: float, wanted: int) -> list[Gap]:
@@ -66,8 +72,10 @@ def densest_gaps(density: NDArray[np.floating], labels: NDArray[np.int32], lowes
             continue
         joined[joined == b] = a
         place = tuple(int(i) for i in np.unravel_index(places[contact], density.shape))
-        width = _width(labels, place, (first[contact], second[contact]))
-        gaps.append(Gap(tuple(at + span.start for at, span in zip(place, box, strict=True)), width))
+        sides = int(first[contact]), int(second[contact])
+        width = _width(labels, place, sides)
+        on_grid = tuple(at + span.start for at, span in zip(place, box, strict=True))
+        gaps.append(Gap(on_grid, width, float(heights[contact]), sides))
         if len(gaps) == wanted:
             break
     return gaps

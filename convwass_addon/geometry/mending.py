@@ -15,26 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from .bumps import Bump
 from .connectivity import Connectivity
 from .even_surface import even_surface
-from .gaps import densest_gaps
 from .handle_removal import RAISED, remove_handles
 from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
+from .piece_joining import DEEPEST_GAP, join_pieces
 
-# Chosen by eye; `python3 run.py bench quality` counts the pieces, bubbles and handles that are left.
-# Pieces of a smaller share of the volume are crumbs; those of less than the other are strays where no narrow gap leads
-# to them, and are dropped as well.
-_CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
-# A gap is narrow where the density in it does not fall below this share of the level.
-_DEEPEST_GAP = 0.3
-# Radius of a neck in cells. Wide ones would swell: a wide gap is bridged in several steps.
-_NECK, _WIDEST_NECK = 1.5, 2.0
 # How often pieces and bubbles are looked for in a row, and how often all is mended and a surface drawn.
 _ATTEMPTS = 24
 _ROUNDS = 5
 _NOTHING = Connectivity(0, 0, 0)
+_COUNTED = ("crumbs", "filled", "bridged", "clipped", "unhandled")
 
 
 @dataclass(frozen=True)
@@ -47,9 +39,9 @@ class Mending:
         Encloses the volume.
     found : Connectivity
         What it has.
-    crumbs, filled, bridged, unhandled : int
-        Pieces too small to matter that were dropped, bubbles that were filled, gaps that were bridged, handles that
-        were cut or filled.
+    crumbs, filled, bridged, clipped, unhandled : int
+        Pieces that were dropped, bubbles that were filled, gaps that were bridged, pieces that were joined in part,
+        handles that were cut or filled.
     """
 
     surface: LevelSurface
@@ -57,13 +49,14 @@ class Mending:
     crumbs: int
     filled: int
     bridged: int
+    clipped: int
     unhandled: int
 
     def record(self) -> dict[str, object]:
         """Return all figures, ready for JSON."""
         return {
             "found": asdict(self.found),
-            "mended": {name: getattr(self, name) for name in ("crumbs", "filled", "bridged", "unhandled")},
+            "mended": {name: getattr(self, name) for name in _COUNTED},
         }
 
 
@@ -116,57 +109,40 @@ class _Work:
         self.density, self._volume, self._most = density, volume, most
         self._shortfall = estimate_shortfall(density, volume)
         self._level = level_enclosing(density, volume, self._shortfall)
-        self._crumbs = self._filled = self._bridged = self._unhandled = 0
+        self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
 
     def drawn(self) -> Mending:
         """Draw the surface as it is now; what is mended next is seen at its level."""
         surface = surface_enclosing(self.density, self._volume, self._shortfall)
         self._level = surface.level
-        counts = (self._crumbs, self._filled, self._bridged, self._unhandled)
-        return Mending(surface, Connectivity.of(surface), *counts)
+        return Mending(surface, Connectivity.of(surface), *self._counts())
 
     def mend(self) -> bool:
         """Mend what is seen at the present level; return whether there was anything that could be."""
-        before = (self._crumbs, self._filled, self._bridged, self._unhandled)
+        before = self._counts()
         pieces = self._join_pieces()
         bubbles = self._fill_bubbles()
         handles = pieces + bubbles - euler_number(self.density, self._level) // 2
         if handles > self._most.handles:
             self._unhandled += remove_handles(self.density, self._level, handles - self._most.handles)
-        return before != (self._crumbs, self._filled, self._bridged, self._unhandled)
+        return before != self._counts()
+
+    def _counts(self) -> tuple[int, ...]:
+        return self._crumbs, self._filled, self._bridged, self._clipped, self._unhandled
 
     def _join_pieces(self) -> int:
-        """Drop crumbs and bridge gaps, the densest gaps first; return how many pieces are left."""
+        """Bridge gaps and drop what hangs on by none; return how many pieces are left."""
         for _ in range(_ATTEMPTS):
             pieces = pieces_above(self.density, self._level)
             if pieces.count <= self._most.pieces:
                 break
-            labels = pieces.labels
-            shares = np.bincount(labels.ravel())[1:] / self._volume
-            crumbs = self._drop(labels, shares < _CRUMB_SHARE)
-            excess = pieces.count - crumbs - self._most.pieces
-            gaps = densest_gaps(self.density, labels, _DEEPEST_GAP * self._level, excess) if excess > 0 else []
-            for gap in gaps:
-                radius = min(_NECK + gap.width / 2, _WIDEST_NECK)
-                Bump.to(self.density, gap.place, RAISED * self._level, radius).apply(self.density)
-            self._bridged += len(gaps)
-            if not gaps and not crumbs and not self._drop(labels, shares < _STRAY_SHARE):
+            done = join_pieces(self.density, self._level, pieces, self._most.pieces, self._volume)
+            self._bridged += done.bridged
+            self._clipped += done.clipped
+            self._crumbs += done.dropped
+            if not done.any:
                 break
         return pieces.count
-
-    def _drop(self, labels: NDArray[np.int32], wanted: NDArray[np.bool_]) -> int:
-        """Press some pieces down to half of the level, so that a slightly lower level does not bring them back.
-
-        Their labels are cleared; returns how many there were.
-        """
-        if wanted.any():
-            crumbs = np.append(False, wanted)[labels]
-            labels[crumbs] = 0
-            around = binary_dilation(crumbs) & ((self.density <= self._level) | crumbs)
-            self.density[around] = np.minimum(self.density[around], self._level / 2)
-        dropped = int(wanted.sum())
-        self._crumbs += dropped
-        return dropped
 
     def _fill_bubbles(self) -> int:
         """Fill the smallest hollows; return how many are left."""
@@ -192,6 +168,6 @@ def _box_of_interest(density: NDArray[np.floating], volume: float) -> tuple[tupl
     level = np.partition(positive, rank)[rank] if len(positive) else 0.0
     if level <= 0.0:
         return (slice(None),) * 3, np.zeros(3, np.int64)
-    low, high = bounding_box(density > _DEEPEST_GAP / 2 * level)
+    low, high = bounding_box(density > DEEPEST_GAP / 2 * level)
     low, high = np.maximum(low - 1, 0), np.minimum(high + 1, density.shape)
     return tuple(slice(a, b) for a, b in zip(low, high, strict=True)), low
