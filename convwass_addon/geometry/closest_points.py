@@ -46,6 +46,17 @@ class ClosestPoints:
         """Interpolate values of all corners, (m, 3, d), at the points, (n, d)."""
         return np.einsum("nc,ncd->nd", self.shares, corners[self.triangles])
 
+    def replaced(self, chosen: NDArray[np.int64], other: ClosestPoints) -> ClosestPoints:
+        """Return these points with some of them, by their numbers, replaced by others of the same surface."""
+        found = ClosestPoints(*(values.copy() for values in vars(self).values()))
+        for name, values in vars(found).items():
+            values[chosen] = vars(other)[name]
+        return found
+
+    def followed_by(self, other: ClosestPoints) -> ClosestPoints:
+        """Return these points and then others of the same surface."""
+        return ClosestPoints(*(np.concatenate([own, vars(other)[name]]) for name, own in vars(self).items()))
+
 
 class ClosestPointFinder:
     """Finds closest points on one surface.

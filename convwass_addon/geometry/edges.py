@@ -52,6 +52,12 @@ def edge_use(faces: NDArray[np.int64]) -> EdgeUse:
     return EdgeUse(side=order, face=order // 3, forward=(tail < head)[order], start=start, count=count)
 
 
+def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:
+    """Return the vertices of every undirected edge, (e, 2), as a triangle runs along it; `use` is that of `faces`."""
+    sides = use.side[use.start]
+    return np.stack([faces.ravel()[sides], np.roll(faces, -1, axis=1).ravel()[sides]], axis=1)
+
+
 @dataclass(frozen=True)
 class Topology:
     """What a mesh is made of.

@@ -8,7 +8,8 @@ against direction everywhere and measures one triangle per point only, for itera
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +75,10 @@ class FacingPointFinder:
             self._refind(found, again[start : start + _AT_ONCE], points, units)
         return found
 
+    def find_closest(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> ClosestPoints:
+        """Find the closest point of the surface for each of `points`, (n, 3), wherever it faces."""
+        return self._closest.find_about(points, control)
+
     def _refind(
         self, found: ClosestPoints, again: NDArray[np.int64], points: NDArray[np.float64], normals: NDArray[np.float64]
     ) -> None:
@@ -92,6 +97,28 @@ class FacingPointFinder:
         best = np.arange(len(again)) * candidates.shape[1] + costs.argmin(axis=1)
         found.triangles[again], found.shares[again] = flat[best], own.shares[best]
         found.distances[again] = own.distances[best]
+
+
+@dataclass(frozen=True)
+class FacingShape:
+    """A surface that is searched for points.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        At least one triangle, finite coordinates.
+    """
+
+    mesh: TriangleMesh
+
+    @cached_property
+    def finder(self) -> FacingPointFinder:
+        """Made when it is first asked for."""
+        return FacingPointFinder(self.mesh)
+
+    def __getstate__(self) -> dict[str, object]:
+        # What is quickly made again is not sent to other processes.
+        return {"mesh": self.mesh}
 
 
 class OrientedSamples:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles cut until no edge is long, so that a surface can bend wherever it has to."""
+"""Triangles cut where edges are long or chosen, so that a surface can bend wherever it has to."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .edges import EdgeUse, edge_ends, edge_use
 from .mesh import TriangleMesh
 
 # An edge is halved in every round.
@@ -52,22 +53,56 @@ def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int) -> 
     return found
 
 
-def _halved(mesh: TriangleMesh, longest: float) -> Subdivision | None:
+@dataclass(frozen=True)
+class HalvedEdges:
+    """A mesh with some of its edges halved.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        The same surface. The vertices of the mesh that was cut come first, then the middles of the edges.
+    parents : (m,) int64
+        The triangle that each of its triangles is a part of.
+    ends : (s, 2) int64
+        The edge that each new vertex is the middle of.
+    """
+
+    mesh: TriangleMesh
+    parents: NDArray[np.int64]
+    ends: NDArray[np.int64]
+
+
+def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_]) -> HalvedEdges:
+    """Halve some edges, and cut the triangles about them into two, three or four; there are no cracks.
+
+    Triangles that are not cut come first; of these, rows 2 i and 2 i + 1 that were such rows before come before others,
+    so that two triangles that make a quad there still do.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Of any topology.
+    use : EdgeUse
+        Of its faces.
+    chosen : (e,) bool
+        Which edges, in the order of `use`.
+    """
+    count = len(mesh.vertices)
+    numbers = np.where(chosen, count + np.cumsum(chosen) - 1, -1)
+    middles = np.empty(mesh.faces.size, np.int64)
+    middles[use.side] = np.repeat(numbers, use.count)
+    ends = edge_ends(mesh.faces, use)[chosen]
+    vertices = np.concatenate([mesh.vertices, mesh.vertices[ends].mean(axis=1)])
+    parts, parents = _cut(mesh.faces, middles.reshape(-1, 3), vertices)
+    return HalvedEdges(TriangleMesh(vertices, parts), parents, ends)
+
+
+def _halved(mesh: TriangleMesh, longest: float) -> HalvedEdges | None:
     """Halve every long edge once; None where there is none."""
-    faces, count = mesh.faces, len(mesh.vertices)
-    # The edge of column c leads from corner c to the next.
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
-    long = lengths > longest
-    if not long.any():
-        return None
-    keys, index = np.unique(ends[long, 0] * count + ends[long, 1], return_inverse=True)
-    middles = np.full(len(ends), -1, np.int64)
-    middles[long] = count + index
-    middles = middles.reshape(-1, 3)
-    vertices = np.concatenate([mesh.vertices, mesh.vertices[np.stack(np.divmod(keys, count), axis=1)].mean(axis=1)])
-    parts, parents = _cut(faces, middles, vertices)
-    return Subdivision(TriangleMesh(vertices, parts), parents)
+    use = edge_use(mesh.faces)
+    first, second = mesh.vertices[edge_ends(mesh.faces, use)].swapaxes(0, 1)
+    long = np.linalg.norm(second - first, axis=1) > longest
+    return with_edges_halved(mesh, use, long) if long.any() else None
 
 
 def _cut(
@@ -75,7 +110,11 @@ def _cut(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Cut triangles at the middles of their edges, -1 where there is none; return the parts and whose they are."""
     number = (middles >= 0).sum(axis=1)
-    parts, owners = [faces[number == 0]], [np.flatnonzero(number == 0)]
+    whole = number == 0
+    rows = np.arange(len(faces))
+    paired = whole & whole[np.minimum(rows ^ 1, len(faces) - 1)] & ((rows ^ 1) < len(faces))
+    owners = [rows[paired], rows[whole & ~paired]]
+    parts = [faces[own] for own in owners]
     # Corners are rolled so that the only edge that is cut, or the only one that is not, is the first.
     for wanted, is_odd in ((1, True), (2, False)):
         chosen = np.flatnonzero(number == wanted)
@@ -95,8 +134,8 @@ def _cut(
         )
         parts.append(np.where(across[:, None], np.stack([a, b, bc], axis=1), np.stack([a, b, ca], axis=1)))
         parts.append(np.where(across[:, None], np.stack([a, bc, ca], axis=1), np.stack([b, bc, ca], axis=1)))
-    whole = np.flatnonzero(number == 3)
-    a, b, c = faces[whole].T
-    ab, bc, ca = middles[whole].T
+    quartered = np.flatnonzero(number == 3)
+    a, b, c = faces[quartered].T
+    ab, bc, ca = middles[quartered].T
     parts += [np.stack(part, axis=1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-    return np.concatenate(parts), np.concatenate([*owners, *[whole] * 4])
+    return np.concatenate(parts), np.concatenate([*owners, *[quartered] * 4])

@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.edges import edge_ends, edge_use, topology
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.geometry.subdivision import with_edges_halved, with_short_edges
 from tests.shapes import ball, box
 
 
@@ -60,3 +60,22 @@ def test_edges_of_three_triangles_and_of_one_are_cut_alike():
     # The shared edge has one middle.
     on_axis = np.abs(found.vertices[:, 1:]).max(axis=1) < 1e-12
     np.testing.assert_allclose(np.sort(found.vertices[on_axis, 0]), [0.0, 0.5, 1.0])
+
+
+def test_only_the_chosen_edges_are_halved():
+    mesh = ball(points=200)
+    use = edge_use(mesh.faces)
+    chosen = np.zeros(len(use.start), bool)
+    chosen[::15] = True
+    found = with_edges_halved(mesh, use, chosen)
+    assert topology(found.mesh) == topology(mesh)
+    assert len(found.mesh.faces) == len(mesh.faces) + 2 * chosen.sum()
+    np.testing.assert_array_equal(found.ends, edge_ends(mesh.faces, use)[chosen])
+    np.testing.assert_allclose(found.mesh.vertices[len(mesh.vertices) :], mesh.vertices[found.ends].mean(axis=1))
+    assert found.mesh.volume == pytest.approx(mesh.volume)
+    # Pairs of triangles at even rows, which may be quads, stay pairs at even rows.
+    counts = np.bincount(found.parents)
+    paired = np.flatnonzero((counts[0::2] == 1) & (counts[1::2] == 1))
+    rows = np.stack([2 * paired, 2 * paired + 1], axis=1).ravel()
+    assert len(rows) > 10
+    np.testing.assert_array_equal(found.parents[: len(rows)], rows)

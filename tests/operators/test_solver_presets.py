@@ -64,7 +64,8 @@ def another_value(prop):
         return not prop.default
     if prop.type == "ENUM":
         return next(item.identifier for item in prop.enum_items if item.identifier != prop.default)
-    return prop.hard_max if prop.hard_max < 1e9 else 7.0
+    most = prop.hard_max if prop.hard_max < 1e9 else 7.0
+    return most if most != prop.default else prop.hard_min
 
 
 def test_presets_leave_what_belongs_to_the_shapes():

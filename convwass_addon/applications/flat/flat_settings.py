@@ -18,7 +18,7 @@ class FlatSettings(MorphSettings):
     """How a flat morph is made: as solids are, :class:`.MorphSettings`, with more cells, and with words.
 
     The level "volume" encloses the area interpolated between the shapes (their roots are, as lengths go evenly), or
-    what the blend evenly fills where that is more. `thickness`, `parts` and `thin_parts` mean nothing here.
+    what the blend evenly fills where that is more. `detail`, `thickness`, `parts` and `thin_parts` mean nothing here.
     """
 
     resolution: int = setting(

@@ -112,6 +112,7 @@ class BakePlan:
         problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
         if choice.motion is not None:
             return (yield from self._moving(problem, choice, stack, control))
+        problem = problem.with_detail_of(self.shapes)
         if self._shows and problem.transport.sketch_depth:
             return (yield from self._sketched(problem, stack, control))
         most = self._fitting(problem)

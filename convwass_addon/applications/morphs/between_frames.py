@@ -155,6 +155,7 @@ def between_frames(
         return None
     side_by_side = min(workers or 1, max(len(missing), len(places)))
     problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, control=control)
+    problem = problem.with_detail_of(shapes)
     most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
     yield from _complete(store, problem, missing, control, most, executor)
     frames = _stored_frames(store, runs)

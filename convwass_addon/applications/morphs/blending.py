@@ -15,6 +15,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
 from .coinciding_solids import CoincidingSolids
+from .detail import detailed_blend
 from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
@@ -166,9 +167,23 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     kept = zip(solved.parts, solved.sigmas, strict=True) if problem.keeps_potentials else ()
     potentials = tuple(PartPotentials.of(part, sigma) for part, sigma in kept)
     origins = None
-    if problem.settings.carry:
+    if problem.settings.carry or problem.settings.carried_detail > 0:
         origins = _origins(problem, solved, reading.surface.mesh.vertices)
-    return MorphFrame(blend, mesh, record, potentials, origins)
+    frame = MorphFrame(blend, mesh, record, potentials, origins)
+    return _with_detail_of_inputs(problem, frame) if problem.shapes else frame
+
+
+def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFrame:
+    """Lay the detail of the inputs onto a blend of inputs that do not move."""
+    occupancies = [problem.transport.occupancy(i) for i in range(len(problem.shapes))]
+    surface = detailed_blend(problem, frame, problem.shapes, occupancies, frame.origins)
+    detailed = replace(frame, mesh=surface.mesh, record={**frame.record, "volume": surface.mesh.volume})
+    if not problem.settings.carry:
+        return replace(detailed, origins=None)
+    weights, centers = np.array(frame.blend.weights), problem.lattice.centers
+    origins = surface.mesh.vertices + (centers - weights @ centers)[:, None]
+    origins[np.flatnonzero(weights)] = surface.origins
+    return replace(detailed, origins=origins.astype(np.float32))
 
 
 def _motion_record(problem: MorphProblem) -> dict[str, object]:

@@ -38,10 +38,13 @@ class CoincidingSolids:
         That of the mean solid, blurred as surfaces are read, one half on its surface.
     agreement : (nx, ny, nz) float32
         1 where the solids nearly coincide, falling to 0 where they do not.
+    depths : (k, nx, ny, nz) float32
+        Distance into every solid in cells, as far as it is known.
     """
 
     density: NDArray[np.float32]
     agreement: NDArray[np.float32]
+    depths: NDArray[np.float32]
 
     @classmethod
     def of(cls, occupancies: Sequence[NDArray[np.floating]], weights: Sequence[float]) -> CoincidingSolids:
@@ -63,7 +66,7 @@ class CoincidingSolids:
         about = gaussian_filter(near.astype(np.float32), _SMOOTH)
         typical = np.maximum(np.where(near, spread, 0), apart / np.maximum(about, np.float32(1e-3)))
         agreement = np.exp(-np.square(np.maximum(typical - _APART, 0) / _FALL)).astype(np.float32)
-        return cls(ndtr(mean / _BLUR).astype(np.float32), agreement)
+        return cls(ndtr(mean / _BLUR).astype(np.float32), agreement, depths)
 
     @property
     def disagreement(self) -> float:

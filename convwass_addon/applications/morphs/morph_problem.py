@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.connectivity import Connectivity
+from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
+from ...geometry.orientation import orient_outward
 from ...one_line import one_line
 from .layouts import Blend
 from .morph_settings import MorphSettings
@@ -80,6 +82,8 @@ class MorphProblem:
         Whether frames bring what blends next to them can be had from.
     motion : dict
         What the record of every frame says about the choice of a motion.
+    shapes : tuple of FacingShape
+        The shapes themselves, outward, where blends get their detail from them; empty where they do not.
     """
 
     transport: TransportProblem
@@ -87,6 +91,7 @@ class MorphProblem:
     keeps_potentials: bool = False
     motion: Mapping[str, object] = field(default_factory=dict)
     meshes: tuple[TriangleMesh, ...] = ()
+    shapes: tuple[FacingShape, ...] = ()
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
@@ -109,6 +114,12 @@ class MorphProblem:
     def settings(self) -> MorphSettings:
         """How to blend the shapes."""
         return self.transport.settings
+
+    def with_detail_of(self, shapes: Sequence[TriangleMesh]) -> MorphProblem:
+        """Return what blends need that carry the detail of the shapes; the same problem where they are not to."""
+        if not self.settings.carried_detail:
+            return self
+        return replace(self, shapes=tuple(FacingShape(orient_outward(shape)) for shape in shapes))
 
     def with_connectivity(self, executor: Executor | None = None) -> MorphProblem:
         """Return what finished blends need; an executor's threads, if there is one, read the shapes side by side."""

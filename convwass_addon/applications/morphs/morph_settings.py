@@ -66,6 +66,23 @@ class MorphSettings(Settings):
         subtype="FACTOR",
         panel="motion",
     )
+    detail: float | None = setting(
+        None,
+        "Detail",
+        "How much blends carry along of what the resolution cannot show: faces, wrinkles, sharp edges",
+        least=0.0,
+        most=1.0,
+        subtype="FACTOR",
+        switch=Companion(
+            "use_custom_detail",
+            "Set Detail",
+            "Set how much detail blends carry along instead of all of it, or none with the motion Transport",
+            start=1.0,
+        ),
+        automatic="1, and 0 with the motion Transport, whose blends are those of the paper",
+        note="Has no effect on flat shapes, nor where the surface is taken at the half maximum",
+        panel="motion",
+    )
     sharpness: float | None = setting(
         None,
         "Sharpness",
@@ -223,6 +240,15 @@ class MorphSettings(Settings):
     def heeds_guides(self) -> bool:
         """Whether guides make a difference."""
         return self.motion in ("automatic", "guided") and self.coherence > 0.0
+
+    @property
+    def carried_detail(self) -> float:
+        """Share of the detail that blends carry along, with the automatic choice made."""
+        if self.level != "volume":
+            return 0.0
+        if self.detail is not None:
+            return self.detail
+        return 0.0 if self.motion == "transport" else 1.0
 
     @property
     def sigma(self) -> float:

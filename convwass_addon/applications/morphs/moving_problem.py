@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
-from ...geometry.facing_points import FacingPointFinder
+from ...geometry.facing_points import FacingShape
+from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...progress import UNINTERRUPTED, Control
 from ..motions.motion import Motion, MovedShape
 from .blend_solver import BlendSolver
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
+from .detail import detailed_blend, starts_on_readings
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
@@ -108,59 +110,59 @@ class MovingProblem:
         shapes = [moved[i] for i in active]
         alone = Blend(tuple(blend.weights[i] for i in active))
         problem = self._problem_of(blend, shapes, active, control)
-        solids = CoincidingSolids.of([problem.transport.occupancy(i) for i in range(len(active))], alone.weights)
+        occupancies = [problem.transport.occupancy(i) for i in range(len(active))]
+        solids = CoincidingSolids.of(occupancies, alone.weights)
         if solids.disagreement <= _LEAST_REST:
-            solved, places = self._coinciding(problem, alone, shapes, solids, control)
+            solved = self._coinciding(problem, alone, solids)
         else:
-            solved, places = self._transported(problem, alone, shapes, solids, control)
+            solver = BlendSolver(problem.transport, control)
+            solved = surfaced_frame(problem, solver.solve(alone, problem.transport.blend_volumes(alone)), solids)
+        surface = self._placed(problem, solved, shapes, occupancies, solids, control)
+        mesh, places = surface.mesh, surface.places
         about = {"weights": blend.weights, "rest": solids.disagreement, "motion": dict(self.still.motion)}
-        record = {**solved.record, **about}
+        record = {**solved.record, **about, "volume": mesh.volume}
         if not self.still.settings.carry:
-            return MorphFrame(blend, solved.mesh, record)
-        origins = moved_origins(places, shapes, active, solved.mesh.vertices, len(blend.weights))
-        tangents = moved_tangents(places, self.motion, blend.weights, solved.mesh.vertices)
-        return MorphFrame(blend, solved.mesh, record, origins=origins, tangents=tangents)
+            return MorphFrame(blend, mesh, record)
+        origins = moved_origins(places, shapes, active, mesh.vertices, len(blend.weights))
+        tangents = moved_tangents(places, self.motion, blend.weights, mesh.vertices)
+        return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents)
 
-    def _transported(
-        self,
-        problem: MorphProblem,
-        blend: Blend,
-        shapes: Sequence[MovedShape],
-        solids: CoincidingSolids,
-        control: Control,
-    ) -> tuple[MorphFrame, list[ClosestPoints]]:
-        """Solve the barycenter of what still differs; return a frame and where its vertices are on the shapes."""
-        solver = BlendSolver(problem.transport, control)
-        solved = surfaced_frame(problem, solver.solve(blend, problem.transport.blend_volumes(blend)), solids)
-        if solved.origins is None:
-            return solved, []
-        return solved, [shape.finder.find_about(own) for shape, own in zip(shapes, solved.origins, strict=True)]
-
-    def _coinciding(
-        self,
-        problem: MorphProblem,
-        blend: Blend,
-        shapes: Sequence[MovedShape],
-        solids: CoincidingSolids,
-        control: Control,
-    ) -> tuple[MorphFrame, list[ClosestPoints]]:
-        """Return the same for shapes that coincide: nothing is left to transport."""
+    def _coinciding(self, problem: MorphProblem, blend: Blend, solids: CoincidingSolids) -> MorphFrame:
+        """Return the frame of shapes that coincide: nothing is left to transport."""
         volume = float(problem.transport.blend_volumes(blend).sum())
         reading = read_coinciding(solids, volume, problem.connectivity, problem.settings)
         mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
         record = {
             "cells": problem.lattice.shape,
             "level": reading.surface.level,
-            "volume": mesh.volume,
             "volume_wanted": volume * problem.lattice.spacing**3,
             "converged": True,
             **reading.record,
         }
+        return MorphFrame(blend, mesh, record)
+
+    def _placed(
+        self,
+        problem: MorphProblem,
+        solved: MorphFrame,
+        shapes: Sequence[MovedShape],
+        occupancies: Sequence[NDArray[np.float64]],
+        solids: CoincidingSolids,
+        control: Control,
+    ) -> _PlacedSurface:
+        """Return the surface of a frame with as much detail as the settings ask for, and where it is on the shapes."""
+        mesh, searched = solved.mesh, [FacingShape(shape.mesh) for shape in shapes]
+        if problem.settings.carried_detail > 0:
+            starts = starts_on_readings(problem, solved, solids)
+            detailed = detailed_blend(problem, solved, searched, occupancies, starts, control)
+            return _PlacedSurface(detailed.mesh, detailed.places)
         if not problem.settings.carry:
-            return MorphFrame(blend, mesh, record), []
+            return _PlacedSurface(mesh, [])
+        if solved.origins is not None:
+            found = zip(shapes, solved.origins, strict=True)
+            return _PlacedSurface(mesh, [shape.finder.find_about(own) for shape, own in found])
         normals = vertex_normals(mesh.vertices, mesh.faces)
-        places = [FacingPointFinder(shape.mesh).find(mesh.vertices, normals, control) for shape in shapes]
-        return MorphFrame(blend, mesh, record), places
+        return _PlacedSurface(mesh, [own.finder.find(mesh.vertices, normals, control) for own in searched])
 
     def _problem_of(
         self, blend: Blend, shapes: Sequence[MovedShape], active: NDArray[np.int64], control: Control
@@ -182,6 +184,14 @@ class MovingProblem:
         parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in transport.parts)
         connectivity = tuple(self.still.connectivity[i] for i in active)
         return MorphProblem(replace(transport, parts=parts), connectivity)
+
+
+@dataclass(frozen=True)
+class _PlacedSurface:
+    """The surface of a frame, and for every moved shape where on it its vertices are."""
+
+    mesh: TriangleMesh
+    places: list[ClosestPoints]
 
 
 def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:

@@ -1,0 +1,283 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lay the detail of shapes onto a surface that was read between them at a coarse resolution.
+
+Every vertex v of the surface has a place y_i on the coarse reading of each shape i, with sum_i w_i y_i = v. The offset
+from there to the shape itself, d_i = p_i - y_i with p_i the closest point that faces the same way, is the detail that
+the reading has lost. The detailed surface has v + sum_i w_i c_i d_i, where the trust c_i in an offset is 1 but where
+the shape is far away, turned away, or inside its own solid. Where all offsets are trusted that is sum_i w_i p_i: the
+surface becomes the shape as its weight goes to one.
+
+Edges are halved where the shapes bend between their ends, and where an edge crosses a crease its middle is put onto the
+crease (as vertices are in L. Kobbelt, M. Botsch, U. Schwanecke and H.-P. Seidel, "Feature sensitive surface extraction
+from volume data", SIGGRAPH 2001), so that creases are edges of the detailed surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..progress import UNINTERRUPTED, Control
+from .closest_points import ClosestPoints
+from .edge_means import EdgeMeans
+from .edges import edge_ends, edge_use
+from .facing_points import FacingShape
+from .fold_damping import without_folds
+from .mesh import TriangleMesh
+from .normals import triangle_normals, unit_vectors, vertex_normals
+from .subdivision import with_edges_halved
+from .tangent_planes import meeting_points
+
+# Edges are halved where the surface would leave a shape by more than this many cells, unless they are this short, and
+# so often. The surface gets no more than so many times its triangles.
+_DEVIATION, _SHORTEST, _ROUNDS = 0.03, 0.25, 2
+_MOST_TRIANGLES = 3.0
+# Offsets are trusted up to so many cells, and not at all from so many on.
+_TRUSTED, _FARTHEST = 1.25, 2.5
+# Points of a shape are on the surface of its solid up to the first share of filled space about them, and inside it from
+# the second.
+_SURFACE, _INSIDE = 0.9, 0.985
+# Places are evened out where triangles that are laid onto a shape turn away by more than this cosine, so often.
+_TURNED, _RELAXATIONS = 0.3, 4
+# Rounds in which trust fades towards places without any.
+_FADING = 2
+# A volume is corrected where it is off by more than this share, by no more than so many cells along the normals.
+_VOLUME_TOLERANCE, _MOST_CORRECTION = 5e-4, 0.1
+
+
+@dataclass(frozen=True)
+class DetailSource:
+    """A shape that brings its detail.
+
+    Attributes
+    ----------
+    shape : FacingShape
+        In the space of the surface.
+    weight : float
+        Its share of the surface.
+    starts : (n, 3) float64
+        Where on its coarse reading the vertices of the surface are.
+    filled : callable
+        Takes points, (p, 3), and returns which share of the space about each the solid fills, (p,).
+    """
+
+    shape: FacingShape
+    weight: float
+    starts: NDArray[np.float64]
+    filled: Callable[[NDArray[np.float64]], NDArray[np.floating]]
+
+
+@dataclass(frozen=True)
+class DetailedSurface:
+    """A surface with the detail of the shapes that it lies between.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        With more triangles where there is detail.
+    places : list of ClosestPoints
+        For every shape, where on it the vertices of the mesh are.
+    origins : list of (n, 3) float64
+        These places as far as they are trusted to be the detail of where the vertices come from.
+    triangles : list of (m,) int64
+        For every shape, on which of its triangles the triangles of the mesh lie.
+    """
+
+    mesh: TriangleMesh
+    places: list[ClosestPoints]
+    origins: list[NDArray[np.float64]]
+    triangles: list[NDArray[np.int64]]
+
+
+def with_detail(
+    surface: TriangleMesh,
+    sources: Sequence[DetailSource],
+    cell: float,
+    amount: float,
+    volume: float,
+    control: Control = UNINTERRUPTED,
+) -> DetailedSurface:
+    """Lay the detail of shapes onto a surface.
+
+    Parameters
+    ----------
+    surface : TriangleMesh
+        Closed and outward, in any space.
+    sources : sequence of DetailSource
+        The shapes, with weights of sum one.
+    cell : float
+        The resolution that the surface was read at, a length in that space.
+    amount : float
+        How much of the detail, from 0 to 1.
+    volume : float
+        That the detailed surface should enclose.
+    control : Control
+        Ends the work when cancelled.
+    """
+    normals = _even_normals(surface)
+    laid = _Laid(surface, normals, [_Carried.found(source, normals, control) for source in sources])
+    most = int(_MOST_TRIANGLES * len(surface.faces))
+    for _ in range(_ROUNDS):
+        control.check()
+        finer = laid.refined(cell, most)
+        if finer is None:
+            break
+        laid = finer
+    control.check()
+    means = EdgeMeans.of(laid.mesh)
+    laid = laid.relaxed(means)
+    details = [own.details(means.spread_minimum(own.trust(laid.normals, cell), _FADING)) for own in laid.carried]
+    wanted = sum(amount * own.source.weight * detail for own, detail in zip(laid.carried, details, strict=True))
+    offsets = without_folds(laid.mesh, laid.normals, wanted, means)
+    detailed = TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces)
+    origins = [own.starts + detail for own, detail in zip(laid.carried, details, strict=True)]
+    places = [own.places for own in laid.carried]
+    triangles = [own.triangles_under(laid.mesh.faces) for own in laid.carried]
+    return DetailedSurface(_with_volume(detailed, volume, cell), places, origins, triangles)
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """Where the vertices of a surface are on one shape."""
+
+    source: DetailSource
+    facing: NDArray[np.float64]
+    """Normals of the shape's triangles, (m, 3)."""
+    starts: NDArray[np.float64]
+    places: ClosestPoints
+    points: NDArray[np.float64]
+
+    @classmethod
+    def found(cls, source: DetailSource, normals: NDArray[np.float64], control: Control) -> _Carried:
+        """Find the places of the vertices of a surface with these normals, (n, 3)."""
+        places = source.shape.finder.find(source.starts, normals, control)
+        facing = triangle_normals(source.shape.mesh.corners)
+        return cls(source, facing, source.starts, places, places.interpolated(source.shape.mesh.corners))
+
+    @property
+    def normals(self) -> NDArray[np.float64]:
+        return self.facing[self.places.triangles]
+
+    def deviations(self, ends: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Estimate how far the shape is from the middles of edges, (e, 2), that are drawn onto it."""
+        first, second = ends.T
+        edges, normals = self.points[second] - self.points[first], self.normals
+        heights = [np.abs(np.einsum("nd,nd->n", edges, normals[end])) for end in (first, second)]
+        # At the ends of an arc of curvature k and length l these are k l^2 / 2, and its chord is k l^2 / 8 away.
+        return np.minimum(*heights) / 4.0
+
+    def with_middles(self, ends: NDArray[np.int64]) -> _Carried:
+        """Add the vertices that halve some edges, (s, 2): on the crease, where an edge crosses one."""
+        first, second = ends.T
+        normals = self.normals
+        wanted = meeting_points(self.points[first], normals[first], self.points[second], normals[second])
+        found = self.source.shape.finder.find_closest(wanted)
+        return replace(
+            self,
+            starts=np.concatenate([self.starts, self.starts[ends].mean(axis=1)]),
+            places=self.places.followed_by(found),
+            points=np.concatenate([self.points, found.interpolated(self.source.shape.mesh.corners)]),
+        )
+
+    def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return for every face, (m, 3), the triangle of one of its corners whose plane is nearest to the others."""
+        normals = self.normals[faces]
+        corners = self.points[faces]
+        heights = np.abs(np.einsum("mad,mabd->mab", normals, corners[:, None] - corners[:, :, None])).max(axis=2)
+        nearest = heights.argmin(axis=1)
+        return self.places.triangles[faces[np.arange(len(faces)), nearest]]
+
+    def details(self, trust: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the offsets of the shape from its reading, (n, 3), as far as they are trusted."""
+        return trust[:, None] * (self.points - self.starts)
+
+    def trust(self, normals: NDArray[np.float64], cell: float) -> NDArray[np.float64]:
+        """Return how far offsets can be taken for detail, (n,), from 0 to 1."""
+        distances = np.linalg.norm(self.points - self.starts, axis=1) / cell
+        agreement = np.einsum("nd,nd->n", self.normals, normals)
+        outside = (_INSIDE - self.source.filled(self.points)) / (_INSIDE - _SURFACE)
+        near = (_FARTHEST - distances) / (_FARTHEST - _TRUSTED)
+        return np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
+
+    def relaxed(self, faces: NDArray[np.int64], facing: NDArray[np.float64], means: EdgeMeans) -> _Carried:
+        """Even out places where triangles are turned over or stand on edge: between their neighbors, on the shape.
+
+        Parameters
+        ----------
+        faces : (m, 3) int64
+            Triangles of the surface.
+        facing : (m, 3) float64
+            Where they face.
+        means : EdgeMeans
+            Of the surface.
+        """
+        places, points = self.places, self.points
+        for _ in range(_RELAXATIONS):
+            turned = np.einsum("md,md->m", triangle_normals(points[faces]), facing) < _TURNED
+            if not turned.any():
+                break
+            near = np.zeros(len(points))
+            near[faces[turned]] = 1.0
+            chosen = np.flatnonzero((near > 0.0) | (means.mean(near) > 0.0))
+            found = self.source.shape.finder.find_closest(means.mean_points(points)[chosen])
+            places = places.replaced(chosen, found)
+            points = points.copy()
+            points[chosen] = found.interpolated(self.source.shape.mesh.corners)
+        return replace(self, places=places, points=points)
+
+
+@dataclass(frozen=True)
+class _Laid:
+    """A surface, and where its vertices are on all shapes."""
+
+    mesh: TriangleMesh
+    normals: NDArray[np.float64]
+    carried: list[_Carried]
+
+    def relaxed(self, means: EdgeMeans) -> _Laid:
+        """Even out where vertices are on the shapes."""
+        facing = unit_vectors(self.normals[self.mesh.faces].sum(axis=1))
+        return replace(self, carried=[own.relaxed(self.mesh.faces, facing, means) for own in self.carried])
+
+    def refined(self, cell: float, most: int) -> _Laid | None:
+        """Halve edges between whose ends the shapes bend; None where there are none, or no room for them."""
+        use = edge_use(self.mesh.faces)
+        ends = edge_ends(self.mesh.faces, use)
+        deviations = np.zeros(len(ends))
+        longest = np.zeros(len(ends))
+        for own in self.carried:
+            apart = np.linalg.norm(own.points[ends[:, 1]] - own.points[ends[:, 0]], axis=1)
+            longest = np.maximum(longest, apart)
+            trust = own.trust(self.normals, cell)[ends].min(axis=1)
+            deviations += own.source.weight * trust * own.deviations(ends)
+        deviations[longest < _SHORTEST * cell] = 0.0
+        # A halved edge adds two triangles.
+        room = max((most - len(self.mesh.faces)) // 2, 0)
+        chosen = deviations > _DEVIATION * cell
+        if np.count_nonzero(chosen) > room:
+            chosen[np.argsort(-deviations, kind="stable")[room:]] = False
+        if not chosen.any():
+            return None
+        halved = with_edges_halved(self.mesh, use, chosen)
+        normals = unit_vectors(self.normals[halved.ends].sum(axis=1))
+        carried = [own.with_middles(halved.ends) for own in self.carried]
+        return _Laid(halved.mesh, np.concatenate([self.normals, normals]), carried)
+
+
+def _even_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return normals of the vertices, averaged with those of their neighbors."""
+    normals, means = vertex_normals(mesh.vertices, mesh.faces), EdgeMeans.of(mesh)
+    return unit_vectors(normals + means.mean_points(normals))
+
+
+def _with_volume(mesh: TriangleMesh, volume: float, cell: float) -> TriangleMesh:
+    """Move a surface evenly along its normals until it encloses a volume, or as far as it may be moved."""
+    missing = volume - mesh.volume
+    if abs(missing) <= _VOLUME_TOLERANCE * volume:
+        return mesh
+    step = float(np.clip(missing / mesh.area, -_MOST_CORRECTION * cell, _MOST_CORRECTION * cell))
+    return TriangleMesh(mesh.vertices + step * vertex_normals(mesh.vertices, mesh.faces), mesh.faces)

@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blends carry the detail of their shapes along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.moving_problem import MovingProblem
+from convwass_addon.applications.morphs.part_labels import unparted
+from convwass_addon.applications.morphs.preparing import prepared_problem
+from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import Control, drained
+from tests.shapes import ball, box
+
+NAMES = ("first", "second")
+ANGLE = 1.0
+
+
+def turned(mesh, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return TriangleMesh(mesh.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), mesh.faces)
+
+
+def bumpy_ball():
+    """Bumps that rise and fall by a sixteenth of the radius."""
+    mesh = ball(points=4000)
+    bumps = np.sin(14.0 * mesh.vertices).prod(axis=1, keepdims=True)
+    return TriangleMesh(mesh.vertices * (1.0 + bumps / 16.0), mesh.faces)
+
+
+BALL = bumpy_ball()
+SHAPES = (BALL, turned(BALL, ANGLE))
+
+
+@dataclass(frozen=True)
+class Turning:
+    """Both balls turn by their share, exactly."""
+
+    def moved(self, weights):
+        turns = (weights[1] * ANGLE, (weights[1] - 1.0) * ANGLE)
+        return [MovedShape(shape, turned(shape, turn).vertices) for shape, turn in zip(SHAPES, turns, strict=True)]
+
+    def record(self):
+        return {"kind": "turning"}
+
+
+def frame_of_balls(detail, share):
+    settings = MorphSettings(resolution=40, detail=detail, carry=False)
+    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
+    problem = MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
+    return problem.frame(Blend((1.0 - share, share)), Control()), problem.lattice.spacing
+
+
+def mean_distance(mesh, other, spacing):
+    """From the vertices of the second to the first, in cells."""
+    return ClosestPointFinder(mesh.corners).find(other.vertices).distances.mean() / spacing
+
+
+@pytest.mark.parametrize("share", [1 / 24, 0.5])
+def test_a_bumpy_ball_that_turns_keeps_its_bumps(share):
+    expected = turned(BALL, share * ANGLE)
+    plain, spacing = frame_of_balls(0.0, share)
+    detailed, _ = frame_of_balls(None, share)
+    assert mean_distance(plain.mesh, expected, spacing) > 0.1
+    assert mean_distance(detailed.mesh, expected, spacing) < 0.04
+    assert detailed.mesh.volume == pytest.approx(BALL.volume, rel=1e-3)
+    assert detailed.record["volume"] == detailed.mesh.volume
+
+
+def test_transport_carries_detail_where_it_is_asked_to():
+    """Beside a box the blend has the edges of the box; those of the paper are as round as the grid makes them."""
+    shapes = (box(), ball(0.62, points=600))
+    found = {}
+    for detail in (None, 1.0):
+        settings = MorphSettings(resolution=32, motion="transport", detail=detail)
+        steps = morph(shapes, NAMES, path_blends(2, 25), settings, wanted=range(1, 2), workers=1)
+        found[detail] = [step.payload for step in steps if step.payload is not None][1]
+    area = box().area * 23 / 24 + shapes[1].area / 24
+    assert found[None].mesh.area < 0.965 * area < 0.98 * area < found[1.0].mesh.area < 1.01 * area
+    origins = found[1.0].origins
+    assert origins.shape == (2, *found[1.0].mesh.vertices.shape)
+    np.testing.assert_allclose(origins[0] * 23 / 24 + origins[1] / 24, found[1.0].mesh.vertices, atol=4e-3)
+
+
+def test_all_detail_comes_along_but_in_the_blends_of_the_paper():
+    assert MorphSettings().carried_detail == 1.0
+    assert MorphSettings(detail=0.3).carried_detail == 0.3
+    assert MorphSettings(motion="transport").carried_detail == 0.0
+    assert MorphSettings(motion="transport", detail=0.3).carried_detail == 0.3
+    assert MorphSettings(level="half-max", detail=1.0).carried_detail == 0.0

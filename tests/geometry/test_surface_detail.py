@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The detail of shapes on a surface that was read without it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.facing_points import FacingShape
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.normals import triangle_normals
+from convwass_addon.geometry.surface_detail import DetailSource, with_detail
+from tests.shapes import ball, box
+
+RADIUS = 12.0
+"""Of the balls, in cells."""
+
+
+def on_surface(points):
+    """Half of the space about points of a surface is filled."""
+    return np.full(len(points), 0.5)
+
+
+def within(points):
+    """All of the space about points within a solid is filled."""
+    return np.ones(len(points))
+
+
+def source(mesh, weight, starts, filled=on_surface):
+    return DetailSource(FacingShape(mesh), weight, starts, filled)
+
+
+def alone(surface, mesh, filled=on_surface, amount=1.0):
+    return with_detail(surface, [source(mesh, 1.0, surface.vertices, filled)], 1.0, amount, mesh.volume)
+
+
+def scaled(mesh, factors):
+    return TriangleMesh(mesh.vertices * factors, mesh.faces)
+
+
+def away(mesh, points):
+    return ClosestPointFinder(mesh.corners).find(points).distances
+
+
+@pytest.fixture(scope="module")
+def smooth():
+    return ball(RADIUS, points=2500)
+
+
+@pytest.fixture(scope="module")
+def bumpy():
+    """Bumps of half a cell between highest and lowest, two cells wide."""
+    mesh = ball(RADIUS, points=12_000)
+    bumps = 0.25 * np.sin(1.5 * mesh.vertices).prod(axis=1, keepdims=True)
+    return scaled(mesh, 1.0 + bumps / RADIUS)
+
+
+def test_bumps_are_laid_onto_a_smooth_ball(smooth, bumpy):
+    found = alone(smooth, bumpy)
+    assert away(smooth, bumpy.vertices).mean() > 0.06
+    assert away(found.mesh, bumpy.vertices).mean() < 0.02
+    assert topology(found.mesh) == topology(smooth)
+    assert found.mesh.volume == pytest.approx(bumpy.volume, rel=1e-3)
+    on_shape = found.places[0].interpolated(bumpy.corners)
+    np.testing.assert_allclose(found.mesh.vertices, on_shape, atol=0.02)
+
+
+def test_where_there_is_no_detail_nothing_changes(smooth):
+    found = alone(smooth, smooth)
+    np.testing.assert_array_equal(found.mesh.faces, smooth.faces)
+    np.testing.assert_allclose(found.mesh.vertices, smooth.vertices, atol=1e-9)
+
+
+def test_a_surface_with_bumps_gets_more_triangles_than_it_had_and_not_too_many(smooth, bumpy):
+    found = alone(smooth, bumpy).mesh
+    assert 1.2 * len(smooth.faces) < len(found.faces) < 3.01 * len(smooth.faces)
+
+
+def test_offsets_are_added_with_the_weights(smooth):
+    """One shape lies a half above its reading and the other a quarter below: with 1/4 and 3/4 that is -1/16."""
+    shapes = [scaled(smooth, 1.0 + height / RADIUS) for height in (0.5, -0.25)]
+    sources = [source(shape, w, smooth.vertices) for shape, w in zip(shapes, (0.25, 0.75), strict=True)]
+    expected = scaled(smooth, 1.0 - 0.0625 / RADIUS)
+    found = with_detail(smooth, sources, 1.0, 1.0, expected.volume).mesh
+    assert away(expected, found.vertices).max() < 0.005
+
+
+def test_half_of_the_detail_is_half_of_the_offset(smooth):
+    larger, half = (scaled(smooth, 1.0 + height / RADIUS) for height in (0.5, 0.25))
+    found = with_detail(smooth, [source(larger, 1.0, smooth.vertices)], 1.0, 0.5, half.volume).mesh
+    assert away(half, found.vertices).max() < 0.005
+
+
+@pytest.mark.parametrize(("height", "filled"), [(-0.5, within), (3.0, on_surface)])
+def test_inner_shells_and_what_is_far_away_are_no_detail(smooth, height, filled):
+    shape = scaled(smooth, 1.0 + height / RADIUS)
+    found = with_detail(smooth, [source(shape, 1.0, smooth.vertices, filled)], 1.0, 1.0, smooth.volume).mesh
+    np.testing.assert_allclose(found.vertices, smooth.vertices, atol=1e-9)
+
+
+def test_sharp_edges_become_edges_of_the_surface():
+    """A ball that is squeezed towards a cube is rounder than the cube by less than a cell."""
+    cube = box((2 * RADIUS,) * 3)
+    round_ball = ball(1.0, points=4000)
+    cubed = np.sign(round_ball.vertices) * np.abs(round_ball.vertices) ** 0.12
+    rounded = TriangleMesh(RADIUS * cubed / np.abs(cubed).max() * 0.99, round_ball.faces)
+    found = alone(rounded, cube).mesh
+    near_edge = (np.abs(found.vertices) > RADIUS - 0.05).sum(axis=1) >= 2
+    assert near_edge.sum() > 100
+    assert away(cube, found.vertices).max() < 0.3
+    assert (
+        np.quantile(away(found, sampled_edges(cube)), 0.9) < 0.1 < np.quantile(away(rounded, sampled_edges(cube)), 0.1)
+    )
+
+
+def sampled_edges(cube):
+    """Points on the edges of a cube, none next to a corner."""
+    along = np.linspace(-0.8, 0.8, 33) * RADIUS
+    points = []
+    for axis in range(3):
+        for one in (-RADIUS, RADIUS):
+            for other in (-RADIUS, RADIUS):
+                edge = np.insert(np.full((len(along), 2), (one, other)), axis, along, axis=1)
+                points.append(edge)
+    return np.concatenate(points)
+
+
+def test_no_triangle_is_turned_over(smooth):
+    """Bumps steeper than the ball's triangles can follow."""
+    rng = np.random.default_rng(5)
+    rough = TriangleMesh(smooth.vertices + 0.6 * rng.standard_normal(smooth.vertices.shape), smooth.faces)
+    found = alone(smooth, rough).mesh
+    outward = np.einsum("md,md->m", triangle_normals(found.corners), found.corners.mean(axis=1))
+    assert (outward > 0.0).all()
