@@ -267,6 +267,8 @@ def with_face(*corners):
         (GOOD, SURFACE | {"origins": np.zeros((2, 3, 3), np.float32)}, "not those of its vertices"),
         (GOOD, {"origins": np.zeros((2, 2, 3), np.float32)}, "not those of its vertices"),
         (GOOD, SURFACE | {"origins": np.full((1, 2, 3), np.nan, np.float32)}, "not numbers"),
+        (GOOD, SURFACE | {"triangles": np.zeros((2, 3), np.int32)}, "not those of its surface"),
+        (GOOD, {"triangles": np.zeros((2, 1), np.int32)}, "not those of its surface"),
         (SOLVED, {}, "inside.0 is missing"),
         (GOOD, PART, "more than it should"),
         (SOLVED, PART | {"columns.0": PART["columns.0"][:, :2]}, "size of their cells"),
@@ -295,6 +297,13 @@ def test_files_that_lie_are_refused(tmp_path, header, arrays, reason):
     path.write_bytes(array_bytes(arrays, header))
     with pytest.raises(DamagedFrameError, match=reason):
         read_frame(path, KEY)
+
+
+def test_the_triangles_of_inputs_are_kept(tmp_path):
+    triangles = np.array([[7], [-1]], np.int32)
+    mesh = frame_file.TriangleMesh(SURFACE["vertices"], SURFACE["faces"].astype(np.int64))
+    write_frame(tmp_path / "f", KEY, StoredFrame(mesh, {}, triangles=triangles))
+    np.testing.assert_array_equal(read_frame(tmp_path / "f", KEY).triangles, triangles)
 
 
 def test_the_good_example_is_good(tmp_path):

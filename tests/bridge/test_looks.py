@@ -13,10 +13,11 @@ from convwass_addon.applications.morphs.looks import Carried, Painted, Plain, Se
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.looks import read_look, seen_colors, write_carried
+from convwass_addon.bridge.morphs.looks import read_look, read_shading, seen_colors, write_carried
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.objects import frozen_copy
-from tests.shapes import ball, joined
+from convwass_addon.geometry.normals import triangle_normals
+from tests.shapes import ball, box, joined
 
 RED, GREEN, BLUE, WHITE = (1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)
 
@@ -279,6 +280,37 @@ def test_without_carrying_frames_are_bare(bare_scene, make_object):
     inputs = [add_shape(make_object, name, ball(points=300)) for name in "AB"]
     mesh = frame_objects(bake(bare_scene, inputs, carry=False))[1].data
     assert not {"Color", "velocity", "look_1", "source_weight_1"} & set(mesh.attributes.keys())
+
+
+@pytest.mark.parametrize("flat", [True, False])
+def test_normals_of_an_input_are_those_that_renders_show(make_object, depsgraph, flat):
+    obj = add_shape(make_object, "Shape", ball(points=200))
+    if not flat:
+        obj.data.shade_smooth()
+    shading = read_shading(frozen_copy(obj, depsgraph))
+    assert shading.is_smooth != flat
+    facing = triangle_normals(shading.corners)
+    assert np.allclose(shading.normals, facing[:, None], atol=1e-3) == flat
+    outward = shading.corners / np.linalg.norm(shading.corners, axis=2, keepdims=True)
+    assert np.allclose(shading.normals, outward, atol=0.05) != flat
+
+
+def test_blends_of_flat_shapes_are_flat(bare_scene, make_object):
+    boxes = [add_shape(make_object, name, box(size)) for name, size in (("A", (1, 1, 1.5)), ("B", (1.5, 1, 1)))]
+    first = frame_objects(bake(bare_scene, boxes, 2, detail=1.0))[1].data
+    assert first.normals_domain == "CORNER"
+    corners, faces = np.empty(9 * len(first.polygons), np.float32), np.empty(3 * len(first.polygons), np.float32)
+    first.corner_normals.foreach_get("vector", corners)
+    first.polygon_normals.foreach_get("vector", faces)
+    agreement = (corners.reshape(-1, 3, 3) * faces.reshape(-1, 1, 3)).sum(axis=2)
+    assert np.degrees(np.arccos(np.quantile(agreement, 0.1))) < 1.0
+
+
+def test_blends_without_detail_are_smooth(bare_scene, make_object):
+    boxes = [add_shape(make_object, name, box(size)) for name, size in (("A", (1, 1, 1.5)), ("B", (1.5, 1, 1)))]
+    first = frame_objects(bake(bare_scene, boxes, 2))[1].data
+    assert not first.has_custom_normals
+    assert not first.attributes.get("sharp_face")
 
 
 def test_a_bake_that_is_discarded_leaves_nothing(bare_scene, make_object, depsgraph, inventory):

@@ -181,9 +181,12 @@ def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFra
     if not problem.settings.carry:
         return replace(detailed, origins=None)
     weights, centers = np.array(frame.blend.weights), problem.lattice.centers
+    active = np.flatnonzero(weights)
     origins = surface.mesh.vertices + (centers - weights @ centers)[:, None]
-    origins[np.flatnonzero(weights)] = surface.origins
-    return replace(detailed, origins=origins.astype(np.float32))
+    origins[active] = surface.origins
+    triangles = np.full((len(weights), len(surface.mesh.faces)), -1, np.int32)
+    triangles[active] = surface.triangles
+    return replace(detailed, origins=origins.astype(np.float32), triangles=triangles)
 
 
 def _motion_record(problem: MorphProblem) -> dict[str, object]:

@@ -9,6 +9,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,9 @@ from .layouts import Blend
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels
+
+# What a file keeps of a frame.
+_KEPT = tuple(one.name for one in fields(StoredFrame))
 
 
 class FrameCache:
@@ -188,9 +192,7 @@ class BakeCache:
                 raise ConvwassError(
                     "The cache folder {folder} lost a frame meanwhile; bake again.", folder=str(self._cache.folder)
                 )
-            frames.append(
-                MorphFrame(blend, stored.mesh, stored.record, stored.potentials, stored.origins, stored.tangents)
-            )
+            frames.append(MorphFrame(blend=blend, **vars(stored)))
         self._cache.reused += len(frames)
         return frames
 
@@ -204,9 +206,7 @@ class BakeCache:
         """
         for blend, frame, path, key in zip(run, frames, self.paths(run), self._keys(run), strict=True):
             try:
-                write_frame(
-                    path, key, StoredFrame(frame.mesh, frame.record, frame.potentials, frame.origins, frame.tangents)
-                )
+                write_frame(path, key, StoredFrame(**{name: vars(frame)[name] for name in _KEPT}))
             except OSError as error:
                 # Windows replaces no file that another machine is reading, which then is the same frame.
                 if self._read(path, key, blend) is None:

@@ -4,9 +4,9 @@
 
 The file is one of :mod:`.array_files`. Its header has the ``key``, which says what frame it is, the ``record`` of
 figures, and for every part of the blend the ``sharpness`` and ``sigma`` of its ``potentials``; an input that is shown
-as it is has none. A surface has the arrays ``vertices`` (n, 3) and ``faces`` (m, 3), and where that was asked for
-``origins`` and, where the inputs move, ``tangents`` (k, n, 3). Part i has ``inside.i``, which tells for all cells
-whether they have potentials, and these, ``columns.i``.
+as it is has none. A surface has the arrays ``vertices`` (n, 3) and ``faces`` (m, 3), where that was asked for
+``origins`` and, where the inputs move, ``tangents`` (k, n, 3), and where it carries detail ``triangles`` (k, m). Part i
+has ``inside.i``, which tells for all cells whether they have potentials, and these, ``columns.i``.
 """
 
 from __future__ import annotations
@@ -56,6 +56,8 @@ class StoredFrame:
         Where the vertices of the surface come from.
     tangents : (k, n, 3) float32 or None
         What their velocities are read from, where the inputs move.
+    triangles : (k, m) int32 or None
+        Which triangles of the inputs the triangles of the surface lie on, where they carry detail.
     """
 
     mesh: TriangleMesh | None
@@ -63,6 +65,7 @@ class StoredFrame:
     potentials: tuple[PartPotentials, ...] = ()
     origins: NDArray[np.float32] | None = None
     tangents: NDArray[np.float32] | None = None
+    triangles: NDArray[np.int32] | None = None
 
 
 def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
@@ -123,6 +126,8 @@ def _packed(key: str, frame: StoredFrame) -> bytes:
         arrays["origins"] = frame.origins.astype("<f4")
     if frame.tangents is not None:
         arrays["tangents"] = frame.tangents.astype("<f4")
+    if frame.triangles is not None:
+        arrays["triangles"] = frame.triangles.astype("<i4")
     for index, part in enumerate(frame.potentials):
         arrays |= {f"inside.{index}": part.inside, f"columns.{index}": part.columns.astype("<f4")}
     return array_bytes(arrays, header)
@@ -134,7 +139,8 @@ def _unpacked(reader: ArrayReader, key: str) -> StoredFrame:
     mesh = _mesh(reader) if "vertices" in reader else None
     origins = _of_vertices(reader, "origins", mesh) if "origins" in reader else None
     tangents = _of_vertices(reader, "tangents", mesh) if "tangents" in reader else None
-    return StoredFrame(mesh, _record(reader.header["record"]), _potentials(reader), origins, tangents)
+    triangles = _of_faces(reader, mesh) if "triangles" in reader else None
+    return StoredFrame(mesh, _record(reader.header["record"]), _potentials(reader), origins, tangents, triangles)
 
 
 def _mesh(reader: ArrayReader) -> TriangleMesh:
@@ -150,6 +156,13 @@ def _of_vertices(reader: ArrayReader, name: str, mesh: TriangleMesh | None) -> N
         raise ValueError(f"its {name} are not those of its vertices")
     if not np.isfinite(found).all():
         raise ValueError(f"its {name} are not numbers")
+    return found
+
+
+def _of_faces(reader: ArrayReader, mesh: TriangleMesh | None) -> NDArray[np.int32]:
+    found = reader.take("triangles", ("<i4",), (2,))
+    if mesh is None or found.shape[1] != len(mesh.faces):
+        raise ValueError("its triangles are not those of its surface")
     return found
 
 

@@ -48,6 +48,9 @@ class MorphFrame:
     tangents : (k, n, 3) float32 or None
         What velocities are read from in place of the origins, where the inputs move; see
         :func:`.moved_origins.moved_tangents`.
+    triangles : (k, m) int32 or None
+        The triangle of every input that each triangle of `mesh` lies on, -1 for inputs without weight; None where the
+        blend does not carry the detail of its inputs along.
     """
 
     blend: Blend
@@ -56,6 +59,7 @@ class MorphFrame:
     potentials: tuple[PartPotentials, ...] = ()
     origins: NDArray[np.float32] | None = None
     tangents: NDArray[np.float32] | None = None
+    triangles: NDArray[np.int32] | None = None
 
     __repr__ = one_line("blend", "mesh", "origins")
 

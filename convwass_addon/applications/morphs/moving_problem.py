@@ -125,7 +125,17 @@ class MovingProblem:
             return MorphFrame(blend, mesh, record)
         origins = moved_origins(places, shapes, active, mesh.vertices, len(blend.weights))
         tangents = moved_tangents(places, self.motion, blend.weights, mesh.vertices)
-        return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents)
+        triangles = None if surface.triangles is None else self._of_inputs(surface.triangles, shapes, active)
+        return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents, triangles=triangles)
+
+    def _of_inputs(
+        self, triangles: Sequence[NDArray[np.int64]], shapes: Sequence[MovedShape], active: NDArray[np.int64]
+    ) -> NDArray[np.int32]:
+        """Return triangles of all inputs, (k, m), from those of moved ones; -1 for inputs without weight."""
+        found = np.full((len(self.names), len(triangles[0])), -1, np.int32)
+        for index, own, shape in zip(active, triangles, shapes, strict=True):
+            found[index] = own if shape.parents is None else shape.parents[own]
+        return found
 
     def _coinciding(self, problem: MorphProblem, blend: Blend, solids: CoincidingSolids) -> MorphFrame:
         """Return the frame of shapes that coincide: nothing is left to transport."""
@@ -155,7 +165,7 @@ class MovingProblem:
         if problem.settings.carried_detail > 0:
             starts = starts_on_readings(problem, solved, solids)
             detailed = detailed_blend(problem, solved, searched, occupancies, starts, control)
-            return _PlacedSurface(detailed.mesh, detailed.places)
+            return _PlacedSurface(detailed.mesh, detailed.places, detailed.triangles)
         if not problem.settings.carry:
             return _PlacedSurface(mesh, [])
         if solved.origins is not None:
@@ -188,10 +198,11 @@ class MovingProblem:
 
 @dataclass(frozen=True)
 class _PlacedSurface:
-    """The surface of a frame, and for every moved shape where on it its vertices are."""
+    """The surface of a frame, and for every moved shape where on it its vertices, and perhaps its triangles, are."""
 
     mesh: TriangleMesh
     places: list[ClosestPoints]
+    triangles: list[NDArray[np.int64]] | None = None
 
 
 def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:

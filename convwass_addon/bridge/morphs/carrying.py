@@ -15,9 +15,19 @@ from ...applications.morphs.layouts import Blend
 from ...applications.morphs.looks import Carried, carried
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.origins import velocities
+from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...progress import Work
 from ..handles import Handle, found
-from .looks import COLOR, SOURCE_WEIGHT, read_look, write_carried, write_own_look, write_velocity
+from .looks import (
+    COLOR,
+    SOURCE_WEIGHT,
+    read_look,
+    read_shading,
+    write_carried,
+    write_normals,
+    write_own_look,
+    write_velocity,
+)
 from .materials import carrying_material
 
 
@@ -26,6 +36,7 @@ class CarriedFrame(MorphFrame):
     """A finished frame with what it brings along from the inputs."""
 
     carried: Carried | None = None
+    normals: FrameNormals | None = None
 
 
 class Carrying:
@@ -55,6 +66,7 @@ class Carrying:
             read_look(mesh, tuple(obj.color), [group.name for group in obj.vertex_groups])
             for obj, mesh in zip(inputs, frozen, strict=True)
         ]
+        self._shadings = [read_shading(mesh) for mesh in frozen]
         per_second = scene.render.fps / scene.render.fps_base
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]
@@ -75,8 +87,15 @@ class Carrying:
             frame = report.payload
             if isinstance(frame, MorphFrame) and frame.origins is not None:
                 look = carried(frame.origins, frame.mesh.faces, self._looks, frame.blend.weights)
-                report = replace(report, payload=CarriedFrame(**vars(frame), carried=look))
+                carrying = CarriedFrame(**vars(frame), carried=look, normals=self._normals(frame))
+                report = replace(report, payload=carrying)
             yield report
+
+    def _normals(self, frame: MorphFrame) -> FrameNormals | None:
+        """Return the normals that a frame is shown with, where they are not those of its surface."""
+        if frame.triangles is None:
+            return None
+        return frame_normals(frame.mesh, frame.origins, frame.triangles, self._shadings, frame.blend.weights)
 
     def write(self, mesh: bpy.types.Mesh, frame: MorphFrame) -> None:
         """Write what a finished frame carries to its mesh, and give it the material that shows it."""
@@ -90,6 +109,8 @@ class Carrying:
         material = self._material.find()
         if isinstance(frame, CarriedFrame) and material is not None:
             write_carried(mesh, frame.carried)
+            if frame.normals is not None:
+                write_normals(mesh, frame.normals)
             mesh.materials.clear()
             mesh.materials.append(material)
 
