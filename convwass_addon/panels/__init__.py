@@ -6,9 +6,23 @@ from __future__ import annotations
 
 import bpy
 
-from . import armatures, baked, densities, light, morph, morph_guides, progress, recolor, soft_maps
+from . import armatures, baked, densities, light, menus, morph, morph_guides, progress, recolor, soft_maps
 
 MODULES = (progress, morph, morph_guides, baked, densities, soft_maps, armatures, recolor, light)
 """In the order in which they are drawn, from the top."""
 
-register, unregister = bpy.utils.register_classes_factory([cls for module in MODULES for cls in module.classes])
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(
+    [cls for module in MODULES for cls in module.classes]
+)
+
+
+def register() -> None:
+    """Add the panels, and the entries of Blender's menus."""
+    _register_classes()
+    menus.register()
+
+
+def unregister() -> None:
+    """Take both away."""
+    menus.unregister()
+    _unregister_classes()

@@ -1,0 +1,27 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Entries of Blender's own menus, through which the search for operators (F3) finds them."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.morph_bake import CONVWASS_OT_bake_morph
+from ..properties.morphs import MorphProperties
+from .sidebar import fill_operator
+
+
+def register() -> None:
+    """Append the entries."""
+    bpy.types.VIEW3D_MT_object.append(_draw)
+
+
+def unregister() -> None:
+    """Remove them."""
+    bpy.types.VIEW3D_MT_object.remove(_draw)
+
+
+def _draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    operator = menu.layout.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
+    fill_operator(operator, context.scene.convwass_morph, MorphProperties)
