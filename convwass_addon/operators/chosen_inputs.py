@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -12,6 +13,10 @@ from ..bridge.active import selected_objects
 from ..bridge.flat.flat_kinds import is_shape
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
+
+# Types of objects that Blender turns into meshes, and those that have no surface to turn into one.
+_CONVERTIBLE = ("META", "SURFACE", "VOLUME")
+_WITHOUT_THICKNESS = ("CURVES", "POINTCLOUD")
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,8 @@ def chosen_inputs(
     Raises
     ------
     InputError
-        Fewer than two shapes, names that are not there, or weights that do not fit.
+        Fewer than two shapes, selected objects that must be converted first, names that are not there, or weights that
+        do not fit.
     """
     listed = context.scene.convwass_morph.enabled_inputs
     if names.strip():
@@ -61,7 +67,9 @@ def chosen_inputs(
                 raise InputError("A shape on the list of inputs has been deleted; remove it from the list.")
         objects, numbers = [item.object for item in listed], [item.weight for item in listed]
     else:
-        objects = settings.sorted_shapes([obj for obj in selected_objects(context) if is_shape(obj)])
+        selected = selected_objects(context)
+        objects = settings.sorted_shapes([obj for obj in selected if is_shape(obj)])
+        refuse_others(selected)
         numbers = [1.0] * len(objects)
     if weights.strip():
         numbers = _numbers(weights)
@@ -70,6 +78,27 @@ def chosen_inputs(
             "Select at least two shapes (meshes, texts, curves, drawings or images), or put them on the list of inputs."
         )
     return ChosenInputs(objects, numbers)
+
+
+def refuse_others(objects: Sequence[bpy.types.Object]) -> None:
+    """Refuse objects that have a shape which cannot be read, and say how to make a mesh of them; raises InputError.
+
+    Cameras, lights and other objects without a shape are passed over.
+    """
+    for obj in objects:
+        if obj.type == "EMPTY" and obj.instance_type == "COLLECTION":
+            raise InputError(
+                "{name} shows a collection: choose Object > Apply > Make Instances Real, and join the parts.",
+                name=obj.name,
+            )
+        if obj.type in _CONVERTIBLE:
+            raise InputError("{name} is no mesh: choose Object > Convert > Mesh.", name=obj.name)
+        if obj.type in _WITHOUT_THICKNESS:
+            raise InputError(
+                "{name} has no surface: give its points or strands a radius with Geometry Nodes (Curve to Mesh, Points "
+                "to Volume), and choose Object > Convert > Mesh.",
+                name=obj.name,
+            )
 
 
 def split_names(text: str) -> list[str]:
