@@ -70,6 +70,7 @@ class CONVWASS_PT_densities(Sidebar, bpy.types.Panel):
 
     bl_label = "Densities"
     bl_idname = "CONVWASS_PT_densities"
+    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context):

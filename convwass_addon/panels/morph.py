@@ -89,12 +89,11 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
             column.prop(settings, "frames")
         elif settings.layout != "BLEND":
             column.prop(settings, "steps")
+        # Buttons stay where they are when the selection changes under the mouse.
+        column.prop(settings, "flat_resolution" if flat else "resolution")
         if flat:
-            column.prop(settings, "flat_resolution")
             column.prop(settings, "words")
-        elif shapes:
-            column.prop(settings, "resolution")
-            draw_settings(column, settings, MorphSettings, "motion")
+        draw_settings(column, settings, MorphSettings, "motion")
 
         needed = _NEEDED.get(settings.layout)
         row = layout.row()
@@ -198,6 +197,7 @@ class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
         if settings.start == "CUSTOM":
             layout.prop(settings, "frame_start", text="Frame")
         layout.prop(settings, "frame_step")
+        layout.prop(settings, "fit_range")
 
 
 class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):

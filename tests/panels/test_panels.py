@@ -78,12 +78,12 @@ def test_without_a_selection_the_layout_says_how_many_it_takes(layout, wanted):
     assert "This layout takes" not in " ".join(text for _, text in drawn)
 
 
-def test_without_shapes_there_is_no_resolution():
-    """Flat shapes have another one than solid ones."""
-    drawn = draw(bpy.types.CONVWASS_PT_morph)
-    assert not {("prop", "resolution"), ("prop", "flat_resolution")} & set(drawn)
+def test_settings_stay_where_they_are_when_nothing_is_selected():
+    """Otherwise buttons move under the mouse."""
+    without = [entry for entry in draw(bpy.types.CONVWASS_PT_morph) if entry[0] == "prop"]
+    assert {("prop", "resolution"), ("prop", "motion")} <= set(without)
     bpy.ops.mesh.primitive_cube_add()
-    assert ("prop", "resolution") in draw(bpy.types.CONVWASS_PT_morph)
+    assert [entry for entry in draw(bpy.types.CONVWASS_PT_morph) if entry[0] == "prop"] == without
 
 
 def test_a_baked_sheet_offers_its_shapes_which_are_hidden(shapes):
@@ -173,7 +173,7 @@ def test_every_setting_is_somewhere(shapes, layout):
     from convwass_addon.properties.morphs import MorphProperties
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
-    only |= dict.fromkeys(("frame_step", "start", "frame_start"), ("PATH",))
+    only |= dict.fromkeys(("frame_step", "start", "frame_start", "fit_range"), ("PATH",))
     flat = {"flat_resolution", "words", "flat_output", "grays"}
     every = {name for base in MorphProperties.__mro__ for name in vars(base).get("__annotations__", {})}
     assert len(every) > 30

@@ -17,6 +17,7 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work
 from ...sentence import Sentence
+from ..morphs.animated_inputs import animation_notices
 from .flat_bake import FlatBake, FlatKind
 from .flat_curves import FittedFrame
 from .flat_moves import moved_flats
@@ -57,6 +58,7 @@ class FlatJob(WritesFlatFrames):
         self._names = [obj.name for obj in inputs]
         read = flat_objects(inputs, depsgraph)
         self._notices = [flat.read.notice for flat in read if flat.read.notice is not None]
+        self._notices += animation_notices(inputs, scene.frame_current)
         alignment, scaling = (str(options.get(name, "PLACED")) for name in ("alignment", "scaling"))
         flats = moved_flats(read, alignment, scaling)
         self._shapes = [flat.shape for flat in flats]

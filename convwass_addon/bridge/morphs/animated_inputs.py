@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which inputs of a morph are animated, so that users can be told that a bake takes them as they are in one frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import bpy
+
+from ...sentence import Sentence
+
+# Modifiers that change with time by themselves, or read files that do.
+_SIMULATED = ("CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "OCEAN", "BUILD", "WAVE")
+_FROM_FILES = ("MESH_SEQUENCE_CACHE", "MESH_CACHE")
+
+
+def animation_notices(inputs: Sequence[bpy.types.Object], frame: int) -> list[Sentence]:
+    """Say of animated inputs that the morph takes them as they are in one frame of the scene."""
+    names = [obj.name for obj in inputs if is_animated(obj)]
+    if not names:
+        return []
+    values = {"names": ", ".join(names), "frame": frame}
+    return [Sentence("The morph takes the animated {names} as in frame {frame}.", values)]
+
+
+def is_animated(obj: bpy.types.Object) -> bool:
+    """Tell whether an object moves or changes its shape with time, as far as its settings show."""
+    return any(_has_keys(block) for block in _blocks(obj)) or any(
+        one.type in (*_SIMULATED, *_FROM_FILES) for one in obj.modifiers
+    )
+
+
+def _blocks(obj: bpy.types.Object) -> Iterator[bpy.types.ID]:
+    """Yield what the shape and place of an object depend on: its data, parents and the objects of its modifiers."""
+    seen: set[bpy.types.ID] = set()
+    waiting: list[bpy.types.ID | None] = [obj]
+    while waiting:
+        block = waiting.pop()
+        if block is None or block in seen:
+            continue
+        seen.add(block)
+        yield block
+        if isinstance(block, bpy.types.Object):
+            waiting += [block.data, block.parent, getattr(block.data, "shape_keys", None)]
+            waiting += [getattr(one, "object", None) for one in block.modifiers]
+            waiting += [getattr(one, "target", None) for one in block.constraints]
+
+
+def _has_keys(block: bpy.types.ID) -> bool:
+    data = getattr(block, "animation_data", None)
+    return data is not None and (data.action is not None or bool(data.drivers) or bool(data.nla_tracks))
