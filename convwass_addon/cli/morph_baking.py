@@ -19,6 +19,7 @@ from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_job import FlatJob
 from ..bridge.flat.picture_job import PictureJob
+from ..bridge.frame_range import play_whole
 from ..bridge.morphs.animation import render_animation
 from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
@@ -52,7 +53,10 @@ def baked(
         note(f"{slack} blends are less exact than asked for; more --blur helps")
     for notice in job.notices:
         note(notice)
-    return job.finish(hide_inputs=True), job.records
+    collection = job.finish(hide_inputs=True)
+    if job.span is not None:
+        play_whole(bpy.context.scene, *job.span)
+    return collection, job.records
 
 
 def prepared_job(

@@ -72,7 +72,7 @@ def run_morph(options: Namespace) -> Answer:
     else:
         settings = flat_settings_of(options)
         if options.guides:
-            note("flat shapes are transported without guides; --guides is left out")
+            note("flat shapes are morphed without guides; --guides is left out")
     stored = request.as_dict()
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)

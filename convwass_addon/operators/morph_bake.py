@@ -15,6 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.files import absolute_folder
+from ..bridge.frame_range import play_whole
 from ..bridge.morphs.disk_output import packed_bytes
 from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, parsed_guides
 from ..bridge.morphs.replace import replace_bake
@@ -115,7 +116,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             absolute_folder(self.folder)
         if are_flat:
             if guides:
-                self.report({"INFO"}, rpt_("Flat shapes are transported without guides"))
+                self.report({"INFO"}, rpt_("Flat shapes are morphed without guides"))
             # What shows a morph otherwise than by an object per frame takes meshes.
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
             options = replace(request, flat_output=kind).as_dict()
@@ -170,16 +171,26 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return rpt_("Stopped; the morph is as it was")
         return rpt_("Stopped before the first frame was finished")
 
-    def _keep(self, context: bpy.types.Context, job: MorphJob) -> bool:
-        if not job.records or self.replaces:
+    def _keep(self, context: bpy.types.Context, job: MorphJob | FlatJob | PictureJob) -> bool:
+        from ..bridge.morphs.job import MorphJob
+
+        if self.replaces:
             return False
+        message = rpt_("Stopped; {:d} finished frames are kept").format(len(job.records))
+        if not job.records:
+            # Flat shapes have no previews.
+            if not (isinstance(job, MorphJob) and job.keep_previews()):
+                return False
+            message = rpt_("Stopped; the previews are kept, coarser than what was asked for")
         collection = job.finish(self.hide_inputs)
+        self._fit_range(context, job)
         select_only(context, frame_objects(collection)[:1])
-        self.report({"WARNING"}, rpt_("Stopped; {:d} finished frames are kept").format(len(job.records)))
+        self.report({"WARNING"}, message)
         return True
 
     def _finish(self, context: bpy.types.Context, job: MorphJob) -> set[str]:
         collection = job.finish(self.hide_inputs)
+        self._fit_range(context, job)
         replaced = bpy.data.collections.get(self.replaces)
         if replaced is not None:
             collection = replace_bake(replaced, collection)
@@ -196,10 +207,20 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             message = rpt_("The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it")
             self.report({"WARNING"}, message.format(megabytes))
         else:
-            self.report({"INFO"}, self._summary(collection.name, len(job.records)))
+            self.report({"INFO"}, self._summary(collection.name, len(job.records)) + self._when(job))
         if self.following:
             bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=self.following)
         return {"FINISHED"}
+
+    def _fit_range(self, context: bpy.types.Context, job: MorphJob) -> None:
+        if self.fit_range and job.span is not None:
+            play_whole(self._own_scene(context), *job.span)
+
+    def _when(self, job: MorphJob) -> str:
+        """Say when the morph plays."""
+        if job.span is None:
+            return ""
+        return rpt_(", frames {:d} to {:d}").format(*map(round, job.span))
 
     def _cache_notices(self) -> list[Sentence]:
         cache = self._computing.cache

@@ -24,6 +24,12 @@ class MorphProperties(SolverProperties):
         name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
     )
 
+    fit_range: BoolProperty(
+        name="Fit Frame Range",
+        description="Let the scene start and end with the morph; otherwise its frame range stays as it is",
+        default=False,
+    )
+
     def request(self, weights: Sequence[float] | None = None) -> MorphRequest:
         """Return what is stored with a morph besides the settings of its solver; of a single blend its `weights`."""
         return MorphRequest(**values_of(self, MorphRequest), words=self.words, weights=weights)

@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
 
 from convwass_addon.applications import memory
+from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
+from tests.panels.fake_layout import FakeLayout
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -52,7 +56,7 @@ def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends()
     frames = frame_objects(morph_collection())
     assert [obj.name for obj in frames] == ["Morph 0001", "Morph 0002", "Morph 0003", "Morph 0004"]
     scene = bpy.context.scene
-    assert (scene.frame_start, scene.frame_end) == (1, 4)
+    assert (scene.frame_start, scene.frame_end) == (1, 250)
     for number in range(-2, 9):
         scene.frame_set(number)
         shown = [obj for obj in frames if not obj.hide_render]
@@ -275,3 +279,51 @@ def test_parts_of_one_material_travel_together(parts, width):
     assert np.ptp(vertices(frame_objects(morph_collection())[1]), axis=0)[0] == pytest.approx(width, abs=0.25)
     assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
     assert bpy.context.scene.convwass_morph.parts == parts
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: bpy.ops.object.metaball_add(), "Object > Convert > Mesh"),
+        (lambda: bpy.ops.surface.primitive_nurbs_surface_sphere_add(), "Object > Convert > Mesh"),
+        (lambda: bpy.ops.object.collection_instance_add(collection=_full_collection()), "Make Instances Real"),
+        (lambda: bpy.ops.object.curves_random_add(), "no surface"),
+    ],
+)
+def test_selected_objects_that_are_no_meshes_are_named(make, message):
+    two_shapes()
+    shapes = list(bpy.context.selected_objects)
+    make()
+    other = bpy.context.object
+    for obj in shapes:
+        obj.select_set(True)
+    with pytest.raises(RuntimeError, match=message) as refused:
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    assert other.name in str(refused.value)
+
+
+def _full_collection():
+    collection = bpy.data.collections.new("Props")
+    collection.objects.link(bpy.data.objects.new("Prop", bpy.data.meshes.new("Prop")))
+    return collection.name
+
+
+def test_animated_shapes_are_named_with_the_frame_that_is_taken():
+    one, _ = two_shapes()
+    assert animation_notices([one], 7) == []
+    one.keyframe_insert("location", frame=1)
+    (notice,) = animation_notices([one], 7)
+    assert (notice.values["names"], notice.values["frame"]) == (one.name, 7)
+    bent = bpy.data.objects.new("Bent", bpy.data.meshes.new("Bent"))
+    modifier = bent.modifiers.new("Hook", "HOOK")
+    modifier.object = one
+    assert is_animated(bent)
+
+
+def test_the_object_menu_offers_the_bake(registered_addon):
+    layout = FakeLayout()
+    layout.separator = lambda: None
+    for draw in bpy.types.VIEW3D_MT_object.draw._draw_funcs:
+        if draw.__module__ == "convwass_addon.panels.menus":
+            draw(SimpleNamespace(layout=layout), bpy.context)
+    assert layout.drawn == [("operator", "convwass.bake_morph")]

@@ -288,16 +288,15 @@ def test_principal_axes_turn_a_copy_back(shapes):
 @pytest.mark.parametrize(
     ("arguments", "first", "span"),
     [
-        ({}, 5, (5, 7)),
+        ({}, 5, (5, 50)),
         ({"start": "CURRENT"}, 40, (5, 50)),
-        ({"start": "CUSTOM", "frame_start": 7}, 7, (5, 50)),
-        ({"start": "CUSTOM", "frame_start": 2}, 2, (2, 50)),
-        ({"start": "CUSTOM", "frame_start": 49}, 49, (5, 51)),
-        ({"start": "CUSTOM", "frame_start": 100}, 100, (5, 102)),
+        ({"start": "CUSTOM", "frame_start": 100}, 100, (5, 50)),
+        ({"fit_range": True}, 5, (5, 7)),
+        ({"start": "CUSTOM", "frame_start": 100, "fit_range": True}, 100, (100, 102)),
     ],
 )
 def test_a_morph_begins_where_it_is_told(shapes, arguments, first, span):
-    """The scene gets its length where it begins with it, and is only made longer otherwise."""
+    """The scene keeps its frame range unless it is to be that of the morph."""
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 5, 50
     scene.frame_set(40)

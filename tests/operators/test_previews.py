@@ -18,7 +18,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_health, stored_inputs, stored_morph
 from convwass_addon.operators import background, morph_bake
 from tests.operators.densities import ESCAPE, TIMER, is_computing, started, until, write_one_at_a_time
 from tests.operators.test_morph_bake import census, morph_collection, two_shapes
@@ -129,21 +129,33 @@ def test_stopping_keeps_finished_frames_and_no_previews(press, context, monkeypa
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
     collection = morph_collection()
     assert [obj.name for obj in frame_objects(collection)] == ["Morph 0001", "Morph 0002", "Morph 0003"]
-    assert (bpy.context.scene.frame_start, bpy.context.scene.frame_end) == (1, 3)
     (action,) = bpy.data.actions
     assert len(action.slots) == 3
     assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith("Morph")]) == 2
 
 
-def test_stopping_among_the_previews_leaves_nothing(press, context, monkeypatch):
+def test_stopping_among_the_previews_keeps_them_and_says_so(press, context, monkeypatch):
     two_shapes()
-    before = census()
     held_back(monkeypatch, 0)
     pressed = press(150)
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
-    assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
-    assert census() == before
-    assert pressed.reports == ["Stopped before the first frame was finished"]
+    assert pressed.modal(context, ESCAPE) == {"FINISHED"}
+    collection = morph_collection()
+    assert len(frame_objects(collection)) > 4
+    assert [note.kind for note in stored_health(collection)] == ["PREVIEWS"]
+    assert "previews are kept" in pressed.reports[0]
+
+
+def test_inputs_are_hidden_behind_previews_and_come_back(press, context, monkeypatch):
+    shapes = two_shapes()
+    chosen = [obj.select_get() for obj in shapes]
+    held_back(monkeypatch, 0)
+    pressed = press(150)
+    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    assert all(obj.hide_get() for obj in shapes)
+    pressed.cancel(context)
+    assert not any(obj.hide_get() for obj in shapes)
+    assert [obj.select_get() for obj in shapes] == chosen
 
 
 def test_closing_the_window_leaves_nothing(press, context):

@@ -32,6 +32,7 @@ TEXTS: dict[str, str] = {
     "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "NO_MOTION": "Mass takes the nearest free place: no motion between the shapes could be made ({failure})",
+    "PREVIEWS": "The bake was stopped before its first frame: these are previews, coarser than asked for; bake again",
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
 }
 """A template for every kind of note; the user interface translates it before the values are filled in."""
@@ -46,6 +47,7 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY"), "INFO"),
     "NO_MOTION": "WARNING",
+    "PREVIEWS": "WARNING",
     "GOOD": "INFO",
 }
 
@@ -115,6 +117,8 @@ def health(
     numbers : sequence of int, optional
         What to call the frames; 1, 2, ... by default.
     """
+    if any(record.get("preview") for record in records):
+        return [HealthNote("PREVIEWS", {})]
     figures = [{**record, **health_figures(record)} for record in records]
     calls = _Frames(figures, list(numbers) if numbers is not None else list(range(1, len(figures) + 1)))
     resolution = int(settings["resolution"])

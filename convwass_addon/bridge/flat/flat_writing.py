@@ -34,6 +34,11 @@ class WritesFlatFrames:
         """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
         return self._bake.finish(hide_inputs)
 
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """When it plays; see :attr:`.bake.MorphBake.span`."""
+        return self._bake.span
+
     def discard(self) -> None:
         """Remove everything that has been written."""
         self._bake.discard()

@@ -18,7 +18,6 @@ from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
-from ..frame_range import play_among_others, play_whole
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..objects import write_mesh
@@ -38,10 +37,20 @@ class _Finished:
     record: dict[str, object]
 
 
+@dataclass(frozen=True)
+class _Hidden:
+    """An input that previews have hidden in a view layer, and whether it was selected there."""
+
+    obj: Handle
+    layer: str
+    selected: bool
+
+
 class MorphBake:
     """A morph that is being written: `begin`, then `add` for each frame, then `finish` or `discard`.
 
-    Until `finish`, nothing outside the morph's own collection changes. Undo between two calls is noticed, not suffered.
+    Until `finish`, nothing outside the morph's own collection changes, except that inputs are hidden in the viewport
+    while previews stand in their place. Undo between two calls is noticed, not suffered.
     """
 
     @classmethod
@@ -114,6 +123,7 @@ class MorphBake:
         self._stored = stored
         self._finished: dict[int, _Finished] = {}
         self._previews: dict[int, Handle] = {}
+        self._hidden: list[_Hidden] = []
         self._action: Handle | None = None
         self._brings_material = MATERIAL_NAME not in bpy.data.materials
 
@@ -156,12 +166,45 @@ class MorphBake:
             The collection has been removed, by undo for example.
         """
         index = self._blends.index(frame.blend)
+        if not self._previews and not self._finished:
+            self._hide_behind_previews()
         before = self._previews.get(index)
         obj = None if before is None else before.find()
         if obj is None:
             self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
         elif frame.mesh is not None:
             self._write(obj.data, frame.mesh)
+
+    def keep_previews(self) -> bool:
+        """Take the previews for finished frames, where there are any and nothing has been finished; tell whether."""
+        if self._finished or not self._previews:
+            return False
+        for index, handle in self._previews.items():
+            record = {"weights": self._blends[index].weights, "preview": True}
+            self._finished[index] = _Finished(handle, record)
+        self._previews.clear()
+        return True
+
+    def _hide_behind_previews(self) -> None:
+        """Hide the inputs in the viewport: they would flicker through previews that stand where they stand."""
+        scene = self._living(self._scene)
+        for shape in self._inputs:
+            obj = shape.obj.find()
+            for layer in scene.view_layers if obj is not None else ():
+                if obj.name in layer.objects and not obj.hide_get(view_layer=layer):
+                    self._hidden.append(_Hidden(shape.obj, layer.name, obj.select_get(view_layer=layer)))
+                    obj.hide_set(True, view_layer=layer)
+
+    def _show_inputs(self) -> None:
+        """Show the inputs again that previews have hidden."""
+        scene = self._scene.find()
+        for hidden in self._hidden:
+            obj = hidden.obj.find()
+            layer = None if scene is None else scene.view_layers.get(hidden.layer)
+            if obj is not None and layer is not None and obj.name in layer.objects:
+                obj.hide_set(False, view_layer=layer)
+                obj.select_set(hidden.selected, view_layer=layer)
+        self._hidden.clear()
 
     def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
         """Make an object at its place and with its keyframes."""
@@ -193,7 +236,7 @@ class MorphBake:
         write_mesh(data, mesh, Polygons.of_quads(mesh.faces) if quads else None)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Store the settings, fit the scene's frame range, and return the collection.
+        """Store the settings, show the first frame, and return the collection.
 
         After an early stop the finished frames are a morph of their own: each is visible until the next one that there
         is, the last one to the end.
@@ -216,9 +259,6 @@ class MorphBake:
             raise ConvwassError("No frame was finished, so there is no morph to keep.")
         if self._blends[0].frame is not None:
             self._show_in_time(collection, frames)
-            is_first = self._stored.settings.get("start", "SCENE") == "SCENE"
-            last = self._scene_frame(max(frames, key=self._scene_frame))
-            (play_whole if is_first else play_among_others)(scene, self._stored.first_frame, last)
             scene.frame_set(self._stored.first_frame)
         bpy.context.view_layer.update()
         records = [
@@ -235,6 +275,12 @@ class MorphBake:
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)
         return collection
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """First and last scene frame of what has been finished; None for a sheet, a single blend or nothing."""
+        numbers = [self._scene_frame(index) for index in self._finished if self._blends[index].frame is not None]
+        return (min(numbers), max(numbers)) if numbers else None
 
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
         """Let every object of a path be visible until the next one that there is."""
@@ -281,7 +327,8 @@ class MorphBake:
         return feet[0] - np.asarray(blend.weights) @ feet + step * np.array([column, 0.0, -row])
 
     def _drop_previews(self) -> None:
-        """Remove what was shown in the place of frames that are not finished."""
+        """Remove what was shown in the place of frames that are not finished, and show the inputs again."""
+        self._show_inputs()
         objects = found(list(self._previews.values()))
         for obj in objects:
             if obj.animation_data and obj.animation_data.action:

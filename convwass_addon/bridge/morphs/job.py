@@ -23,6 +23,7 @@ from ...geometry.alignment import aligned
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..objects import MESHED, labeled_mesh, triangle_mesh
+from .animated_inputs import animation_notices
 from .bake import MorphBake
 from .carrying import Carrying
 from .morph_guides import guides_of_entries, guides_of_shapes
@@ -69,6 +70,7 @@ class MorphJob:
             raise InputError("A morph needs at least two shapes; select or name one more.")
         self.records: list[dict[str, object]] = []
         self._names = [obj.name for obj in inputs]
+        self._animated = animation_notices(inputs, scene.frame_current)
         self._labels: list[FaceLabels] | None = None
         if settings.parts == "none":
             self._shapes = [triangle_mesh(obj, depsgraph, MESHED) for obj in inputs]
@@ -141,9 +143,9 @@ class MorphJob:
 
     @property
     def notices(self) -> list[Sentence]:
-        """What the user should know about the parts, once frames are finished."""
+        """What the user should know about the inputs and their parts, once frames are finished."""
         found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
-        return [notice.sentence for notice in found]
+        return [*self._animated, *(notice.sentence for notice in found)]
 
     def write(self, report: Progress[MorphFrame | MorphPreview]) -> None:
         """Put a finished frame into the scene, or a preview until there is one."""
@@ -162,6 +164,15 @@ class MorphJob:
             return self._bake.finish(hide_inputs)
         finally:
             self._drop_unused()
+
+    def keep_previews(self) -> bool:
+        """Make the previews the frames, where nothing else is there; see :meth:`.bake.MorphBake.keep_previews`."""
+        return self._bake.keep_previews()
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """When it plays; see :attr:`.bake.MorphBake.span`."""
+        return self._bake.span
 
     def discard(self) -> None:
         """Remove everything that has been written."""

@@ -100,7 +100,7 @@ class MorphRequest(Settings):
         "Start",
         "Frame of the scene in which the morph begins",
         choices=(
-            Choice("SCENE", "Scene Start", "At the start of the scene, whose end becomes that of the morph"),
+            Choice("SCENE", "Scene Start", "At the start of the scene"),
             Choice("CURRENT", "Current Frame", "At the frame that is shown now"),
             Choice("CUSTOM", "Custom", "At a frame of your choice"),
         ),
