@@ -14,6 +14,8 @@ from .winding import lattice_winding
 # Rays per voxel and axis, along either side of the voxel's face.
 _RAYS = 4
 _NUDGE = (1.23e-5, 2.77e-5)
+# Voxels around the box of the mesh.
+_MARGIN = 1
 
 
 def occupancy(
@@ -39,10 +41,30 @@ def occupancy(
     ndarray of float32, shape `shape`
         Values in [0, 1]. A sheet thinner than a voxel keeps its volume.
     """
+    # All that is inside lies in the box around the mesh.
+    low, high = _box(corners, shape)
+    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+    filled = np.zeros(shape, np.float32)
+    filled[box] = _filled(corners - low, tuple(int(n) for n in high - low), control)
+    return filled
+
+
+def _box(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first voxel along each axis, (3,), and the one after the last, a voxel away from a mesh if it can."""
+    if not len(corners):
+        return np.zeros(3, np.int64), np.ones(3, np.int64)
+    low = np.floor(corners.min(axis=(0, 1))).astype(np.int64) - _MARGIN
+    high = np.ceil(corners.max(axis=(0, 1))).astype(np.int64) + _MARGIN
+    return np.maximum(low, 0), np.minimum(high, shape)
+
+
+def _filled(corners: NDArray[np.float64], shape: tuple[int, int, int], control: Control) -> NDArray[np.float32]:
     filled = (lattice_winding(corners, shape, control) > 0.5).astype(np.float32)
     touched = np.zeros(shape, bool)
     lengths = [_axis_coverage(corners, shape, axis, touched, control) for axis in range(3)]
-    filled[touched] = np.median([length[touched] for length in lengths], axis=0)
+    one, two, three = (length[touched] for length in lengths)
+    middle = np.maximum(np.minimum(one, two), np.minimum(np.maximum(one, two), three))
+    filled[touched] = np.clip(middle / _RAYS**2, 0.0, 1.0)
     return filled
 
 
@@ -53,7 +75,7 @@ def _axis_coverage(
     touched: NDArray[np.bool_],
     control: Control,
 ) -> NDArray[np.float32]:
-    """Covered length per voxel along one axis, the mean over its rays; marks the voxels that a ray crosses in."""
+    """Covered length per voxel along one axis, the sum over its rays; marks the voxels that a ray crosses in."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
     sheared = np.stack(
         [
@@ -74,18 +96,23 @@ def _axis_coverage(
     layer = np.floor(height).astype(np.int64)
     voxel = (layer * shape[a] + ray // rows // _RAYS) * shape[b] + ray % rows // _RAYS
     plane = shape[a] * shape[b]
-    size = (shape[axis] + 1) * plane
-    above = height - layer
-    cover = np.bincount(voxel, weights=step * (1.0 - above), minlength=size)
-    cover += np.bincount(voxel + plane, weights=step * above, minlength=size)
+    above = step * (height - layer)
+    # What is above a change fills all voxels further on.
+    cover = np.bincount(
+        np.concatenate([voxel, voxel + plane]), np.concatenate([step - above, above]), (shape[axis] + 1) * plane
+    )
     cover = cover.reshape(shape[axis] + 1, shape[a], shape[b])[:-1]
-    np.cumsum(cover, axis=0, out=cover)
+    result = np.empty(cover.shape, np.float32)
+    so_far = np.zeros(cover.shape[1:])
+    for here, target in zip(cover, result, strict=True):
+        so_far += here
+        target[...] = so_far
     # (axis, a, b) back to (x, y, z).
     order = np.argsort([axis, a, b])
     hit = np.zeros(shape[axis] * plane, bool)
     hit[voxel] = True
     touched |= hit.reshape(shape[axis], shape[a], shape[b]).transpose(order)
-    return np.clip(cover / _RAYS**2, 0.0, 1.0).transpose(order).astype(np.float32)
+    return result.transpose(order)
 
 
 def _changes(chunks: list[Crossings], rows: int) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
