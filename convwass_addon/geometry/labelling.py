@@ -65,6 +65,19 @@ class Pieces:
         np.cumsum(marks[:-1], out=lines.reshape(-1))
         return np.ascontiguousarray(lines[..., :-1])
 
+    @cached_property
+    def sizes(self) -> NDArray[np.int64]:
+        """How many cells every piece has, (count + 1,); the first number is of no piece."""
+        return np.bincount(self.names, self.ends - self.starts, self.count + 1).astype(np.int64)
+
+    def cells(self, wanted: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Return the cells, (m,) as in a flat array and ascending, of some of the pieces, (count + 1,) bool."""
+        chosen = wanted[self.names]
+        starts, lengths = self.starts[chosen], (self.ends - self.starts)[chosen]
+        ends = np.cumsum(lengths)
+        places = np.arange(ends[-1] if len(ends) else 0) + np.repeat(starts - ends + lengths, lengths)
+        return places - places // (self.shape[2] + 1)
+
     def at(self, cells: NDArray[np.int64]) -> NDArray[np.int32]:
         """Return the numbers of the pieces that cells, (m,) as in a flat array, are in; zero for others."""
         if not self.count:

@@ -104,16 +104,17 @@ def _joined_across(pieces: Pieces, density: NDArray[np.floating], level: float) 
     """Join pieces that touch along an edge where the surface does: Nielson and Hamann's asymptotic decider (1991)."""
     if pieces.count < 2:
         return pieces
-    labels = pieces.labels
     # Every pair of pieces is met from one of both.
-    largest = 1 + int(np.argmax(np.bincount(labels.ravel())[1:]))
-    cells = np.stack(np.unravel_index(np.flatnonzero((labels > 0) & (labels != largest)), labels.shape), axis=-1)
+    smaller = np.arange(pieces.count + 1) > 0
+    smaller[1 + np.argmax(pieces.sizes[1:])] = False
+    flat = pieces.cells(smaller)
+    cells, names = np.stack(np.unravel_index(flat, pieces.shape), axis=-1), pieces.at(flat)
     pairs = []
     for offset, between in _ACROSS:
         other = cells + offset
-        reached = ((other >= 0) & (other < labels.shape)).all(axis=1)
-        own, there = cells[reached], other[reached]
-        a, b = labels[tuple(own.T)], labels[tuple(there.T)]
+        reached = ((other >= 0) & (other < pieces.shape)).all(axis=1)
+        own, there, a = cells[reached], other[reached], names[reached]
+        b = pieces.at(np.ravel_multi_index(there.T, pieces.shape))
         apart = (b > 0) & (a != b)
         own, there = own[apart], there[apart]
         along = np.prod([density[tuple(place.T)] - level for place in (own, there)], axis=0)

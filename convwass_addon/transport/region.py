@@ -10,8 +10,8 @@ from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
+from ..geometry.dilation import dilated
 from .log_range import LOG_NOTHING
 
 Box = tuple[slice, ...]
@@ -91,7 +91,7 @@ class Region:
 
     def grown(self, cells: int) -> Region:
         """Return the region and all elements within so many cells of it, along the axes, of a grid."""
-        return Region(binary_dilation(self.inside, iterations=cells))
+        return Region(dilated(self.inside, cells))
 
     def refined(self) -> Region:
         """Return the same part of the grid of twice the resolution."""

@@ -44,3 +44,11 @@ def test_pairs_of_pieces_are_joined():
     joined = Pieces.of(inside).joined(np.array([1, 4]), np.array([3, 2]))
     assert joined.labels[0, 0, ::2].tolist() == [1, 2, 1, 2, 3]
     assert joined.count == 3
+
+
+@given(_SETS)
+def test_cells_of_some_pieces_can_be_asked_for(inside):
+    pieces = Pieces.of(inside)
+    np.testing.assert_array_equal(pieces.sizes[1:], np.bincount(pieces.labels.ravel(), minlength=pieces.count + 1)[1:])
+    wanted = np.arange(pieces.count + 1) % 2 == 1
+    np.testing.assert_array_equal(pieces.cells(wanted), np.flatnonzero(wanted[pieces.labels]))
