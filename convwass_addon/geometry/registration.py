@@ -135,6 +135,10 @@ class Registration:
     ----------
     points : (n, 3) float64
         Where its vertices are now.
+    pulled : (n,) float64
+        Share of their weight with which closest points pull every vertex.
+    reach : float
+        Closest points farther away than this do not pull.
     """
 
     def __init__(
@@ -149,7 +153,8 @@ class Registration:
         self._guess = start
         self._source, self._target, self._pairs = source, target, pairs
         self._confidence = np.ones(len(start)) if confidence is None else confidence.astype(np.float64)
-        self._pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
+        self.pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
+        self.reach = np.inf
         self._shape = ElasticSurface(source)
         self._samples = OrientedSamples(target.mesh, _TURN)
         self._facing = triangle_normals(target.mesh.corners)
@@ -190,10 +195,12 @@ class Registration:
         agreement = np.maximum(np.einsum("nd,nd->n", facing, normals), 0.0)
         positions = found.interpolated(self._target.mesh.corners)
         everywhere = np.arange(len(self.points))
-        there = _Pulls(everywhere, self._pulled * closeness * self._source.areas * agreement, positions, facing)
+        weights = self.pulled * closeness * self._source.areas * agreement * (found.distances < self.reach)
+        there = _Pulls(everywhere, weights, positions, facing)
         nearest = self._nearest(normals)
         agreement = np.maximum(np.einsum("nd,nd->n", normals[nearest], self._target_normals), 0.0)
-        weights = self._pulled[nearest] * closeness * self._target.areas * agreement
+        near = np.square(self.points[nearest] - self._target.vertices).sum(axis=1) < self.reach**2
+        weights = self.pulled[nearest] * closeness * self._target.areas * agreement * near
         return [there, _Pulls(nearest, weights, self._target.vertices, self._target_normals)]
 
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:

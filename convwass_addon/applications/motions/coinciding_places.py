@@ -12,11 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ..soft_maps.guessed_pairs import far_apart
+from .mesh_parts import mesh_edges
 
 # Chosen by eye; `python3 run.py bench coherence` measures what they give.
 # Points lie on each other that are no farther apart than this share of the surface's size (the root of its area) or
@@ -60,6 +63,35 @@ def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
 def _found(
     first: TriangleMesh, points: NDArray[np.float64], second: TriangleMesh, others: NDArray[np.float64]
 ) -> _Places:
+    region, nearest = coinciding_region(first, points, second, others)
+    share = float(first.vertex_areas @ region / first.area)
+    places = np.flatnonzero(region)
+    if share < _LEAST_SHARE or len(places) < _PAIRS:
+        return _Places(np.empty((0, 2), np.int64), share)
+    chosen = places[far_apart(points[places], _PAIRS)]
+    partners, once = np.unique(nearest[chosen], return_index=True)
+    return _Places(np.stack([chosen[once], partners], axis=1), share)
+
+
+def coinciding_region(
+    first: TriangleMesh, points: NDArray[np.float64], second: TriangleMesh, others: NDArray[np.float64]
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+    """Find the largest connected part of a mesh that lies on another and faces the same way.
+
+    Limbs that change places coincide where they cross: in small parts, which say the wrong thing.
+
+    Parameters
+    ----------
+    first, second : TriangleMesh
+        Outward.
+    points, others : (n, 3)
+        Where their vertices are.
+
+    Returns
+    -------
+    (n,) bool, (n,) int64
+        Which vertices of the first belong to it, and the nearest vertex of the second of every one.
+    """
     used = np.unique(second.faces)
     size = np.sqrt(TriangleMesh(points, first.faces).area)
     apart, nearest = cKDTree(others[used]).query(points)
@@ -67,10 +99,8 @@ def _found(
     facing = np.einsum("nd,nd->n", vertex_normals(points, first.faces), vertex_normals(others, second.faces)[nearest])
     together = (apart <= size * max(_APART, len(first.faces) ** -0.5)) & (facing >= _FACING)
     areas = first.vertex_areas * together
-    share = float(areas.sum() / first.area)
-    places = np.flatnonzero(areas > 0)
-    if share < _LEAST_SHARE or len(places) < _PAIRS:
-        return _Places(np.empty((0, 2), np.int64), share)
-    chosen = places[far_apart(points[places], _PAIRS)]
-    partners, once = np.unique(nearest[chosen], return_index=True)
-    return _Places(np.stack([chosen[once], partners], axis=1), share)
+    ends = mesh_edges(first.faces)
+    ends = ends[(areas[ends] > 0).all(axis=1)]
+    graph = coo_array((np.ones(len(ends), np.int8), ends.T), shape=(len(areas), len(areas)))
+    labels = connected_components(graph, directed=False)[1]
+    return (areas > 0) & (labels == np.bincount(labels, areas).argmax()), nearest

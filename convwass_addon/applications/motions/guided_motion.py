@@ -31,16 +31,18 @@ from ..workers import one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
+from .laid_meshes import Laid
 from .map_quality import MapQuality, map_quality
 from .motion import MovedShape
 from .pair_maps import PairMap, pair_map
-from .pair_registration import Laid, laid_on_each_other
+from .pair_registration import grown_pair, laid_on_each_other
 from .shape_deformations import ShapeDeformation, split_deformation
 
 # Where the map is not trusted at all, points still say a little about how shapes are laid on each other.
 _LEAST_TRUST = 0.01
-# Shares of the work on a pair after which its map is there, and after which the shapes lie on each other.
-_MAPPED, _LAID = 0.6, 0.9
+# Shares of the work on a pair after which shapes have been grown on each other, after which their map is there, and
+# after which they lie on each other.
+_GROWN, _MAPPED, _LAID = 0.2, 0.6, 0.9
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class GuidedPair:
     guides, followed : int
         Guides that there are, and how many the map follows.
     score : float
-        Of the map, 0 to 1.
+        Of the map, 0 to 1; the confidence instead where the shapes lie on each other beyond doubt, or have been laid
+        without the map.
     score_without : float or None
         Of the map without guides, where there are some.
     """
@@ -251,7 +254,8 @@ def guided_motion(
         there, back, found = yield from within(_deformed(one, other, places, settings, control), begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
-        known[pair] = GuidedPair(quality, found.guides, len(found.pairs), found.score, found.score_without)
+        score = max(found.score, quality.confidence) if quality.is_beyond_doubt else found.score
+        known[pair] = GuidedPair(quality, found.guides, len(found.pairs), score, found.score_without)
     yield Progress(1.0, Sentence("The shapes know how to move"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 
@@ -260,17 +264,27 @@ def _deformed(
     one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
 ) -> Work[tuple[ShapeDeformation, ShapeDeformation, PairMap]]:
     """Deform two shapes onto each other."""
-    map_settings = SoftMapSettings(vertices=settings.map_vertices)
-    found = yield from within(pair_map(one, other, pairs, map_settings, control), 0.0, _MAPPED)
     message = Sentence("Laying {first} on {second}", {"first": one.name, "second": other.name})
-    yield Progress(_MAPPED, message)
-    starts = (_start(one, other, found.found.forward), _start(other, one, found.found.backward))
+    yield Progress(0.0, message)
     with one_blas_thread():
-        laid = laid_on_each_other((one, other), starts, found.pairs, control)
+        grown = None if len(pairs) else grown_pair((one, other), control)
+    yield Progress(_GROWN, message)
+    found, starts = PairMap.none(), None
+    if grown is None or not grown.fits:
+        map_settings = SoftMapSettings(vertices=settings.map_vertices)
+        found = yield from within(pair_map(one, other, pairs, map_settings, control), _GROWN, _MAPPED)
+        starts = (_start(one, other, found.found.forward), _start(other, one, found.found.backward))
+    yield Progress(_MAPPED, message)
+    with one_blas_thread():
+        laid = laid_on_each_other((one, other), starts, found.pairs, grown, control)
     yield Progress(_LAID, message)
     with one_blas_thread():
-        there = split_deformation(one, other, laid[0], None, control)
-        back = split_deformation(other, one, laid[1], there, control)
+        there = split_deformation(one, other, laid.first, None, control)
+        back = split_deformation(other, one, laid.second, there, control)
+    if laid.is_grown:
+        shares = [carrier.mesh.vertex_areas / carrier.mesh.area for carrier in (one, other)]
+        trust = [float(share @ own.trust) for share, own in zip(shares, (laid.first, laid.second), strict=True)]
+        found = replace(found, score=min(trust))
     return there, back, found
 
 

@@ -17,6 +17,8 @@ from .shape_deformations import ShapeDeformation
 _DOUBTFUL = 0.3
 # Triangles that are stretched or squeezed by more than this, as a logarithm, are torn: four times.
 _TORN = 1.4
+# Shapes lie on each other beyond doubt from this mean confidence on, and with no larger shares torn and folded.
+_CONFIDENT, _LITTLE_TORN, _LITTLE_FOLDED = 0.97, 0.02, 0.01
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,11 @@ class MapQuality:
         """Return the worse figure of two, one by one."""
         worst = {own.name: max(getattr(self, own.name), getattr(other, own.name)) for own in fields(self)}
         return MapQuality(**{**worst, "confidence": min(self.confidence, other.confidence)})
+
+    @property
+    def is_beyond_doubt(self) -> bool:
+        """Whether the shapes fit so well that it does not matter how good the map was that they began from."""
+        return self.confidence >= _CONFIDENT and self.torn <= _LITTLE_TORN and self.folded <= _LITTLE_FOLDED
 
     def as_dict(self) -> dict[str, float]:
         """Return the figures ready for JSON."""

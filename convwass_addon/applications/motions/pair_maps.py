@@ -37,8 +37,8 @@ class PairMap:
 
     Attributes
     ----------
-    found : SurfaceMap
-        Points of either mesh for the vertices of the other.
+    found : SurfaceMap or None
+        Points of either mesh for the vertices of the other; None where none was needed.
     pairs : (k, 2) int64
         The guides that it follows, as vertices of the two meshes.
     score : float
@@ -49,11 +49,16 @@ class PairMap:
         How many guides there were.
     """
 
-    found: SurfaceMap
+    found: SurfaceMap | None
     pairs: NDArray[np.int64]
     score: float
     score_without: float | None
     guides: int
+
+    @classmethod
+    def none(cls) -> PairMap:
+        """Return no map at all."""
+        return cls(None, _NO_PAIRS, 0.0, None, 0)
 
 
 def pair_map(

@@ -21,8 +21,8 @@ from ...geometry.rotations import nearest_rotations
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .carriers import Carrier
+from .laid_meshes import Laid
 from .mesh_parts import mesh_edges
-from .pair_registration import Laid
 
 # Size of the neighborhoods that turn together, in sizes of the surface.
 _TURN_WIDTH = 0.03

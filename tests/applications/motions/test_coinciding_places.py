@@ -15,14 +15,14 @@ def moved(mesh, offset, scale=1.0):
     return TriangleMesh(mesh.vertices * scale + offset, mesh.faces)
 
 
-def test_places_are_found_where_shapes_lie_on_each_other_and_only_there():
-    """One of two balls beside a body has moved: pairs are on the body and on the ball that stayed."""
+def test_places_are_found_where_most_of_the_shapes_lies_on_each_other():
+    """One of two balls beside a body has moved, and the other may have taken its place: pairs are on the body."""
     first, second = joined(BODY, LEFT, RIGHT), joined(BODY, LEFT, UP)
     (pairs,) = coinciding_places(first, second)
     assert len(pairs) >= 6
     apart = np.linalg.norm(first.vertices[pairs[:, 0]] - second.vertices[pairs[:, 1]], axis=1)
     assert apart.max() < 1e-12
-    assert (pairs < len(BODY.vertices) + len(LEFT.vertices)).all()
+    assert (pairs < len(BODY.vertices)).all()
 
 
 @pytest.mark.parametrize(("offset", "scale"), [((9.0, 2.0, -1.0), 1.0), ((0.0, 0.0, 0.0), 3.0)])

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.pair_registration import Laid
+from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.shape_deformations import split_deformation
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
