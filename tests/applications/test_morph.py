@@ -275,7 +275,7 @@ def test_what_makes_no_sense_is_refused(make, message):
 def test_the_automatic_blur_widens_where_it_does_not_reach(monkeypatch):
     monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
     shapes = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))]
-    frames = frames_of(shapes, path_blends(2, 4), MorphSettings(motion="transport", resolution=96))
+    frames = frames_of(shapes, path_blends(2, 2), MorphSettings(motion="transport", resolution=72))
     solved = [frame.record for frame in frames if frame.mesh]
     assert all(record["converged"] for record in solved)
     assert max(record["sigma"] for record in solved) > 0.5
