@@ -41,10 +41,10 @@ def files(tmp_path):
 def test_words_drawings_and_pictures_become_a_blend(files, capfd):
     target = files / "morph.blend"
     shapes = ["text:A", str(files / "logo.svg"), str(files / "disc.png")]
-    options = ["--frames", "2", "--resolution", "256", "--scale", "equal-volume", "--out", str(target), "--json"]
+    options = ["--frames", "2", "--resolution", "128", "--scale", "equal-volume", "--out", str(target), "--json"]
     assert main(["morph", *shapes, *options]) == 0
     record = json.loads(capfd.readouterr().out)
-    assert record["settings"]["resolution"] == 256
+    assert record["settings"]["resolution"] == 128
     assert len(record["frames"]) == 5
     bpy.ops.wm.open_mainfile(filepath=str(target))
     (collection,) = (one for one in bpy.data.collections if one.name.startswith("Morph"))
@@ -54,7 +54,7 @@ def test_words_drawings_and_pictures_become_a_blend(files, capfd):
 
 def test_meshes_are_exported(files, capsys):
     target = files / "shapes.obj"
-    options = ["--weights", "1,1", "--resolution", "256", "--motion", "transport"]
+    options = ["--weights", "1,1", "--resolution", "128", "--motion", "transport"]
     options += ["--out", str(files / "morph.blend"), "--export", str(target)]
     assert main(["morph", "text:I", "text:O", *options]) == 0
     capsys.readouterr()

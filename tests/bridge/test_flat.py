@@ -333,7 +333,7 @@ def test_drawings_without_fills_are_refused():
 
 def test_a_job_that_is_stopped_keeps_what_is_finished():
     letters = [text("A"), text("B")]
-    settings = FlatSettings(resolution=256, motion="transport")
+    settings = FlatSettings(resolution=128, motion="transport")
     depsgraph = bpy.context.evaluated_depsgraph_get()
     job = FlatJob(bpy.context.scene, depsgraph, letters, path_blends(2, 9), settings, {}, 1)
     control, frames = Control(), 0
@@ -360,7 +360,7 @@ def test_a_job_that_is_given_up_leaves_nothing(inventory):
             depsgraph,
             letters,
             path_blends(2, 2),
-            FlatSettings(resolution=256, motion="transport"),
+            FlatSettings(resolution=128, motion="transport"),
             {"flat_output": kind},
             1,
         )

@@ -43,7 +43,7 @@ def picture(name, pixels, x=0.0):
 
 
 def bake(place, *objects, **options):
-    settings = {"frames": 4, "flat_resolution": 256, "flat_output": "PICTURE", "folder": str(place)}
+    settings = {"frames": 4, "flat_resolution": 128, "flat_output": "PICTURE", "folder": str(place)}
     settings["inputs"] = ",".join(obj.name for obj in objects)
     return bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{**settings, **options})
 
@@ -231,7 +231,7 @@ def test_the_verb_writes_pictures_beside_the_blend(tmp_path, capsys):
         image.save()
         sources.append(str(tmp_path / f"{name}.png"))
     target = tmp_path / "out.blend"
-    options = ["--frames", "2", "--resolution", "256", "--flat-output", "picture", "--out", str(target)]
+    options = ["--frames", "2", "--resolution", "128", "--flat-output", "picture", "--out", str(target)]
     assert main(["morph", *sources, *options, "--grays", "threshold"]) == 0
     capsys.readouterr()
     files = sorted((tmp_path / "out files").glob("*/*.png"))

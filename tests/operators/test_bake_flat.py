@@ -16,7 +16,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, sto
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
-QUICK = {"frames": 3, "flat_resolution": 256}
+QUICK = {"frames": 3, "flat_resolution": 128}
 
 
 def text(body, x=0.0, **options):
@@ -69,7 +69,7 @@ def test_a_word_becomes_another_with_the_originals_at_both_ends():
     wanted = [record["area_wanted"] for record in stored_morph(morph()).records[1:-1]]
     np.testing.assert_allclose([enclosed(obj) for obj in frames[1:-1]], wanted, rtol=5e-3)
     stored = stored_settings(morph())
-    assert (stored["flat"], stored["resolution"], stored["words"]) == (True, 256, "MASS")
+    assert (stored["flat"], stored["resolution"], stored["words"]) == (True, 128, "MASS")
 
 
 def test_frames_lie_between_the_planes_of_the_inputs():
@@ -126,7 +126,7 @@ def test_curves_meshes_and_words_mix():
 def test_a_sheet_lies_in_the_plane_of_the_shapes():
     letters = [text(sign, 5.0 * index) for index, sign in enumerate("ABC")]
     choose(*letters)
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=256)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=128)
     frames = frame_objects(morph())
     places = np.array([obj.matrix_world.translation for obj in frames])
     assert len(frames) == 6
@@ -193,7 +193,7 @@ def test_a_flat_morph_is_baked_again_and_deleted():
     bpy.context.view_layer.objects.active = frame_objects(morph())[0]
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
     assert frame_objects(morph())[-1].data.body == "C"
-    assert stored_settings(morph())["resolution"] == 256
+    assert stored_settings(morph())["resolution"] == 128
     bpy.context.view_layer.objects.active = frame_objects(morph())[0]
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
     after = census()
@@ -345,7 +345,7 @@ def test_one_drawing_has_a_keyframe_per_frame():
 def test_drawings_of_a_sheet_are_objects_of_their_own():
     choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
     bpy.ops.convwass.bake_morph(
-        motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=256, flat_output="DRAWING"
+        motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=128, flat_output="DRAWING"
     )
     frames = frame_objects(morph())
     assert [obj.type for obj in frames] == ["GREASEPENCIL"] * 6
@@ -383,7 +383,7 @@ def test_what_is_refused_leaves_the_curves(operator):
 
 def test_a_sheet_has_no_player_and_keeps_its_curves():
     choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=2, flat_resolution=256)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=2, flat_resolution=128)
     with pytest.raises(RuntimeError, match="no morph along a path"):
         bpy.ops.convwass.make_player()
     assert not any(obj.type == "MESH" for obj in frame_objects(morph()))
