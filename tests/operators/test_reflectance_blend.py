@@ -19,7 +19,7 @@ from tests.operators.densities import ESCAPE, TIMER, Pressed, started, window_co
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
-ROWS = 16
+ROWS = 10
 
 
 def blend(**arguments):
@@ -40,7 +40,7 @@ def sun(empty_scene):
 
 @pytest.mark.usefixtures("metals")
 def test_a_path_makes_both_materials_and_keys_them(sun):
-    assert blend(frame_start=10, frame_end=30) == {"FINISHED"}
+    assert blend(frame_start=10, frame_end=30, detail=16) == {"FINISHED"}
     shown, fitted = bpy.data.materials["Blend A-B"], bpy.data.materials["Blend A-B fitted"]
     for material in (shown, fitted):
         bpy.ops.mesh.primitive_plane_add()
@@ -200,7 +200,7 @@ def test_a_pad_drives_both_materials():
     for material in ("Blend A-B-C on a pad", "Blend A-B-C on a pad fitted"):
         assert len(bpy.data.materials[material].node_tree.animation_data.drivers) == 2
     before = sorted(block.name for block in (*bpy.data.objects, *bpy.data.images, *bpy.data.node_groups))
-    assert blend(materials="", blend="PAD", blends=2) == {"FINISHED"}
+    assert blend(materials="", blend="PAD", blends=2, detail=8) == {"FINISHED"}
     assert sorted(block.name for block in (*bpy.data.objects, *bpy.data.images, *bpy.data.node_groups)) == before
     with pytest.raises(RuntimeError, match="three or four materials, not 2"):
         blend(materials="A, B", blend="PAD")

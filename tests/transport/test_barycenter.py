@@ -114,7 +114,7 @@ def test_the_dial_removes_its_share_of_the_blur(sharpness, within):
     assert moments(found.density)[1][0] ** 2 == pytest.approx(64.0 + (1 - sharpness) * 1.5**2, abs=within)
 
 
-@pytest.mark.parametrize("sharpness", [0.0, 0.5, 0.75, 1.0])
+@pytest.mark.parametrize("sharpness", [0.0, 0.75, 1.0])
 def test_agrees_with_a_dense_log_domain_solve(sharpness):
     rng = np.random.default_rng(5)
     grid = Grid((9, 10), 1.2)

@@ -27,9 +27,8 @@ def family(shape, count=4, seed=1):
     return np.stack([blob + 0.3 * other for blob, other in zip(blobs, [*blobs[1:], blobs[0]], strict=True)])
 
 
-@pytest.mark.parametrize("shape", [(48,), (24, 20), (12, 14, 13)])
+@pytest.mark.parametrize(("shape", "seed"), [((48,), 1), ((24, 20), 2), ((10, 12, 11), 1)])
 @pytest.mark.parametrize(("sharpness", "tolerance"), [(0.0, 1e-6), (0.75, 1e-6), (1.0, 1e-5)])
-@pytest.mark.parametrize("seed", [1, 2])
 def test_the_weights_of_a_barycenter_are_found_again(shape, sharpness, tolerance, seed):
     """As well as the barycenter is solved."""
     mus, grid = family(shape), Grid(shape, 1.3)
@@ -138,7 +137,7 @@ def reached(weights, target, sharpness):
     return distance(blend.density, target, LINE).value
 
 
-@pytest.mark.parametrize(("name", "sharpness"), [("two bumps", 0.0), ("two bumps", 0.75), ("box", 0.75)])
+@pytest.mark.parametrize(("name", "sharpness"), [("two bumps", 0.0), ("box", 0.75)])
 def test_the_nearest_barycenter_is_nearer_than_any_other(name, sharpness):
     """Than where the search began, than all weights in thirds, and than its own neighbors."""
     target = STRANGERS[name]
