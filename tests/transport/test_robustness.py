@@ -25,8 +25,8 @@ from convwass_addon.transport import (
 )
 from convwass_addon.transport.log_range import LOG_NOTHING
 
-MANY = settings(max_examples=60, deadline=None, derandomize=True)
-SOME = settings(MANY, max_examples=20)
+MANY = settings(max_examples=25, deadline=None, derandomize=True)
+SOME = settings(MANY, max_examples=12)
 LARGEST_SIZE = {1: 40, 2: 18, 3: 8}
 
 
@@ -183,7 +183,7 @@ def test_propagations(problem, limit):
     assert np.isfinite(found.log_scalings).all()
 
 
-@settings(SOME, max_examples=10)
+@settings(SOME, max_examples=5)
 @given(solvable(), st.sampled_from([None, "max"]))
 def test_scalings_of_propagations_have_the_marginals(problem, limit):
     given_ones = dict(enumerate(problem.mus))
