@@ -244,8 +244,9 @@ def test_nearest_barycenters(problem):
     assert_densities(found.barycenter.density[None])
 
 
-@pytest.mark.parametrize("shape", [(1,), (1, 1), (1, 1, 1), (1, 7), (6, 1, 3)])
-@pytest.mark.parametrize("sigma", [0.3, 1.0, 20.0])
+@pytest.mark.parametrize(
+    ("shape", "sigma"), [((1,), 0.3), ((1, 1), 1.0), ((1, 1, 1), 20.0), ((1, 7), 1.0), ((1, 5), 0.3), ((4, 1, 3), 20.0)]
+)
 def test_axes_of_one_cell(shape, sigma):
     """They change nothing: the same numbers as without them, in cells."""
     rng = np.random.default_rng(0)

@@ -135,8 +135,7 @@ def test_barycenters_agree_with_cold_ones(options, away):
     assert "entropy_limit" in options or found.invariant_error < 1e-9
 
 
-@pytest.mark.parametrize("gamma", [0.003, 0.01, 0.03])
-@pytest.mark.parametrize("limit", [None, "max"])
+@pytest.mark.parametrize(("gamma", "limit"), [(0.003, "max"), (0.01, None), (0.03, "max")])
 def test_propagation_agrees_with_a_cold_one(gamma, limit):
     surface = globe(gamma)
     ends = {0: cap(surface, 0.0), 2: cap(surface, FAR)}
@@ -179,7 +178,7 @@ def test_caps_move_along_the_great_circle(limit):
     """At any times; without a bound the blur of every level adds up, but the center stays where it belongs."""
     surface = globe()
     ends = cap(surface, 0.0), cap(surface, FAR)
-    times = np.arange(1, 24) / 24
+    times = np.arange(1, 12) / 12
     found = bisect(*ends, surface, times=times, entropy_limit=limit)
     assert found.converged.all()
     assert (found.marginal_errors < 0.01).all()
@@ -240,7 +239,7 @@ def test_steps_tell_how_far_it_is():
     reports, results = [], []
 
     def work():
-        results.append((yield from bisection(*ends, surface, levels=4)))
+        results.append((yield from bisection(*ends, surface, levels=3)))
 
     for report in work():
         reports.append(report)
@@ -251,7 +250,7 @@ def test_steps_tell_how_far_it_is():
     assert 0.0 <= fractions[0] < 0.1
     assert 0.9 < fractions[-1] <= 1.0
     assert {report.payload.elements for report in reports} == {surface.coarser().shape[0], surface.shape[0]}
-    np.testing.assert_array_equal(results[0].times, np.arange(17) / 16)
+    np.testing.assert_array_equal(results[0].times, np.arange(9) / 8)
 
 
 def test_a_solve_can_be_stopped_on_any_level():
@@ -282,7 +281,7 @@ def test_a_bound_that_does_not_let_frames_converge_is_raised():
     assert fixed.raised_limits[1] == 0
 
 
-@pytest.mark.parametrize("share", [0.5, 0.65, 0.85])
+@pytest.mark.parametrize("share", [0.5, 0.85])
 def test_two_peaks_travel_side_by_side_under_a_bound(share):
     """With steps for the range of one peak alone such frames never converge, and their bounds were raised by nats."""
     surface = sphere(4, 0.016)
