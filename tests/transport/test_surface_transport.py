@@ -492,7 +492,7 @@ def off_marginal(surface, log_scaling, log_other, density):
     return float(np.abs(found - density) @ surface.weights)
 
 
-ANYTHING = settings(max_examples=60, derandomize=True)
+ANYTHING = settings(max_examples=25, derandomize=True)
 
 
 @ANYTHING
@@ -608,7 +608,7 @@ def test_propagations_have_mass_one_and_honest_errors(surface, seed, bound):
             assert error < 2e-2
 
 
-@settings(ANYTHING, max_examples=25)
+@settings(ANYTHING, max_examples=12)
 @given(surface=surfaces(), seed=st.integers(0, 1000))
 def test_interpolations_are_distributions(surface, seed):
     ends = sparse(surface, 2, seed)
