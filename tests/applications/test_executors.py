@@ -152,6 +152,17 @@ def test_one_thread_of_blas_lasts_until_the_last_has_left():
         assert count() == {2}
 
 
+def test_libraries_of_blas_are_looked_for_where_a_module_has_come(monkeypatch):
+    threadpoolctl, looked = pytest.importorskip("threadpoolctl"), []
+    real = threadpoolctl.ThreadpoolController
+    monkeypatch.setattr(threadpoolctl, "ThreadpoolController", lambda: looked.append(1) or real())
+    for new, wanted in (("one", 1), (None, 1), (None, 1), ("another", 2)):
+        if new is not None:
+            monkeypatch.setitem(sys.modules, f"of_a_test_{new}", None)
+        with one_blas_thread():
+            assert len(looked) == wanted
+
+
 def test_cancelling_cancels_what_has_not_begun(cluster):
     control = Control()
     with counted(cluster.scheduler_address) as (executor, futures):
