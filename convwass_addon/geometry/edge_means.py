@@ -44,6 +44,14 @@ class EdgeMeans:
         """Average points of the vertices, (n, d), in the same way."""
         return np.stack([self.mean(part) for part in points.T], axis=1)
 
+    def with_neighbors(self, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Add the neighbors of some vertices, (n,)."""
+        first, second = self.ends.T
+        found = chosen.copy()
+        found[second[chosen[first]]] = True
+        found[first[chosen[second]]] = True
+        return found
+
     def spread_minimum(self, values: NDArray[np.float64], rounds: int) -> NDArray[np.float64]:
         """Let values, (n,), fall off smoothly towards smaller ones: they are no more than the means of neighbors."""
         for _ in range(rounds):

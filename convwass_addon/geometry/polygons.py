@@ -20,15 +20,18 @@ class Polygons:
         Vertices of all faces, one face after the other; counter-clockwise seen from outside.
     starts : (f,) int64
         Where each face begins among them.
+    sources : (c,) int64
+        Which corner each is of the triangles that the faces were made of, counted one triangle after the other.
     """
 
     corners: NDArray[np.int64]
     starts: NDArray[np.int64]
+    sources: NDArray[np.int64]
 
     @classmethod
     def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:
         """Take triangles, (m, 3), as they are."""
-        return cls(faces.ravel(), np.arange(0, faces.size, 3))
+        return cls(faces.ravel(), np.arange(0, faces.size, 3), np.arange(faces.size))
 
     @classmethod
     def of_quads(cls, faces: NDArray[np.int64]) -> Polygons:
@@ -36,9 +39,13 @@ class Polygons:
 
         Pairs begin at even rows, as in :func:`.even_surface.even_surface`. Others stay triangles and come last.
         """
-        paired = faces[: len(faces) // 2 * 2].reshape(-1, 2, 3)
+        numbers = np.arange(faces.size).reshape(faces.shape)
+        pairs = len(faces) // 2
+        paired = faces[: 2 * pairs].reshape(-1, 2, 3)
         fits = (paired[:, 0, 0] == paired[:, 1, 0]) & (paired[:, 0, 2] == paired[:, 1, 1])
-        quads = paired[fits].reshape(-1, 6)[:, [0, 1, 2, 5]]
-        rest = np.concatenate([paired[~fits].reshape(-1, 3), faces[2 * len(paired) :]])
+        of_pairs = numbers[: 2 * pairs].reshape(-1, 2, 3)
+        quads = of_pairs[fits].reshape(-1, 6)[:, [0, 1, 2, 5]]
+        rest = np.concatenate([of_pairs[~fits].reshape(-1, 3), numbers[2 * pairs :]])
         starts = [np.arange(0, quads.size, 4), quads.size + np.arange(0, rest.size, 3)]
-        return cls(np.concatenate([quads.ravel(), rest.ravel()]), np.concatenate(starts))
+        sources = np.concatenate([quads.ravel(), rest.ravel()])
+        return cls(faces.ravel()[sources], np.concatenate(starts), sources)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPoints
+from .edge_flips import with_flipped_edges
 from .edge_means import EdgeMeans
 from .edges import edge_ends, edge_use
 from .facing_points import FacingShape
@@ -45,6 +46,8 @@ _SURFACE, _INSIDE = 0.9, 0.985
 _TURNED, _RELAXATIONS = 0.3, 4
 # Rounds in which trust fades towards places without any.
 _FADING = 2
+# Edges of narrow triangles are flipped where the surface moves by no more than so many cells.
+_FLAT = 0.03
 # A volume is corrected where it is off by more than this share, by no more than so many cells along the normals.
 _VOLUME_TOLERANCE, _MOST_CORRECTION = 5e-4, 0.1
 
@@ -133,11 +136,12 @@ def with_detail(
     details = [own.details(means.spread_minimum(own.trust(laid.normals, cell), _FADING)) for own in laid.carried]
     wanted = sum(amount * own.source.weight * detail for own, detail in zip(laid.carried, details, strict=True))
     offsets = without_folds(laid.mesh, laid.normals, wanted, means)
-    detailed = TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces)
+    detailed = _with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), volume, cell)
+    detailed = with_flipped_edges(detailed, _FLAT * cell)
     origins = [own.starts + detail for own, detail in zip(laid.carried, details, strict=True)]
     places = [own.places for own in laid.carried]
-    triangles = [own.triangles_under(laid.mesh.faces) for own in laid.carried]
-    return DetailedSurface(_with_volume(detailed, volume, cell), places, origins, triangles)
+    triangles = [own.triangles_under(detailed.faces) for own in laid.carried]
+    return DetailedSurface(detailed, places, origins, triangles)
 
 
 @dataclass(frozen=True)
@@ -215,18 +219,21 @@ class _Carried:
         means : EdgeMeans
             Of the surface.
         """
-        places, points = self.places, self.points
+        places, points = self.places, self.points.copy()
+        # Only triangles about vertices that are moved change.
+        rows = np.arange(len(faces))
         for _ in range(_RELAXATIONS):
-            turned = np.einsum("md,md->m", triangle_normals(points[faces]), facing) < _TURNED
-            if not turned.any():
+            turned = rows[np.einsum("md,md->m", triangle_normals(points[faces[rows]]), facing[rows]) < _TURNED]
+            if not len(turned):
                 break
-            near = np.zeros(len(points))
-            near[faces[turned]] = 1.0
-            chosen = np.flatnonzero((near > 0.0) | (means.mean(near) > 0.0))
-            found = self.source.shape.finder.find_closest(means.mean_points(points)[chosen])
-            places = places.replaced(chosen, found)
-            points = points.copy()
-            points[chosen] = found.interpolated(self.source.shape.mesh.corners)
+            near = np.zeros(len(points), bool)
+            near[faces[turned]] = True
+            chosen = means.with_neighbors(near)
+            moved = np.flatnonzero(chosen)
+            found = self.source.shape.finder.find_closest(means.mean_points(points)[moved])
+            places = places.replaced(moved, found)
+            points[moved] = found.interpolated(self.source.shape.mesh.corners)
+            rows = np.flatnonzero(chosen[faces].any(axis=1))
         return replace(self, places=places, points=points)
 
 

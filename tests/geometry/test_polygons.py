@@ -33,3 +33,9 @@ def test_pairs_become_quads_and_the_rest_comes_last():
     assert listed(Polygons.of_quads(FACES[:3])) == [(0, 1, 2, 3), (4, 7, 6)]
     # Pairs begin at even rows only.
     assert listed(Polygons.of_quads(FACES[1:5])) == [tuple(face) for face in FACES[1:5]]
+
+
+def test_corners_tell_which_corners_of_triangles_they_are():
+    for polygons in (Polygons.of_triangles(FACES), Polygons.of_quads(FACES)):
+        np.testing.assert_array_equal(polygons.corners, FACES.ravel()[polygons.sources])
+        assert len(np.unique(polygons.sources)) == len(polygons.corners)

@@ -110,7 +110,7 @@ class Carrying:
         if isinstance(frame, CarriedFrame) and material is not None:
             write_carried(mesh, frame.carried)
             if frame.normals is not None:
-                write_normals(mesh, frame.normals)
+                write_normals(mesh, frame.normals, frame.mesh.faces)
             mesh.materials.clear()
             mesh.materials.append(material)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...applications.morphs.looks import Carried, Look, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
+from ...geometry.polygons import Polygons
 from .materials import base_color
 
 COLOR, VELOCITY = "Color", "velocity"
@@ -83,15 +84,27 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
     return Shading(corners, faces, normals[_gathered(triangles, "loops", 3, np.int32)])
 
 
-def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals) -> None:
+def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, faces: np.ndarray) -> None:
     """Show a frame with normals that are not those of its surface.
 
     They are rounded by a twentieth of a degree, which halves what they take in a compressed file.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The frame, of triangles or of quads.
+    normals : FrameNormals
+        Of the points, or of the corners of the triangles.
+    faces : (m, 3)
+        The triangles.
     """
+    vectors = normals.vectors
+    if normals.of_corners and len(mesh.loops) != len(vectors):
+        vectors = vectors[Polygons.of_quads(faces).sources]
     if CUSTOM_NORMAL in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[CUSTOM_NORMAL])
     attribute = mesh.attributes.new(CUSTOM_NORMAL, "FLOAT_VECTOR", "CORNER" if normals.of_corners else "POINT")
-    attribute.data.foreach_set("vector", (np.rint(normals.vectors * _NORMAL_STEPS) / _NORMAL_STEPS).ravel())
+    attribute.data.foreach_set("vector", (np.rint(vectors * _NORMAL_STEPS) / _NORMAL_STEPS).ravel())
 
 
 def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edges flipped where that opens narrow angles and leaves the surface where it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .edges import edge_use
+from .mesh import TriangleMesh
+from .normals import triangle_normals
+
+# Triangles with a smaller angle than this cosine tells (25 degrees) are worth a flip, and a flip must bring so much.
+_NARROW, _GAIN = float(np.cos(np.radians(25.0))), 1e-3
+# Triangles that are made may turn away from those that they replace by this cosine.
+_TURNED = 0.5
+_ROUNDS = 3
+
+
+def with_flipped_edges(mesh: TriangleMesh, most: float) -> TriangleMesh:
+    """Flip edges of narrow triangles where the smallest angle of the two triangles becomes larger.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Edges of one triangle, or of more than two, stay.
+    most : float
+        How far the surface may move where an edge is flipped, in the unit of the mesh: creases stay.
+
+    Returns
+    -------
+    TriangleMesh
+        The same vertices, and as many triangles; those that are not changed stay where they are.
+    """
+    faces = mesh.faces
+    for _ in range(_ROUNDS):
+        flips = _Flips.of(mesh.vertices, faces, most)
+        if not len(flips.first):
+            break
+        faces = faces.copy()
+        faces[flips.first], faces[flips.second] = flips.new_first, flips.new_second
+    return TriangleMesh(mesh.vertices, faces)
+
+
+@dataclass(frozen=True)
+class _Flips:
+    """Pairs of triangles, no triangle in two of them, and what replaces them."""
+
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+    new_first: NDArray[np.int64]
+    new_second: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> _Flips:
+        """Choose flips that do no harm, the best of every triangle."""
+        cosines = _largest_cosines(vertices[faces])
+        use = edge_use(faces)
+        start = use.start[use.count == 2]
+        sides = np.stack([use.side[start], use.side[start + 1]])
+        one, other = sides // 3
+        worth = (np.maximum(cosines[one], cosines[other]) > _NARROW) & (use.forward[start] != use.forward[start + 1])
+        sides, (one, other) = sides[:, worth], (one[worth], other[worth])
+        # The edge runs from a to b in the first triangle; c and d are opposite.
+        flat = faces.ravel()
+        a, b = flat[sides[0]], flat[_next(sides[0])]
+        c, d = flat[_next(_next(sides[0]))], flat[_next(_next(sides[1]))]
+        made = np.stack([np.stack([a, d, c], axis=1), np.stack([d, b, c], axis=1)])
+        before = np.maximum(cosines[one], cosines[other])
+        after = np.maximum(_largest_cosines(vertices[made[0]]), _largest_cosines(vertices[made[1]]))
+        fits = after < before - _GAIN
+        fits &= _distances(*(vertices[ends] for ends in (a, b, c, d))) <= most
+        fits &= _agree(vertices, faces[one], faces[other], *made)
+        fits &= ~_is_edge(c, d, flat[use.side[use.start]], flat[_next(use.side[use.start])])
+        chosen = _best_of_both(one, other, np.where(fits, before - after, 0.0), len(faces))
+        return cls(one[chosen], other[chosen], made[0, chosen], made[1, chosen])
+
+
+def _next(sides: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the half-edges that follow in the same triangles."""
+    return sides - sides % 3 + (sides + 1) % 3
+
+
+def _largest_cosines(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the cosine of the smallest angle of triangles, (m,)."""
+    edges = np.roll(corners, -1, axis=1) - corners
+    edges /= np.maximum(np.linalg.norm(edges, axis=2, keepdims=True), np.finfo(float).tiny)
+    return -np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)).min(axis=1)
+
+
+def _distances(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the distance between the lines a b and c d, (n,): how far the surface moves."""
+    across = np.cross(b - a, d - c)
+    lengths = np.linalg.norm(across, axis=1)
+    heights = np.abs(np.einsum("nd,nd->n", c - a, across))
+    return np.where(lengths > 0.0, heights / np.maximum(lengths, np.finfo(float).tiny), np.inf)
+
+
+def _agree(vertices: NDArray[np.float64], *triangles: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Tell where the last two of four triangles face as the first two do."""
+    first, second, *made = (triangle_normals(vertices[own]) for own in triangles)
+    return np.all(
+        [np.einsum("nd,nd->n", new, old) > _TURNED for new in made for old in (first, second)], axis=0
+    ) & np.all([np.abs(own).max(axis=1) > 0.0 for own in made], axis=0)
+
+
+def _is_edge(
+    c: NDArray[np.int64], d: NDArray[np.int64], tails: NDArray[np.int64], heads: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Tell which pairs of vertices are joined by an edge already; edges are sorted by their ends."""
+    keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
+    wanted = (np.minimum(c, d) << 32) | np.maximum(c, d)
+    place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return (keys[place] == wanted) | (c == d)
+
+
+def _best_of_both(
+    one: NDArray[np.int64], other: NDArray[np.int64], gains: NDArray[np.float64], count: int
+) -> NDArray[np.int64]:
+    """Return the pairs that are the best for both of their triangles; of equal ones the first."""
+    order = np.lexsort((np.arange(len(gains)), -gains))
+    order = order[gains[order] > 0.0]
+    best = np.full(count, len(gains))
+    ranks = np.arange(len(order))
+    np.minimum.at(best, one[order], ranks)
+    np.minimum.at(best, other[order], ranks)
+    return order[(best[one[order]] == ranks) & (best[other[order]] == ranks)]

@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edges are flipped where angles become larger and nothing else changes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from convwass_addon.geometry.edge_flips import with_flipped_edges
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.shapes import ball
+
+
+def kite(height=0.0):
+    """Two narrow triangles along the long diagonal of a rhombus; the other diagonal lies `height` above it."""
+    points = [(-1, 0, 0), (1, 0, 0), (0, 0.3, height), (0, -0.3, height)]
+    return TriangleMesh.from_arrays(points, [(0, 1, 2), (1, 0, 3)])
+
+
+def smallest_angles(mesh):
+    edges = np.roll(mesh.corners, -1, axis=1) - mesh.corners
+    edges /= np.linalg.norm(edges, axis=2, keepdims=True)
+    return np.degrees(np.arccos(-np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)))).min(axis=1)
+
+
+def test_the_long_diagonal_of_a_rhombus_is_flipped():
+    found = with_flipped_edges(kite(), 0.01)
+    assert {frozenset(face) for face in found.faces.tolist()} == {frozenset((0, 2, 3)), frozenset((1, 2, 3))}
+    assert smallest_angles(found).min() > 1.9 * smallest_angles(kite()).min()
+    np.testing.assert_allclose(found.area, kite().area)
+    assert (np.cross(*np.moveaxis(found.corners[:, 1:] - found.corners[:, :1], 1, 0))[:, 2] > 0).all()
+
+
+def test_creases_stay():
+    mesh = kite(height=0.1)
+    assert with_flipped_edges(mesh, 0.05).faces is mesh.faces
+    assert with_flipped_edges(mesh, 0.11).faces is not mesh.faces
+
+
+def test_a_closed_surface_stays_closed_and_nearly_where_it_is():
+    mesh = ball(points=600)
+    mesh = TriangleMesh(mesh.vertices * (1.0, 1.0, 4.0), mesh.faces)
+    found = with_flipped_edges(mesh, 0.02)
+    assert topology(found) == topology(mesh)
+    assert topology(found).closed
+    assert abs(found.volume / mesh.volume - 1.0) < 2e-3
+    assert (smallest_angles(found) < 20).sum() < 0.8 * (smallest_angles(mesh) < 20).sum()
+
+
+def test_no_edge_is_made_twice():
+    """Every pair of a tetrahedron's vertices is joined already."""
+    points = [(0, 0, 0), (1, 0, 0), (0.5, 0.9, 0), (0.5, 0.3, 0.05)]
+    flat = TriangleMesh.from_arrays(points, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    np.testing.assert_array_equal(with_flipped_edges(flat, 10.0).faces, flat.faces)
