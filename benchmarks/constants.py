@@ -43,7 +43,7 @@ VARIED = (
     Varied(barycenter_module, "_RIM_CELLS", (1, 6)),
     Varied(bregman_module, "_NEGLIGIBLE_SHARE", (0.1, 0.6)),
     Varied(bregman_module, "_STALLED", (0.8, 10.0)),
-    Varied(bregman_module, "_DEBIAS_STEP", (0.5, 0.9)),
+    Varied(bregman_module, "_DEBIAS_STEP", (0.5, 0.7)),
     Varied(bregman_module, "_DEBIAS_MOMENTUM", (0.3, 0.8)),
     Varied(bregman_module, "_MOMENTUM_FALL", (0.8, 2.4)),
     Varied(gaussian_module, "_NARROWEST_COARSE", (1.0, 1.6)),

@@ -64,7 +64,7 @@ class Barycenter:
         Largest |sum_i alpha_i ln v_i - s ln d - (1 - 1 / beta) ln mu| where the density is not negligible; zero in
         exact arithmetic.
     converged : bool
-        Whether the marginal error fell below the tolerance, and the error of d below up to twice that.
+        Whether the marginal error and that of d fell below the tolerance.
     numerics : str
         How the kernel was applied at the finest level: "scaling" or the domain's far_numerics.
     entropy : float

@@ -27,13 +27,10 @@ _DEBIAS_RANGE = 700.0
 _STALLED = 0.95
 # Share of the step that d takes. Where the error of ln d varies slowly against the kernel, whole steps would overshoot;
 # where it varies faster, each leaves 1 - (1 - s) of it. Between them this leaves least (the same table).
-_DEBIAS_STEP = 0.7
+_DEBIAS_STEP = 0.9
 # Share of its last step that ln d goes on by, as a heavy ball does, and how much less of it per lack of sharpness: the
 # errors of sharper barycenters are slower. Measured for full sharpness, and for 0.75 (the same table).
 _DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
-# What a step leaves of the error of d: about a half. It allows d to be twice as far off before the last one, which
-# saves a round and costs no exactness (docs/performance.md, "Barycenters on grids", the row of the last step).
-_SETTLED = 0.5
 # The most that the last step, after which nothing is measured, changes ln d anywhere.
 _LAST_STEP = float(np.log(2.0))
 # Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
@@ -47,7 +44,7 @@ class BregmanIteration:
     With the paper's v_i, w_i and the debiasing density d of Janati et al. 2020 raised to the sharpness s, a round is
 
         w_i = mu_i / H(a v_i),    mu = (d^s prod_i H(a w_i)^alpha_i)^beta,
-        v_i = mu / H(a w_i),      d' = d (mu / (d H(a d)))^0.7 (d / d_before)^m,    v_i' = v_i (d' / d)^s
+        v_i = mu / H(a w_i),      d' = d (mu / (d H(a d)))^0.9 (d / d_before)^m,    v_i' = v_i (d' / d)^s
 
     This is the paper's round with prod_i v_i^alpha_i = d^s built in, so that nothing accumulates: the state is right
     for its weights after one round from any start. Without the last step v would hold the d of the round before, and
@@ -317,11 +314,10 @@ class BregmanIteration:
     def error(self) -> float:
         """The larger of the marginal error and the error of d: a stale d holds mu back while the marginals agree.
 
-        The error of d is that before the step which :meth:`settle` takes, and which halves it; with full sharpness mu
-        owes so much to d that this is not counted on.
+        The error of d is that before the step which :meth:`settle` takes. Twice as much would do after a near start;
+        what a far one leaves in d is of the size of cells, and shows as teeth on creases.
         """
-        ahead = 1.0 if self.entropy_limit is not None else max(_SETTLED, 2.0 * self.sharpness - 1.0)
-        return max(self.marginal_error, self.debias_error * ahead)
+        return max(self.marginal_error, self.debias_error)
 
     @property
     def mass(self) -> float:
