@@ -13,9 +13,9 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
 from .connectivity import Connectivity
+from .dilation import dilated
 from .even_surface import even_surface
 from .handle_removal import RAISED, remove_handles
 from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
@@ -155,7 +155,7 @@ class _Work:
             smallest = np.zeros(len(sizes), bool)
             smallest[1 + np.argsort(sizes[1:], kind="stable")[:excess]] = True
             # With the cells around them, so that a slightly higher level does not bring them back.
-            filled = binary_dilation(smallest[hollows.labels])
+            filled = dilated(smallest[hollows.labels])
             self.density[filled] = np.maximum(self.density[filled], RAISED * self._level)
             self._filled += excess
         return hollows.count

@@ -94,4 +94,8 @@ def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:
     # Thin parts, whose density never reaches one half, count as surfaces as well.
     density = locally_normalized(blurred, float(occupancy.sum(dtype=np.float64)))
     least = float(ndtr(-_KNOWN))
-    return (_BLUR * ndtri(np.clip(density, least, 1.0 - least))).astype(np.float32)
+    # Away from the surface distances are not known, and most cells are.
+    depth = np.where(density > 0.5, np.float32(_KNOWN * _BLUR), np.float32(-_KNOWN * _BLUR))
+    near = np.flatnonzero((density > least) & (density < 1.0 - least))
+    depth.ravel()[near] = _BLUR * ndtri(density.ravel()[near])
+    return depth
