@@ -27,7 +27,8 @@ import bpy
 if sys.platform == "linux":
     ctypes.CDLL("libEGL.so.1")  # Blender opens it at the first picture, and aborts without it
 """
-_DROPPED_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "__PYVENV_LAUNCHER__")
+# Without bytecode on disk every process compiles all of the project again, and the tests start some fifty.
+_DROPPED_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "__PYVENV_LAUNCHER__")
 _DROPPED_PREFIXES = ("BLENDER_USER_", "BLENDER_SYSTEM_")
 
 

@@ -215,6 +215,7 @@ def test_the_users_own_settings_stay_out(environment):
         "PATH": "/usr/bin",
         "PYTHONPATH": "/opt/ros",
         "PYTHONHOME": "/opt/python",
+        "PYTHONDONTWRITEBYTECODE": "1",
         "BLENDER_USER_RESOURCES": "/home/me/blender",
         "BLENDER_USER_SCRIPTS": "/home/me/scripts",
         "BLENDER_SYSTEM_SCRIPTS": "/studio/scripts",
