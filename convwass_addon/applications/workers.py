@@ -7,13 +7,15 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
+
+T = TypeVar("T")
 
 
 @contextmanager
@@ -38,6 +40,19 @@ def frame_workers(count: int | None = None) -> Iterator[Executor]:
         executor = ThreadPoolExecutor(count or os.cpu_count() or 1, thread_name_prefix="convwass")
         stack.callback(executor.shutdown, wait=True, cancel_futures=True)
         yield executor
+
+
+def both_ways(work: Callable[[int], T]) -> tuple[T, T]:
+    """Do the same from the first to the second of two things and back, at the same time; return both results.
+
+    Parameters
+    ----------
+    work : callable
+        Called with 0 in this thread and with 1 in another. Where one fails, the other is waited for.
+    """
+    with ThreadPoolExecutor(1, thread_name_prefix="convwass") as executor:
+        other = executor.submit(work, 1)
+        return work(0), other.result()
 
 
 class _BlasLimit:

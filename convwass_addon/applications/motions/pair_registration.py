@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...geometry.poisson_deformation import deformation_gradients
 from ...geometry.registration import Stage
 from ...progress import Control
+from ..workers import both_ways
 from .carriers import Carrier, coarser
 from .grown_registration import grown_points
 from .laid_meshes import Laid, Registered, home_distances, registered
@@ -78,13 +79,11 @@ class GrownPair:
 
 def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair | None:
     """Lay two shapes on each other by growing; None where they hardly coincide as they stand."""
-    drafts = tuple(coarser(shape, np.empty(0, np.int64), _DRAFT_VERTICES, control) for shape in shapes)
-    found = []
-    for k in (0, 1):
-        points = grown_points(drafts[k], drafts[1 - k], control)
-        if points is None:
-            return None
-        found.append(judged(drafts[k], drafts[1 - k], points, control))
+    drafts = both_ways(lambda k: coarser(shapes[k], np.empty(0, np.int64), _DRAFT_VERTICES, control))
+    grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
+    if any(points is None for points in grown):
+        return None
+    found = [judged(drafts[k], drafts[1 - k], grown[k], control) for k in (0, 1)]
     worse = int(found[1].misfit > found[0].misfit)
     other = found.copy()
     other[worse] = proposed(drafts, worse, found[1 - worse].inverse, _NO_PAIRS, FROM_MAP, control)
@@ -129,7 +128,7 @@ def laid_on_each_other(
     """
     both = pairs, pairs[:, ::-1]
     if grown is None:
-        drafts = tuple(coarser(shapes[k], both[k][:, 0], _DRAFT_VERTICES, control) for k in (0, 1))
+        drafts = both_ways(lambda k: coarser(shapes[k], both[k][:, 0], _DRAFT_VERTICES, control))
     else:
         drafts = grown.drafts
     ends = np.stack([drafts[k].places(pairs[:, k]) for k in (0, 1)], axis=1)
@@ -141,14 +140,16 @@ def laid_on_each_other(
         ]
         drafted, is_grown = _drafted(drafts, rough, ends, grown, control)
     drafted = _tightened(drafts, drafted, ends, control)
-    found = []
-    for k in (0, 1):
+
+    def finished(k: int) -> NDArray[np.float64]:
         draft, own = drafts[k], drafted[k]
         gradients = deformation_gradients(draft.mesh.vertices, own.points, draft.mesh.faces)
         begin = Laid(
             draft.carried(own.points, gradients), own.trust if draft.blend is None else draft.blend @ own.trust
         )
-        found.append(registered(shapes[k], shapes[1 - k], begin, both[k], _FINISHING, control).drawn(control))
+        return registered(shapes[k], shapes[1 - k], begin, both[k], _FINISHING, control).drawn(control)
+
+    found = both_ways(finished)
     homes = [home_distances(shapes[k], shapes[1 - k], *found[:: 1 - 2 * k]) for k in (0, 1)]
     trusts = [np.exp(-0.5 * np.square(home / _MISSED)) for home in homes]
     return LaidPair(Laid(found[0], trusts[0]), Laid(found[1], trusts[1]), is_grown)
@@ -163,7 +164,7 @@ def _drafted(
 ) -> tuple[list[Laid], bool]:
     """Lay coarse meshes on each other by the best of several ways; tell whether the map was left for another start."""
     both = pairs, pairs[:, ::-1]
-    best = [proposed(drafts, k, starts[k], both[k], FROM_MAP, control) for k in (0, 1)]
+    best = list(both_ways(lambda k: proposed(drafts, k, starts[k], both[k], FROM_MAP, control)))
     if max(found.misfit for found in best) <= _FINE:
         return [trusted(found) for found in best], False
     is_grown = grown is not None and total_cost(drafts, grown.found) < total_cost(drafts, best)
@@ -188,7 +189,7 @@ def _tightened(
     def tightened(k: int, start: Laid) -> Registered:
         return registered(drafts[k], drafts[1 - k], start, both[k], _TIGHTENING, control)
 
-    best = [tightened(k, starts[k]) for k in (0, 1)]
+    best = list(both_ways(lambda k: tightened(k, starts[k])))
     for k in (0, 1):
         own, other = drafts[k], drafts[1 - k]
         if not agree(drafts, best, k):

@@ -21,6 +21,7 @@ from ...geometry.thicken import shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.volumes import Lattice
+from ..workers import both_ways
 from .motion import MovedShape
 from .warp_registration import registered
 from .warp_signals import WarpSignals, inverse_error, length_between, strain, volume_change
@@ -220,9 +221,10 @@ def _signals(
     weights = [0.5 * (index in pair) for index in range(len(solids))]
     half_way = [_filled(motion.cells(index, weights)[motion.rests[index].mesh.faces], motion.lattice) for index in pair]
     gradients = [motion.shapes[i].gradients(j), motion.shapes[j].gradients(i)]
+    before, left = both_ways(lambda k: length_between(*((solids[i], solids[j]), half_way)[k], control))
     return WarpSignals(
-        length_before=length_between(solids[i], solids[j], control),
-        length_left=length_between(*half_way, control),
+        length_before=before,
+        length_left=left,
         volume_change=volume_change(gradients),
         strain=strain(gradients),
         inverse_error=error,

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from ...progress import Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Grid
 from ...transport.meeting import meeting
+from ..workers import both_ways
 
 # What goes down geometrically from the first round to the last, in cells: the blur of the plans, how far mass goes
 # before it fades, and the size of the parts that move together.
@@ -69,13 +72,24 @@ def registered(
         masses = [np.clip(flow.carried(rest), 0.0, 1.0) for flow, rest in zip(flows, rests, strict=True)]
         met = meeting(*masses, Grid(rests[0].shape, sigma), reach, control, solved)
         solved = met.solved
-        for flow, mass, aims in zip(flows, masses, met.displacements, strict=True):
-            flow.add(_step(mass, aims, _STIFFNESS * width, control))
+        both_ways(partial(_advance, flows, masses, met.displacements, _STIFFNESS * width, control))
     return MeetingFlows(*flows)
 
 
 def _annealed(ends: tuple[float, float], share: float) -> float:
     return ends[0] * (ends[1] / ends[0]) ** share
+
+
+def _advance(
+    flows: Sequence[StepFlow],
+    masses: Sequence[NDArray[np.float64]],
+    aims: Sequence[NDArray[np.float64]],
+    width: float,
+    control: Control,
+    k: int,
+) -> None:
+    """Append an elastic step towards its aims, (nx, ny, nz, 3), of one of two solids, (nx, ny, nz)."""
+    flows[k].add(_step(masses[k], aims[k], width, control))
 
 
 def _step(mass: NDArray[np.float64], aims: NDArray[np.float64], width: float, control: Control) -> NDArray[np.float64]:
