@@ -30,7 +30,7 @@ from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
 from .normals import triangle_normals, unit_vectors, vertex_normals
-from .subdivision import with_edges_halved
+from .subdivision import with_edges_halved, with_longest_edges
 from .tangent_planes import meeting_points
 
 # Edges are halved where the surface would leave a shape by more than this many cells, unless they are this short, and
@@ -189,9 +189,9 @@ class _Carried:
 
     def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return for every face, (m, 3), the triangle of one of its corners whose plane is nearest to the others."""
-        normals = self.normals[faces]
-        corners = self.points[faces]
-        heights = np.abs(np.einsum("mad,mabd->mab", normals, corners[:, None] - corners[:, :, None])).max(axis=2)
+        # How high every corner is along the normal at every other.
+        heights = self.normals[faces] @ np.swapaxes(self.points[faces], 1, 2)
+        heights = np.abs(heights - np.diagonal(heights, axis1=1, axis2=2)[:, :, None]).max(axis=2)
         nearest = heights.argmin(axis=1)
         return self.places.triangles[faces[np.arange(len(faces)), nearest]]
 
@@ -269,6 +269,7 @@ class _Laid:
             chosen[np.argsort(-deviations, kind="stable")[room:]] = False
         if not chosen.any():
             return None
+        chosen = with_longest_edges(self.mesh, use, chosen)
         halved = with_edges_halved(self.mesh, use, chosen)
         normals = unit_vectors(self.normals[halved.ends].sum(axis=1))
         carried = [own.with_middles(halved.ends) for own in self.carried]
