@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Matrix products and factorizations that NumPy does itself: slow where it has no BLAS, as in builds of Blender."""
+"""Matrix products and factorizations that NumPy does itself: slow where it has no BLAS, as in builds of Blender.
+
+Imports nothing of the project or of pytest: sessions of an installed extension use it too.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,10 @@ import ctypes
 import sys
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from unittest.mock import patch
 
 import numpy as np
-import pytest
 
 # Multiplications from which on a product is large, and the side from which on BLAS knows better than a loop: products
 # with a matrix of three columns are as quick without it.
@@ -46,15 +49,16 @@ def noted_products() -> Iterator[list[str]]:
         if len(shapes) == 2 and is_large_product(*shapes):
             note("a product", *shapes)
 
-    with pytest.MonkeyPatch.context() as patch:
+    with ExitStack() as stack:
         for name in ("matmul", "dot", "inner"):
-            patch.setattr(np, name, _before(getattr(np, name), note_product))
+            stack.enter_context(patch.object(np, name, _before(getattr(np, name), note_product)))
         for name in ("tensordot", "einsum"):
-            patch.setattr(np, name, _before(getattr(np, name), _folding(note, name)))
+            stack.enter_context(patch.object(np, name, _before(getattr(np, name), _folding(note, name))))
         for name in _FACTORIZATIONS:
-            patch.setattr(np.linalg, name, _before(getattr(np.linalg, name), _factorizing(note, name)))
-        with _operator_noted(note_product):
-            yield noted
+            found = getattr(np.linalg, name)
+            stack.enter_context(patch.object(np.linalg, name, _before(found, _factorizing(note, name))))
+        stack.enter_context(_operator_noted(note_product))
+        yield noted
 
 
 def is_large_product(left: tuple[int, ...], right: tuple[int, ...]) -> bool:

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("empty_scene")
 
 
 def reflect(out, *words):
-    return cli.main(["reflect", *words, "--rows", "12", "--out", str(out)])
+    return cli.main(["reflect", *words, "--rows", "10", "--out", str(out)])
 
 
 def test_a_blend_is_written_and_told(tmp_path, capfd):
@@ -33,7 +33,7 @@ def test_a_blend_is_written_and_told(tmp_path, capfd):
     assert blend["weights"] == [0.5, 0.5]
     # Half-way between half-angle quantiles: the mean of the alphas.
     assert blend["fit"]["alpha_x"] == pytest.approx(0.4, rel=0.12)
-    assert read_table(out).rows == 12
+    assert read_table(out).rows == 10
 
 
 def test_tables_that_were_written_are_blended_on(tmp_path):

@@ -32,6 +32,7 @@ _CHANGES = {"os.mkdir", "os.remove", "os.rename", "os.rmdir", "os.chmod", "os.tr
 
 _refused: list[str] = []
 _read_only: list[str] = []
+_large_products: list[str] = []
 
 
 def refuse(event: str, arguments: tuple) -> None:
@@ -122,9 +123,16 @@ def clear() -> None:
 def make(folder: str, only: str = "") -> dict[str, list[str]]:
     """Make one of everything, or of one kind of things, and save the file in the folder."""
     Path(folder).mkdir(parents=True, exist_ok=True)
-    answers = beside("everything").make_everything(Path(folder), only)
+    with beside("../large_products").noted_products() as noted:
+        answers = beside("everything").make_everything(Path(folder), only)
+    _large_products.extend(sorted(set(noted)))
     bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "everything.blend"))
     return answers
+
+
+def large_products() -> list[str]:
+    """Return the large matrix products that NumPy was asked for while everything was made."""
+    return _large_products
 
 
 def open_file(folder: str) -> None:

@@ -32,6 +32,7 @@ def seen(profile, zip_file, work) -> dict:
         ("languages", []),
         ("presets", []),
         ("make", [str(work)]),
+        ("large_products", []),
         ("figures", []),
         ("leftovers", []),
         ("polls", []),
@@ -98,6 +99,11 @@ def test_it_runs_from_where_it_was_installed(seen, profile, request):
 def test_everything_can_be_made(seen):
     assert set(map(tuple, seen["make"].values())) == {("FINISHED",)}
     assert len(seen["make"]) >= 20
+
+
+def test_nothing_asks_numpy_for_a_large_product(seen):
+    """The speed does not rest on NumPy's BLAS: Blender's own builds of NumPy may be without one."""
+    assert seen["large_products"] == []
 
 
 def test_nothing_reaches_out_or_writes_where_it_is_installed(seen):
