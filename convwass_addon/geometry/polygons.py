@@ -9,6 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .mesh import TriangleMesh
+from .quad_pairing import quad_pairs
+
 
 @dataclass(frozen=True)
 class Polygons:
@@ -34,18 +37,24 @@ class Polygons:
         return cls(faces.ravel(), np.arange(0, faces.size, 3), np.arange(faces.size))
 
     @classmethod
-    def of_quads(cls, faces: NDArray[np.int64]) -> Polygons:
-        """Join each pair of triangles (a, b, c) and (a, c, d) that follow each other, of (m, 3), to (a, b, c, d).
+    def of_quads(cls, mesh: TriangleMesh) -> Polygons:
+        """Join triangles to quads; those that are single stay, and come last.
 
-        Pairs begin at even rows, as in :func:`.even_surface.even_surface`. Others stay triangles and come last.
+        Rows 2 i and 2 i + 1 that are triangles (a, b, c) and (a, c, d) are joined to (a, b, c, d), since surfaces of
+        :func:`.even_surface.even_surface` are made of them. Of the others, those that make good quads together are.
         """
+        faces = mesh.faces
         numbers = np.arange(faces.size).reshape(faces.shape)
         pairs = len(faces) // 2
         paired = faces[: 2 * pairs].reshape(-1, 2, 3)
         fits = (paired[:, 0, 0] == paired[:, 1, 0]) & (paired[:, 0, 2] == paired[:, 1, 1])
         of_pairs = numbers[: 2 * pairs].reshape(-1, 2, 3)
-        quads = of_pairs[fits].reshape(-1, 6)[:, [0, 1, 2, 5]]
         rest = np.concatenate([of_pairs[~fits].reshape(-1, 3), numbers[2 * pairs :]])
+        found = quad_pairs(mesh.vertices, faces.ravel()[rest])
+        single = np.ones(len(rest), bool)
+        single[found // 3] = False
+        quads = np.concatenate([of_pairs[fits].reshape(-1, 6)[:, [0, 1, 2, 5]], rest.ravel()[found]])
+        rest = rest[single]
         starts = [np.arange(0, quads.size, 4), quads.size + np.arange(0, rest.size, 3)]
         sources = np.concatenate([quads.ravel(), rest.ravel()])
         return cls(faces.ravel()[sources], np.concatenate(starts), sources)

@@ -233,7 +233,7 @@ class MorphBake:
     def _write(self, data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
         """Give a frame its surface, made of the faces that were asked for."""
         quads = self._stored.settings.get("faces") == "QUADS"
-        write_mesh(data, mesh, Polygons.of_quads(mesh.faces) if quads else None)
+        write_mesh(data, mesh, Polygons.of_quads(mesh) if quads else None)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Store the settings, show the first frame, and return the collection.

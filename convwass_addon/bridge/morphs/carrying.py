@@ -110,7 +110,7 @@ class Carrying:
         if isinstance(frame, CarriedFrame) and material is not None:
             write_carried(mesh, frame.carried)
             if frame.normals is not None:
-                write_normals(mesh, frame.normals, frame.mesh.faces)
+                write_normals(mesh, frame.normals, frame.mesh)
             mesh.materials.clear()
             mesh.materials.append(material)
 

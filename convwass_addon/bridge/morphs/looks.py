@@ -11,6 +11,7 @@ import numpy as np
 
 from ...applications.morphs.looks import Carried, Look, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
+from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from .materials import base_color
 
@@ -84,7 +85,7 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
     return Shading(corners, faces, normals[_gathered(triangles, "loops", 3, np.int32)])
 
 
-def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, faces: np.ndarray) -> None:
+def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: TriangleMesh) -> None:
     """Show a frame with normals that are not those of its surface.
 
     They are rounded by a twentieth of a degree, which halves what they take in a compressed file.
@@ -95,12 +96,12 @@ def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, faces: np.ndarray
         The frame, of triangles or of quads.
     normals : FrameNormals
         Of the points, or of the corners of the triangles.
-    faces : (m, 3)
-        The triangles.
+    surface : TriangleMesh
+        That of the frame, as it was written.
     """
     vectors = normals.vectors
     if normals.of_corners and len(mesh.loops) != len(vectors):
-        vectors = vectors[Polygons.of_quads(faces).sources]
+        vectors = vectors[Polygons.of_quads(surface).sources]
     if CUSTOM_NORMAL in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[CUSTOM_NORMAL])
     attribute = mesh.attributes.new(CUSTOM_NORMAL, "FLOAT_VECTOR", "CORNER" if normals.of_corners else "POINT")

@@ -136,9 +136,7 @@ class MorphRequest(Settings):
         "What the meshes of blends are made of",
         choices=(
             Choice("TRIANGLES", "Triangles", "Triangles of even size"),
-            Choice(
-                "QUADS", "Quads", "Quads of even size, and triangles in a few narrow places; to sculpt or subdivide"
-            ),
+            Choice("QUADS", "Quads", "Quads, and triangles where fine detail leaves some over; to sculpt or subdivide"),
         ),
     )
     grays: str = setting(

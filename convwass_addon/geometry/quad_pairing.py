@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which triangles make good quads together, two by two."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .edges import edge_use
+from .normals import unit_vectors
+
+# Corners of a quad are between 30 and 150 degrees, and its triangles face the same way up to 25 degrees.
+_SKEWED, _BENT = float(np.cos(np.radians(30.0))), float(np.cos(np.radians(25.0)))
+# The best partners are found in so many rounds; what is single after that is between pairs.
+_ROUNDS = 8
+
+
+def quad_pairs(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Pair triangles that share an edge, the most rectangular quads first.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        In any space.
+    faces : (m, 3) int64
+        Triangles of them.
+
+    Returns
+    -------
+    (q, 4) int64
+        Corners of the quads, as numbers of corners of the triangles: 3 f + c is corner c of triangle f. They are
+        counter-clockwise where the triangles are; no triangle is in two quads.
+    """
+    sides = _common_edges(faces)
+    corners = np.stack([sides[0], _following(sides[1], 2), _following(sides[0], 1), _following(sides[0], 2)], axis=1)
+    worst = _skews(vertices[faces.ravel()[corners]])
+    good = np.flatnonzero(worst < _SKEWED)
+    order = good[np.argsort(worst[good], kind="stable")]
+    corners, one, other = corners[order], sides[0, order] // 3, sides[1, order] // 3
+    found = []
+    for _ in range(_ROUNDS):
+        if not len(corners):
+            break
+        ranks = np.arange(len(corners))
+        best = np.full(len(faces), len(corners))
+        np.minimum.at(best, one, ranks)
+        np.minimum.at(best, other, ranks)
+        chosen = (best[one] == ranks) & (best[other] == ranks)
+        found.append(corners[chosen])
+        taken = np.zeros(len(faces), bool)
+        taken[one[chosen]] = taken[other[chosen]] = True
+        left = ~(taken[one] | taken[other])
+        corners, one, other = corners[left], one[left], other[left]
+    return np.concatenate([np.empty((0, 4), np.int64), *found])
+
+
+def _common_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the half-edges, (2, e), of edges that two triangles run along in opposite directions."""
+    use = edge_use(faces)
+    start = use.start[use.count == 2]
+    start = start[use.forward[start] != use.forward[start + 1]]
+    return np.stack([use.side[start], use.side[start + 1]])
+
+
+def _following(sides: NDArray[np.int64], steps: int) -> NDArray[np.int64]:
+    """Return the corners so many steps on in the same triangles."""
+    return sides - sides % 3 + (sides % 3 + steps) % 3
+
+
+def _skews(quads: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest cosine of the corners of quads, (q, 4, 3); one where they are bent."""
+    edges = np.roll(quads, -1, axis=1) - quads
+    units = edges / np.maximum(np.linalg.norm(edges, axis=2, keepdims=True), np.finfo(float).tiny)
+    skews = np.abs(np.einsum("qcd,qcd->qc", units, np.roll(units, 1, axis=1))).max(axis=1)
+    # The triangles lie on both sides of the diagonal from the first corner to the third.
+    one, other = (unit_vectors(np.cross(edges[:, first], edges[:, first + 1])) for first in (0, 2))
+    return np.where(np.einsum("qd,qd->q", one, other) > _BENT, skews, 1.0)
