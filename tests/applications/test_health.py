@@ -55,6 +55,17 @@ def test_lost_parts_are_measured_and_a_resolution_is_proposed():
     assert kinds([GOOD | {"lost": lost(0.0005)}]) == ["GOOD"]
 
 
+def test_pieces_and_holes_that_no_shape_has_are_told():
+    most = {"pieces": 1, "handles": 0, "bubbles": 0}
+    torn = GOOD | {"found": most | {"pieces": 3, "handles": 1}, "most": most}
+    notes = health([GOOD, torn, GOOD | {"found": most, "most": most}], SETTINGS, ["A", "B"])
+    assert [note.text for note in notes] == [
+        "Torn into up to 3 pieces in 2, where the shapes have 1: try another motion",
+        "Up to 1 more holes than the shapes have in 2, where parts meet on the way",
+    ]
+    assert kinds([GOOD | {"found": {"regions": 2, "holes": 0}}]) == ["GOOD"]
+
+
 def test_mass_at_the_wall_is_told():
     assert kinds([GOOD | {"wall": 0.004}]) == ["WALL"]
     assert kinds([GOOD | {"wall": 1e-5}]) == ["GOOD"]
@@ -154,6 +165,7 @@ def test_the_motion_that_was_chosen_is_told(motion, expected):
 def test_every_template_can_be_filled():
     values = {"resolution": 64, "name": "{x}", "cells": 1.0, "better": 96, "frames": "1-2", "share": 0.1}
     values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x", "score": 0.8, "failure": "x"}
+    values |= {"pieces": 3, "most": 1, "holes": 2}
     for kind in TEXTS:
         assert HealthNote(kind, values).text
 

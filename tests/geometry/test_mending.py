@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.ndimage import gaussian_filter
+from scipy.spatial import cKDTree
 
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.connectivity import Connectivity
@@ -211,3 +212,18 @@ def test_handles_are_never_traded_for_pieces_or_bubbles(seed):
     assert after[0] <= pieces
     assert after[1] <= bubbles
     assert after[2] <= handles - gone
+
+
+def test_a_sponge_is_smoothed_and_what_is_not_spongy_stays():
+    noise = gaussian_filter(np.random.default_rng(1).standard_normal(SHAPE), 0.8)
+    smooth = np.maximum(ball((10, 16, 14), 7), ball((28, 16, 14), 11))
+    spongy = smooth * np.maximum(1.0 + 0.8 * noise / noise.std() * (CELLS[..., 0] > 19), 0.05)
+    volume = half(smooth)
+    assert found(spongy, volume).handles > 16
+    mended = mended_surface(spongy, volume, ONE)
+    assert mended.found == ONE
+    assert mended.smoothed > 0.0
+    assert mended.surface.mesh.volume == pytest.approx(volume, rel=5e-3)
+    left = mended.surface.mesh.vertices[mended.surface.mesh.vertices[:, 0] < 10]
+    plain = surface_enclosing(spongy, volume).mesh.vertices
+    assert cKDTree(plain).query(left)[0].max() < 0.8

@@ -23,6 +23,8 @@ TEXTS: dict[str, str] = {
     "LOST_THIN": "Parts {thickness:.1f} cells thick and {length:.0f} long are lost in {frames}, up to {share:.1%} of "
     "the shape: try resolution {better}",
     "NOT_CONVERGED": "Less exact than asked for in {frames}, by up to {error:.1%}: try more blur",
+    "TORN": "Torn into up to {pieces} pieces in {frames}, where the shapes have {most}: try another motion",
+    "HOLES": "Up to {holes} more holes than the shapes have in {frames}, where parts meet on the way",
     "WALL": "Up to {share:.1%} of the shape touches the wall of the volume in {frames}: try less blur",
     "WIDENED": "Blur was widened to {sigma:.1f} cells in {frames}, to reach from shape to shape",
     **NOTICES,
@@ -42,6 +44,8 @@ SEVERITIES: dict[str, Severity] = {
     "LOST": "WARNING",
     "LOST_THIN": "WARNING",
     "NOT_CONVERGED": "ERROR",
+    "TORN": "WARNING",
+    "HOLES": "INFO",
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
@@ -126,6 +130,8 @@ def health(
         *_not_converged(calls),
         *_too_coarse(figures, resolution, names),
         *_lost(calls, resolution),
+        *_torn(calls),
+        *_holes(calls),
         *_at_the_wall(calls),
         *_widened(calls, settings, resolution),
         *_notices(figures),
@@ -139,6 +145,10 @@ def health_figures(record: Mapping[str, object]) -> dict[str, str | float]:
     motion = record.get("motion")
     if isinstance(motion, Mapping):
         result |= {f"motion_{name}": value for name, value in motion.items()}
+    for name in ("found", "most"):
+        counts = record.get(name)
+        if isinstance(counts, Mapping):
+            result |= {f"{name}_{kind}": counts[kind] for kind in ("pieces", "handles") if kind in counts}
     for name in ("lost", "thin"):
         lost = record.get(name)
         if not isinstance(lost, Mapping):
@@ -228,6 +238,24 @@ def _lost(frames: _Frames, resolution: int) -> list[HealthNote]:
     if thickness:
         return [HealthNote("LOST_THIN", {**values, "thickness": thickness, "length": length})]
     return [HealthNote("LOST", values)]
+
+
+def _torn(frames: _Frames) -> list[HealthNote]:
+    torn = frames.where(lambda figure: _number(figure, "found_pieces") > _number(figure, "most_pieces") > 0.0)
+    if not torn.figures:
+        return []
+    values = {"frames": str(torn), "pieces": int(torn.most("found_pieces")), "most": int(torn.most("most_pieces"))}
+    return [HealthNote("TORN", values)]
+
+
+def _holes(frames: _Frames) -> list[HealthNote]:
+    def beyond(figure: Mapping[str, object]) -> int:
+        return int(_number(figure, "found_handles") - _number(figure, "most_handles"))
+
+    pierced = frames.where(lambda figure: "most_handles" in figure and beyond(figure) > 0)
+    if not pierced.figures:
+        return []
+    return [HealthNote("HOLES", {"frames": str(pierced), "holes": max(map(beyond, pierced.figures))})]
 
 
 def _at_the_wall(frames: _Frames) -> list[HealthNote]:
