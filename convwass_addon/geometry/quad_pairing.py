@@ -1,13 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which triangles make good quads together, two by two."""
+"""Which triangles make good quads together, two by two.
+
+Without SciPy, since frames are written with it, and what writes them is imported when Blender starts.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .edges import edge_use
 from .normals import unit_vectors
 
 # Corners of a quad are between 30 and 150 degrees, and its triangles face the same way up to 25 degrees.
@@ -57,10 +59,15 @@ def quad_pairs(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
 
 def _common_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the half-edges, (2, e), of edges that two triangles run along in opposite directions."""
-    use = edge_use(faces)
-    start = use.start[use.count == 2]
-    start = start[use.forward[start] != use.forward[start + 1]]
-    return np.stack([use.side[start], use.side[start + 1]])
+    tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
+    order = np.argsort(keys, kind="stable")
+    same = keys[order[1:]] == keys[order[:-1]]
+    # Edges of more than two triangles are none of these.
+    alone = same & ~np.append(False, same[:-1]) & ~np.append(same[1:], False)
+    one, other = order[:-1][alone], order[1:][alone]
+    opposite = tails[one] == heads[other]
+    return np.stack([one[opposite], other[opposite]])
 
 
 def _following(sides: NDArray[np.int64], steps: int) -> NDArray[np.int64]:
