@@ -23,6 +23,9 @@ APPLICATIONS = {
         "combined_motion": ("combined_motion", "CombinedMotion"),
         "motion": ("Motion", "MovedShape"),
     },
+    "one_mesh": {
+        "key_paths": ("key_paths", "KeyPath"),
+    },
     "flat": {
         "flat_morph": ("flat_morph",),
         "flat_frames": ("FlatFrame",),

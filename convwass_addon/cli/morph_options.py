@@ -10,7 +10,7 @@ from pathlib import Path
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.morphs.outputs import ON_DISK, PACKED
+from ..bridge.morphs.outputs import ON_DISK, PACKED, SHAPE_KEYS
 from .argument_types import WORKERS, frame_range, numbers
 from .from_schema import add_setting_options
 from .morph_choices import suffixes
@@ -36,7 +36,7 @@ examples:
 
 """
 
-WRITTEN = ("flat_output", "faces", "grays")
+WRITTEN = ("flat_output", "faces", "grays", "key_error")
 """The settings of a request that say what is written; the others say what is made."""
 
 
@@ -102,10 +102,11 @@ def _add_output_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("what is written")
     group.add_argument(
         "--output",
-        choices=[*PACKED, *ON_DISK],
+        choices=[*PACKED, *ON_DISK, SHAPE_KEYS],
         default="objects",
         help="what shows the morph in the .blend: an object per frame, one player object, a pad to drag on (a sheet), "
-        "or files beside it that are read as VDB volumes, Alembic or USD (%(default)s)",
+        "files beside it that are read as VDB volumes, Alembic or USD, or the first mesh with shape keys that lead to "
+        "the other shapes (%(default)s)",
     )
     add_setting_options(group, MorphRequest, only=WRITTEN)
     group.add_argument(

@@ -22,7 +22,7 @@ from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.flat.picture_bake import pictures_of
 from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.morph_guides import guides_asked_for
-from ..bridge.morphs.outputs import save_as
+from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
 from ..progress import Progress
 from .answer import Answer
 from .morph_baking import baked, prepared_job, rendered, report, run_job
@@ -37,6 +37,7 @@ from .morph_choices import (
     settings_of,
 )
 from .reports import note
+from .shape_key_verb import with_shape_keys
 
 
 def run_morph(options: Namespace) -> Answer:
@@ -66,6 +67,8 @@ def run_morph(options: Namespace) -> Answer:
     for text in options.shapes:
         inputs += imported_shape(text)
     depsgraph = bpy.context.evaluated_depsgraph_get()
+    if options.output == SHAPE_KEYS:
+        return with_shape_keys(inputs, options, request, settings, target)
     if not asks_for_flat(inputs, depsgraph, settings.thickness):
         guides = guides_asked_for(options.guides, inputs, depsgraph)
         request = replace(request, guides=[guide.as_dict() for guide in guides])

@@ -31,12 +31,15 @@ from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import chosen_inputs
 from .morph_manage import is_free_to_bake, select_only
+from .reporting import tell
 
 if TYPE_CHECKING:
     from ..applications.morphs.computation import Computation
+    from ..applications.one_mesh.key_paths import KeyPath
     from ..bridge.flat.flat_job import FlatJob
     from ..bridge.flat.picture_job import PictureJob
     from ..bridge.morphs.job import MorphJob
+    from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
 
 # Meshes that are larger than this in all are worth a warning.
 _LARGE_MEGABYTES = 250.0
@@ -114,6 +117,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         refuse_volumes(are_flat and self.output == "VOLUME")
         if self.output in ("VOLUME", "CACHE"):
             absolute_folder(self.folder)
+        if self.output == "SHAPE_KEYS":
+            return self._shape_keys(context, chosen.objects, guides, first_frame)
         if are_flat:
             if guides:
                 self.report({"INFO"}, rpt_("Flat shapes are morphed without guides"))
@@ -126,6 +131,16 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         settings = self.solver_settings()
         options = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+
+    def _shape_keys(
+        self, context: bpy.types.Context, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int
+    ) -> ShapeKeyJob:
+        from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
+
+        refuse_one_mesh(objects)
+        request = replace(self.request(), guides=[guide.as_dict() for guide in guides])
+        depsgraph = context.evaluated_depsgraph_get()
+        return ShapeKeyJob(context.scene, depsgraph, objects, request, self.coherence, first_frame)
 
     def _guides(self, context: bpy.types.Context, names: list[str]) -> list[NamedGuide]:
         """Return the guides about the shapes; raises InputError where others are named by the argument."""
@@ -167,6 +182,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return rpt_("Baking morph")
 
     def _nothing_kept(self) -> str:
+        if self.output == "SHAPE_KEYS":
+            return rpt_("Stopped; nothing was changed")
         if self.replaces:
             return rpt_("Stopped; the morph is as it was")
         return rpt_("Stopped before the first frame was finished")
@@ -174,7 +191,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def _keep(self, context: bpy.types.Context, job: MorphJob | FlatJob | PictureJob) -> bool:
         from ..bridge.morphs.job import MorphJob
 
-        if self.replaces:
+        if self.replaces or self.output == "SHAPE_KEYS":
             return False
         message = rpt_("Stopped; {:d} finished frames are kept").format(len(job.records))
         if not job.records:
@@ -189,6 +206,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return True
 
     def _finish(self, context: bpy.types.Context, job: MorphJob) -> set[str]:
+        if self.output == "SHAPE_KEYS":
+            return self._finish_keys(context, job)
         collection = job.finish(self.hide_inputs)
         self._fit_range(context, job)
         replaced = bpy.data.collections.get(self.replaces)
@@ -210,6 +229,18 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             self.report({"INFO"}, self._summary(collection.name, len(job.records)) + self._when(job))
         if self.following:
             bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=self.following)
+        return {"FINISHED"}
+
+    def _finish_keys(self, context: bpy.types.Context, job: ShapeKeyJob) -> set[str]:
+        obj = job.finish(self.hide_inputs)
+        self._fit_range(context, job)
+        select_only(context, [obj])
+        count = sum(len(path.times) for path in job.paths)
+        farthest = max(path.distance_95 for path in job.paths)
+        text = rpt_("{:s}: {:d} shape keys; 95 % of the mesh ends within {:.2%} of the other shape")
+        turned = [path for path in job.paths if path.turned]
+        warnings = [*job.notices, *(_turned_notice(path) for path in turned)]
+        tell(self, text.format(obj.name, count, farthest), (), warnings)
         return {"FINISHED"}
 
     def _fit_range(self, context: bpy.types.Context, job: MorphJob) -> None:
@@ -250,6 +281,13 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
                 getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
             self.report({"WARNING"}, str(reason(error)))
+
+
+def _turned_notice(path: KeyPath) -> Sentence:
+    return Sentence(
+        "{count} triangles are folded over where {name} has no room for them; add guides there",
+        {"count": path.turned, "name": path.name},
+    )
 
 
 @contextmanager

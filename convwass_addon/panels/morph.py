@@ -210,7 +210,9 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         layout.prop(settings, "output", text="Type")
         if settings.output == "OBJECTS":
             layout.prop(settings, "flat_output")
-        if settings.output != "VOLUME":
+        if settings.output == "SHAPE_KEYS":
+            layout.prop(settings, "key_error")
+        elif settings.output != "VOLUME":
             layout.prop(settings, "faces")
         pictures = settings.output == "OBJECTS" and settings.flat_output == "PICTURE"
         if pictures:

@@ -164,8 +164,21 @@ class MorphRequest(Settings):
             ),
             Choice("VOLUME", "Volume", "VDB files, and a mesh made of them whose level and smoothing stay editable"),
             Choice("CACHE", "Cache", "An Alembic or USD file, and one object that reads it"),
+            Choice(
+                "SHAPE_KEYS",
+                "Shape Keys",
+                "The mesh of the first shape, with shape keys that lead to the others; for shapes of one build",
+            ),
         ),
         option=None,
+    )
+    key_error: float = setting(
+        0.5,
+        "Key Error",
+        "How far vertices may leave their path between two shape keys, in percent of the size; less takes more keys",
+        least=0.01,
+        most=10.0,
+        unit="percent",
     )
     folder: str = setting(
         DEFAULT_FOLDER,

@@ -34,6 +34,9 @@ ON_DISK: dict[str, Callable[[bpy.types.Collection, Path], DiskOutput]] = {
 }
 """Outputs that read files beside the .blend, and what makes them of a morph."""
 
+SHAPE_KEYS = "shape-keys"
+"""The output that is no morph of frames: one mesh with shape keys."""
+
 
 def folder_beside(target: Path) -> str:
     """Return where the files of outputs on disk go: a folder beside the .blend file, named after it."""

@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.one_mesh.key_paths import paths_along
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -59,6 +60,19 @@ def test_an_arm_that_swings_keeps_its_length(arms, swing):
         assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(4.0, rel=0.03)
         assert apart(one.mesh, other.mesh) < 0.02
         assert one.mesh.volume == pytest.approx(arms[0].volume, rel=0.03)
+
+
+def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
+    """The whole rod is the limb here, so a percent of the size is as fine as half a percent is of a body."""
+    (path,) = drained(paths_along(swing, arms, ["one", "other"], 0.01, UNINTERRUPTED))
+    assert len(path.times) <= 6
+    assert path.times[-1] == 1.0
+    assert path.deviation <= 0.01
+    assert path.distance < 0.001
+    assert path.distance_95 < 0.004
+    assert path.turned == 0
+    end = TriangleMesh(path.positions[-1], arms[0].faces)
+    assert end.volume == pytest.approx(arms[1].volume, rel=0.01)
 
 
 def test_the_record_says_how_well_it_fits(swing):

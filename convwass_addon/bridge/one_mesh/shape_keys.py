@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An object whose shape keys lead to other shapes, each by one value that can be animated."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ...applications.one_mesh.key_paths import KeyPath
+from ..morphs.bake import wear_material
+
+RECORD_KEY = "convwass_shape_keys"
+"""Custom property of the object: JSON of what is known of every path."""
+
+
+def object_with_keys(
+    source: bpy.types.Object, mesh: bpy.types.Mesh, paths: Sequence[KeyPath], scene: bpy.types.Scene
+) -> bpy.types.Object:
+    """Make an object of a mesh whose shape keys lead to other shapes.
+
+    The object has a custom property for each path, from 0 to 1, which drives the shape keys of the path. Drivers are
+    simple expressions, which Blender evaluates without scripts. Between two keys vertices go straight; several paths
+    add up.
+
+    Parameters
+    ----------
+    source : bpy.types.Object
+        The object that the mesh was copied from.
+    mesh : bpy.types.Mesh
+        Without users and shape keys, in world space; with as many vertices as the paths. Its vertex groups, UV maps,
+        attributes and materials stay.
+    paths : sequence of KeyPath
+        Where the vertices go.
+    scene : bpy.types.Scene
+        Where the object goes.
+    """
+    wear_material(mesh)
+    obj = bpy.data.objects.new(f"{source.name} Morph", mesh)
+    scene.collection.objects.link(obj)
+    obj.shape_key_add(name="Basis", from_mix=False)
+    for path in paths:
+        _add_slider(obj, path.name)
+        keys = []
+        for number, positions in enumerate(path.positions, start=1):
+            name = path.name if len(path.times) == 1 else f"{path.name} {number}"
+            keys.append(obj.shape_key_add(name=name, from_mix=False))
+            keys[-1].data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
+        for key, expression in zip(keys, key_expressions(path.times), strict=True):
+            _drive(obj, key, path.name, expression)
+    obj[RECORD_KEY] = json.dumps([path.record() for path in paths])
+    return obj
+
+
+def key_expressions(times: Sequence[float]) -> list[str]:
+    """Return the value of each key as a function of the slider v: 1 at its time, 0 at its neighbors', linear between.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Of the keys, increasing from above 0 to 1. The last key stays at 1 beyond.
+    """
+    found = []
+    for before, own, after in zip((0.0, *times[:-1]), times, (*times[1:], None), strict=True):
+        rising = f"(v - {before:.6g}) / {own - before:.6g}"
+        falling = "1" if after is None else f"({after:.6g} - v) / {after - own:.6g}"
+        found.append(f"max(0, min({rising}, {falling}))")
+    return found
+
+
+def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, frames: int) -> None:
+    """Key the sliders so that the mesh takes one shape after the other, `frames` scene frames apart."""
+    for number, name in enumerate(names):
+        begin, end = first + number * frames, first + (number + 1) * frames
+        values = {begin: 0.0, end: 1.0}
+        if number + 1 < len(names):
+            # The next shape takes over from this one.
+            values[end + frames] = 0.0
+        for frame, value in values.items():
+            obj[name] = value
+            obj.keyframe_insert(_path_of(name), frame=frame)
+        obj[name] = 0.0
+
+
+def _add_slider(obj: bpy.types.Object, name: str) -> None:
+    obj[name] = 0.0
+    obj.id_properties_ui(name).update(min=0.0, max=1.0, description="How far the mesh has taken this shape")
+
+
+def _drive(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expression: str) -> None:
+    driver = key.driver_add("value").driver
+    variable = driver.variables.new()
+    variable.name = "v"
+    variable.targets[0].id = obj
+    variable.targets[0].data_path = _path_of(slider)
+    driver.expression = expression
+
+
+def _path_of(name: str) -> str:
+    return f'["{bpy.utils.escape_identifier(name)}"]'

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What ``morph --output shape-keys`` does."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+
+from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.files import save_blend
+from ..bridge.frame_range import play_whole
+from ..bridge.morphs.morph_guides import guides_asked_for
+from ..bridge.morphs.morph_request import MorphRequest
+from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
+from ..console import ProgressBar
+from ..errors import InputError
+from .answer import Answer
+from .reports import note
+
+# Options about frames, of which there are none.
+_OF_FRAMES = ("render", "export", "at", "frames_range", "cache", "scheduler")
+
+
+def with_shape_keys(
+    inputs: list[bpy.types.Object], options: Namespace, request: MorphRequest, settings: MorphSettings, target: Path
+) -> Answer:
+    """Give the mesh of the first shape keys that lead to the others, and save it.
+
+    Raises
+    ------
+    InputError
+        Shapes that are no meshes or too different, or options about frames.
+    """
+    given = [name for name in _OF_FRAMES if getattr(options, name)]
+    if given:
+        raise InputError(
+            "--output shape-keys makes one mesh and no frames; leave out --{option}.",
+            option=given[0].replace("_", "-"),
+        )
+    refuse_one_mesh(inputs)
+    depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
+    guides = guides_asked_for(options.guides, inputs, depsgraph)
+    request = replace(request, guides=[guide.as_dict() for guide in guides])
+    job = ShapeKeyJob(scene, depsgraph, inputs, request, settings.coherence, scene.frame_start)
+    try:
+        with ProgressBar("Making shape keys") as bar:
+            bar.result_of(job.steps())
+        obj = job.finish(hide_inputs=True)
+    except BaseException:
+        job.discard()
+        raise
+    for notice in job.notices:
+        note(notice)
+    play_whole(scene, *job.span)
+    record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
+    return Answer.of_files(record, [save_blend(target)])

@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paths as few straight pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.straight_pieces import fitted_pieces, straight_pieces, strayed
+
+
+def arc(angle, count):
+    """A point on the unit circle and the center, at even times."""
+    turned = np.linspace(0.0, angle, count)
+    return [np.array([[np.cos(a), np.sin(a), 0.0], [0.0, 0.0, 0.0]]) for a in turned]
+
+
+def test_a_straight_and_even_path_is_one_piece():
+    samples = [np.array([[t, 2.0 * t, 0.0]]) for t in np.linspace(0.0, 1.0, 9)]
+    assert straight_pieces(samples, 1e-12) == [8]
+
+
+@pytest.mark.parametrize("pieces", [2, 3, 4, 6])
+def test_an_arc_takes_as_many_pieces_as_its_sagitta_says(pieces):
+    """A chord of an arc of angle a stays within 1 - cos(a / 2) of it, up to where the pace differs a little."""
+    angle = np.radians(120.0)
+    sagitta = 1.0 - np.cos(angle / pieces / 2.0)
+    ends = straight_pieces(arc(angle, 12 * pieces + 1), 1.02 * sagitta)
+    assert ends == [12 * (number + 1) for number in range(pieces)]
+    assert strayed(arc(angle, 25), 0, 24) == pytest.approx(1.0 - np.cos(angle / 2.0), rel=0.02)
+
+
+def test_samples_that_cannot_be_joined_stay_all():
+    corner = [np.array([[0.0, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0]]), np.array([[1.0, 1.0, 0.0]])]
+    assert straight_pieces(corner, 0.1) == [1, 2]
+
+
+def test_fitted_pieces_are_fewer_and_stay_as_near():
+    """Ends beyond an arc share the error out to both sides: pieces may be longer by the root of a third and more."""
+    samples, most = arc(np.radians(120.0), 121), 0.02
+    found = fitted_pieces(samples, most)
+    assert len(found.ends) < len(straight_pieces(samples, most))
+    assert found.deviation <= most
+    knots = np.array([0, *found.ends]) / 120
+    points = np.concatenate([samples[0][None], found.positions])
+    followed = np.stack([np.interp(np.linspace(0, 1, 121), knots, points[:, 0, axis]) for axis in range(3)], axis=1)
+    away = np.linalg.norm(followed - np.stack(samples)[:, 0], axis=1)
+    assert away.max() == pytest.approx(found.deviation)
+    assert away[[0, -1]] == pytest.approx(0.0, abs=1e-12)

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects whose shape keys lead to other shapes."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.one_mesh import shape_key_job
+from convwass_addon.bridge.one_mesh.shape_keys import RECORD_KEY, animate_sliders, key_expressions, object_with_keys
+from convwass_addon.progress import Progress
+from convwass_addon.sentence import Sentence
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+QUICK = {"output": "SHAPE_KEYS", "frames": 10}
+
+
+def evaluated(obj):
+    bpy.context.view_layer.update()
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    found = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3)
+
+
+def slide(obj, **values):
+    for name, value in values.items():
+        obj[name] = value
+    obj.update_tag()
+    return evaluated(obj)
+
+
+def moved(points, *shift):
+    return points + np.array(shift)
+
+
+def path_to(name, times, positions):
+    return KeyPath(name, times, np.asarray(positions, float), 0.95, 0.001, 0.0, 0.0, 0)
+
+
+@pytest.fixture
+def cube():
+    bpy.ops.mesh.primitive_cube_add()
+    obj = bpy.context.object
+    obj.vertex_groups.new(name="Paint").add([0, 3], 0.5, "REPLACE")
+    return obj
+
+
+def test_values_of_keys_are_hats_that_sum_to_one_between_them():
+    times = (0.25, 0.5, 1.0)
+    for v in np.linspace(0.0, 1.0, 21):
+        values = [eval(text, {"v": v, "max": max, "min": min}) for text in key_expressions(times)]
+        assert sum(values) == pytest.approx(min(v / times[0], 1.0), abs=1e-6)
+        assert np.dot(values, times) == pytest.approx(v, abs=1e-6)
+
+
+def test_a_slider_leads_through_the_keys_and_two_add_up(cube):
+    rest = evaluated(cube).astype(float)
+    up, wide = moved(rest, 0, 0, 2), rest * [3, 1, 1]
+    paths = [path_to("Up", (0.5, 1.0), [moved(rest, 1, 0, 1), up]), path_to('Wide "one"', (1.0,), [wide])]
+    obj = object_with_keys(cube, cube.data.copy(), paths, bpy.context.scene)
+    assert slide(obj, Up=0.0) == pytest.approx(rest, abs=1e-6)
+    assert slide(obj, Up=0.25) == pytest.approx(moved(rest, 0.5, 0, 0.5), abs=1e-5)
+    assert slide(obj, Up=0.75) == pytest.approx(moved(rest, 0.5, 0, 1.5), abs=1e-5)
+    assert slide(obj, Up=1.0) == pytest.approx(up, abs=1e-5)
+    assert slide(obj, **{"Up": 1.0, 'Wide "one"': 0.5}) == pytest.approx(up + 0.5 * (wide - rest), abs=1e-5)
+    assert all(curve.driver.is_simple_expression for curve in obj.data.shape_keys.animation_data.drivers)
+    assert [group.name for group in obj.vertex_groups] == ["Paint"]
+    assert [entry["name"] for entry in json.loads(obj[RECORD_KEY])] == ["Up", 'Wide "one"']
+
+
+def test_shapes_follow_each_other_in_time(cube):
+    rest = evaluated(cube).astype(float)
+    paths = [path_to("B", (1.0,), [moved(rest, 1, 0, 0)]), path_to("C", (1.0,), [moved(rest, 0, 1, 0)])]
+    obj = object_with_keys(cube, cube.data.copy(), paths, bpy.context.scene)
+    animate_sliders(obj, ["B", "C"], 5, 10)
+    for frame, shift in ((1, (0, 0)), (5, (0, 0)), (15, (1, 0)), (25, (0, 1)), (40, (0, 1))):
+        bpy.context.scene.frame_set(frame)
+        assert evaluated(obj) == pytest.approx(moved(rest, *shift, 0), abs=1e-5)
+
+
+def hook(name, angle):
+    """An object without symmetry, turned about the Y axis."""
+    outline = np.array([[0, 0], [2, 0], [2, 0.5], [0.5, 0.5], [0.5, 3], [0, 3]]) - [0.5, 1.0]
+    count = len(outline)
+    points = np.concatenate([np.column_stack([outline[:, 0], np.full(count, y), outline[:, 1]]) for y in (-0.3, 0.3)])
+    c, s = np.cos(angle), np.sin(angle)
+    points = points @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in range(count)]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], [*sides, tuple(range(count))[::-1], tuple(range(count, 2 * count))])
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def test_the_bake_gives_the_first_mesh_keys_that_lead_to_the_second_shape(monkeypatch):
+    """With the way known: how it is found, tests/applications/motions/test_guided_motion.py shows."""
+    first, second = hook("First", 0.0), hook("Second", np.radians(60.0))
+    first.modifiers.new("Edges", "BEVEL").show_viewport = False
+    bpy.context.view_layer.update()
+
+    def known(shapes, names, accuracy, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        assert (names, accuracy) == (["First", "Second"], pytest.approx(0.005))
+        return [path_to(names[1], (1.0,), [shapes[1].vertices])]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", known)
+    scene = bpy.context.scene
+    assert bpy.ops.convwass.bake_morph(inputs="First,Second", **QUICK) == {"FINISHED"}
+    obj = bpy.data.objects["First Morph"]
+    assert slide(obj, Second=0.0) == pytest.approx(evaluated(first), abs=1e-5)
+    assert slide(obj, Second=1.0) == pytest.approx(evaluated(second), abs=1e-5)
+    scene.frame_set(11)
+    assert obj["Second"] == 1.0
+    assert (scene.frame_start, scene.frame_end) == (1, 250)
+    assert first.hide_get() and second.hide_get()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [({"coherence": 0.2}, "does not arrive"), ({"inputs": "Word,Label"}, "is no mesh")],
+)
+def test_shapes_that_cannot_share_a_mesh_are_refused(arguments, message):
+    hook("First", 0.0)
+    hook("Second", 0.5)
+    for name in ("Word", "Label"):
+        bpy.ops.object.text_add()
+        bpy.context.object.name = name
+    before = len(bpy.data.meshes)
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.convwass.bake_morph(**{"inputs": "First,Second", **QUICK, **arguments})
+    assert len(bpy.data.meshes) == before
