@@ -76,7 +76,7 @@ class BackgroundOperator:
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
-            for report in self._steps()(UNINTERRUPTED):
+            for report in self.work()(UNINTERRUPTED):
                 self._job.write(report)
                 manager.progress_update(int(100 * report.fraction))
             return self._finish(context, self._job)
@@ -94,6 +94,10 @@ class BackgroundOperator:
             context.window_manager.modal_handler_add(self)
         return started
 
+    def work(self) -> Callable[[Control], Work[None]]:
+        """Return what does the work that has begun, given a control; all of it is had from here."""
+        return self._steps()
+
     def _start(self, context: bpy.types.Context) -> set[str]:
         """Begin the work on its thread, for an operator that has a modal handler, or gets one."""
         self._scene = Handle.of("scenes", context.scene)
@@ -102,7 +106,7 @@ class BackgroundOperator:
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
         self._in_background = True
-        self._background = (InlineJob if self._in_turn() else BackgroundJob)(self._steps())
+        self._background = (InlineJob if self._in_turn() else BackgroundJob)(self.work())
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         self._running = _Running(self._background, self._job, timer)
         _RUNNING.add(self._running)

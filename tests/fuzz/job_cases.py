@@ -13,7 +13,6 @@ import numpy as np
 
 from convwass_addon.bridge.skies.sky_pixels import write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world
-from convwass_addon.operators.background import BackgroundOperator
 from tests.lights import principled, sky
 from tests.operators.densities import ball, inventory
 from tests.pictures import image_of
@@ -145,11 +144,6 @@ def kinds_of(kind: type) -> Iterator[type]:
     for own in kind.__subclasses__():
         yield own
         yield from kinds_of(own)
-
-
-def with_steps() -> set[type]:
-    """The operators that say what the steps of their work are."""
-    return {found for found in kinds_of(BackgroundOperator) if "_steps" in vars(found)}
 
 
 def traces(folder: Path) -> tuple[object, ...]:

@@ -12,14 +12,16 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from unittest.mock import patch
 
 import bpy
 
 from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.skies.sky_sequence import SkyFiles, sky_steps
+from convwass_addon.operators.background import BackgroundOperator
 from convwass_addon.progress import Control
-from tests.fuzz.job_cases import prepare, with_steps
+from tests.fuzz.job_cases import prepare
 from tests.lights import sky
 
 _PLACING = "placing: "
@@ -37,13 +39,12 @@ def run(name: str, folder: Path, step: Step = lambda: None) -> None:
     work = prepare(name, folder)
     if not (folder / "work.blend").exists():
         bpy.ops.wm.save_as_mainfile(filepath=str(folder / "work.blend"))
-    for kind in with_steps():
-        kind._steps = _stepping(kind._steps, step)
-    work()
+    with patch.object(BackgroundOperator, "work", _stepping(BackgroundOperator.work, step)):
+        work()
 
 
 def _stepping(own: Callable[[object], Callable], step: Step) -> Callable:
-    def steps(self: object) -> Callable[[object], Iterator]:
+    def work(self: object) -> Callable[[object], Iterator]:
         make = own(self)
 
         def stepping(control: Control) -> Iterator:
@@ -53,7 +54,7 @@ def _stepping(own: Callable[[object], Callable], step: Step) -> Callable:
 
         return stepping
 
-    return steps
+    return work
 
 
 def _sky(folder: Path, step: Step) -> None:

@@ -20,7 +20,7 @@ from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.errors import Cancelled
 from convwass_addon.operators.background import BackgroundOperator
 from tests.controls import CountingControl
-from tests.fuzz.job_cases import CASES, call, kinds_of, prepare, traces, two_cubes, with_steps
+from tests.fuzz.job_cases import CASES, call, prepare, traces, two_cubes
 from tests.operators.densities import ESCAPE, Pressed, inventory, started, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -36,25 +36,21 @@ def stopped_after(monkeypatch, count, error):
     """Let jobs fail after so many steps; return a list that has an entry where one had no so many."""
     ended = []
 
-    def steps_of(kind):
-        own = kind._steps
+    own = BackgroundOperator.work
 
-        def steps(self):
-            make = own(self)
+    def work(self):
+        make = own(self)
 
-            def failing(control):
-                for number, step in enumerate(make(control)):
-                    if number == count:
-                        raise error
-                    yield step
-                ended.append(True)
+        def failing(control):
+            for number, step in enumerate(make(control)):
+                if number == count:
+                    raise error
+                yield step
+            ended.append(True)
 
-            return failing
+        return failing
 
-        return steps
-
-    for kind in with_steps():
-        monkeypatch.setattr(kind, "_steps", steps_of(kind))
+    monkeypatch.setattr(BackgroundOperator, "work", work)
     return ended
 
 
@@ -81,25 +77,21 @@ def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch, tmp_
 def checked_by(monkeypatch, control):
     """Let all jobs check `control`, and the steps end at it as those of a thread do."""
 
-    def steps_of(own):
-        def steps(self):
-            make = own(self)
+    own = BackgroundOperator.work
 
-            def asking(_):
-                for step in make(control):
-                    yield step
-                    control.check()
+    def work(self):
+        make = own(self)
 
-            return asking
+        def asking(_):
+            for step in make(control):
+                yield step
+                control.check()
+            # Threads ask more or less often from run to run: what comes to its end is stopped there.
+            raise Cancelled("Cancelled.")
 
-        return steps
+        return asking
 
-    for kind in with_steps():
-        monkeypatch.setattr(kind, "_steps", steps_of(kind._steps))
-    # Threads ask more or less often from run to run: one that comes to its end is stopped there.
-    for kind in kinds_of(BackgroundOperator):
-        if "_finish" in vars(kind):
-            monkeypatch.setattr(kind, "_finish", stopping)
+    monkeypatch.setattr(BackgroundOperator, "work", work)
 
 
 # What guides shapes is stopped inside by tests/applications/motions/test_guided_motion.py.
@@ -122,10 +114,6 @@ def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, t
                 assert work() == {"CANCELLED"}
         assert traces(tmp_path) == before, f"at check {last} of {whole.count}"
     assert work() == {"FINISHED"}
-
-
-def stopping(operator, context, job):
-    raise Cancelled("Cancelled.")
 
 
 @pytest.mark.parametrize("where", ["write", "finish"])
