@@ -24,7 +24,7 @@ from .surface_samples import SurfaceSamples
 # Lines are compared over this part of the reach, and one that is strained by this much counts half. The rotations of
 # parts that turn against each other by less than the damping, in radians, tell nothing about a joint. The strain was
 # measured (docs/performance.md, Motions).
-_NEAR, _STRAIN, _DAMPING = 0.4, 0.1, 0.1
+_NEAR, _STRAIN, _DAMPING = 0.3, 0.1, 0.1
 # No sample counts less than this, so that all are held.
 _LEAST_WEIGHT = 1e-3
 # Weight with which samples keep to the straight line between their ends, beside that of the others: it holds what no

@@ -32,7 +32,7 @@ _NEAR_ENOUGH = 1.5
 _BEARABLE = 8
 # Vertices that stand for the parts of a shape, how far they see each other, in sizes of the surface, and how firmly
 # their positions hold the surface: over more than a twentieth of its size (docs/performance.md, Motions).
-_SAMPLES, _REACH, _ANCHORING = 300, 0.3, 400.0
+_SAMPLES, _REACH, _ANCHORING = 300, 0.4, 400.0
 
 
 @dataclass(frozen=True)
