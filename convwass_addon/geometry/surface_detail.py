@@ -64,6 +64,8 @@ class DetailSource:
         Its share of the surface.
     starts : (n, 3) float64
         Where on its coarse reading the vertices of the surface are.
+    certainty : (n,) float64
+        How far the starts are known, from 0 to 1; offsets from them are taken no further.
     filled : callable
         Takes points, (p, 3), and returns which share of the space about each the solid fills, (p,).
     """
@@ -71,6 +73,7 @@ class DetailSource:
     shape: FacingShape
     weight: float
     starts: NDArray[np.float64]
+    certainty: NDArray[np.float64]
     filled: Callable[[NDArray[np.float64]], NDArray[np.floating]]
 
 
@@ -152,6 +155,7 @@ class _Carried:
     facing: NDArray[np.float64]
     """Normals of the shape's triangles, (m, 3)."""
     starts: NDArray[np.float64]
+    certainty: NDArray[np.float64]
     places: ClosestPoints
     points: NDArray[np.float64]
 
@@ -160,7 +164,8 @@ class _Carried:
         """Find the places of the vertices of a surface with these normals, (n, 3)."""
         places = source.shape.finder.find(source.starts, normals, control)
         facing = triangle_normals(source.shape.mesh.corners)
-        return cls(source, facing, source.starts, places, places.interpolated(source.shape.mesh.corners))
+        points = places.interpolated(source.shape.mesh.corners)
+        return cls(source, facing, source.starts, source.certainty, places, points)
 
     @property
     def normals(self) -> NDArray[np.float64]:
@@ -183,6 +188,7 @@ class _Carried:
         return replace(
             self,
             starts=np.concatenate([self.starts, self.starts[ends].mean(axis=1)]),
+            certainty=np.concatenate([self.certainty, self.certainty[ends].mean(axis=1)]),
             places=self.places.followed_by(found),
             points=np.concatenate([self.points, found.interpolated(self.source.shape.mesh.corners)]),
         )
@@ -205,7 +211,7 @@ class _Carried:
         agreement = np.einsum("nd,nd->n", self.normals, normals)
         outside = (_INSIDE - self.source.filled(self.points)) / (_INSIDE - _SURFACE)
         near = (_FARTHEST - distances) / (_FARTHEST - _TRUSTED)
-        return np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
+        return self.certainty * np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
 
     def relaxed(self, faces: NDArray[np.int64], facing: NDArray[np.float64], means: EdgeMeans) -> _Carried:
         """Even out places where triangles are turned over or stand on edge: between their neighbors, on the shape.

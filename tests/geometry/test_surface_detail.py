@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,7 +32,7 @@ def within(points):
 
 
 def source(mesh, weight, starts, filled=on_surface):
-    return DetailSource(FacingShape(mesh), weight, starts, filled)
+    return DetailSource(FacingShape(mesh), weight, starts, np.ones(len(starts)), filled)
 
 
 def alone(surface, mesh, filled=on_surface, amount=1.0):
@@ -86,6 +88,13 @@ def test_offsets_are_added_with_the_weights(smooth):
     expected = scaled(smooth, 1.0 - 0.0625 / RADIUS)
     found = with_detail(smooth, sources, 1.0, 1.0, expected.volume).mesh
     assert away(expected, found.vertices).max() < 0.005
+
+
+def test_offsets_from_places_that_are_half_known_are_halved(smooth):
+    larger, half = (scaled(smooth, 1.0 + height / RADIUS) for height in (0.5, 0.25))
+    unsure = replace(source(larger, 1.0, smooth.vertices), certainty=np.full(len(smooth.vertices), 0.5))
+    found = with_detail(smooth, [unsure], 1.0, 1.0, half.volume).mesh
+    assert away(half, found.vertices).max() < 0.005
 
 
 def test_half_of_the_detail_is_half_of_the_offset(smooth):

@@ -15,7 +15,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
 from .coinciding_solids import CoincidingSolids
-from .detail import detailed_blend
+from .detail import detailed_blend, starts_of_transport
 from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
@@ -176,7 +176,7 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
 def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFrame:
     """Lay the detail of the inputs onto a blend of inputs that do not move."""
     occupancies = [problem.transport.occupancy(i) for i in range(len(problem.shapes))]
-    surface = detailed_blend(problem, frame, problem.shapes, occupancies, frame.origins)
+    surface = detailed_blend(problem, frame, problem.shapes, occupancies, starts_of_transport(frame))
     detailed = replace(frame, mesh=surface.mesh, record={**frame.record, "volume": surface.mesh.volume})
     if not problem.settings.carry:
         return replace(detailed, origins=None)

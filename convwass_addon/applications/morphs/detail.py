@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -18,13 +19,32 @@ from ...progress import UNINTERRUPTED, Control
 from .coinciding_solids import CoincidingSolids
 from .morph_problem import MorphFrame, MorphProblem
 
+# Transport is trusted to tell where detail belongs on a shape of the larger weight, and not at all of the smaller.
+_UNKNOWN, _KNOWN = 0.5, 0.9
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Where on its shapes a blend comes from, as far as the grid tells.
+
+    Attributes
+    ----------
+    points : (k, n, 3)
+        For every shape, the places of the vertices of the blend on its reading.
+    certainty : (k, n) float64
+        How far they are known, from 0 to 1.
+    """
+
+    points: NDArray[np.floating]
+    certainty: NDArray[np.float64]
+
 
 def detailed_blend(
     problem: MorphProblem,
     frame: MorphFrame,
     shapes: Sequence[FacingShape],
     occupancies: Sequence[NDArray[np.floating]],
-    starts: NDArray[np.floating],
+    starts: Starts,
     control: Control = UNINTERRUPTED,
 ) -> DetailedSurface:
     """Lay the detail of shapes onto a blend of them.
@@ -39,8 +59,8 @@ def detailed_blend(
         In the scene, outward.
     occupancies : sequence of (nx, ny, nz)
         Of the shapes.
-    starts : (k, n, 3)
-        Where the vertices of the blend come from, as far as the grid tells.
+    starts : Starts
+        Where the vertices of the blend come from.
     control : Control
         Ends the work when cancelled.
     """
@@ -49,7 +69,8 @@ def detailed_blend(
         DetailSource(
             shape=shapes[i],
             weight=float(frame.blend.weights[i]),
-            starts=starts[i].astype(np.float64),
+            starts=starts.points[i].astype(np.float64),
+            certainty=starts.certainty[i],
             filled=partial(_sampled, occupancies[i], lattice.origin + lattice.centers[i], lattice.spacing),
         )
         for i in np.flatnonzero(frame.blend.weights)
@@ -58,8 +79,14 @@ def detailed_blend(
     return with_detail(frame.mesh, sources, lattice.spacing, amount, volume, control)
 
 
-def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: CoincidingSolids) -> NDArray[np.float64]:
-    """Return where on moved shapes the vertices of a blend come from, (k, n, 3), as far as the grid tells.
+def starts_of_transport(frame: MorphFrame) -> Starts:
+    """Return where transport takes the vertices of a blend from; it is sure of that next to the shapes only."""
+    certainty = np.repeat(_certainty(frame.blend.weights)[:, None], frame.origins.shape[1], axis=1)
+    return Starts(frame.origins, certainty)
+
+
+def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: CoincidingSolids) -> Starts:
+    """Return where on moved shapes the vertices of a blend come from.
 
     Where the shapes coincide that is straight above or below; elsewhere it is where transport takes them from. The mean
     of all, with the weights, is the vertex.
@@ -73,15 +100,22 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
     solids : CoincidingSolids
         The shapes.
     """
-    lattice, mesh = problem.lattice, frame.mesh
+    lattice, mesh, weights = problem.lattice, frame.mesh, frame.blend.weights
     at = partial(_sampled, low=lattice.origin + lattice.centers[0], spacing=lattice.spacing, points=mesh.vertices)
     depths = np.stack([at(depth) for depth in solids.depths])
-    heights = lattice.spacing * (depths - np.asarray(frame.blend.weights) @ depths)
-    starts = mesh.vertices + heights[..., None] * vertex_normals(mesh.vertices, mesh.faces)
+    heights = lattice.spacing * (depths - np.asarray(weights) @ depths)
+    points = mesh.vertices + heights[..., None] * vertex_normals(mesh.vertices, mesh.faces)
     if frame.origins is None:
-        return starts
-    agreement = at(solids.agreement)[:, None]
-    return agreement * starts + (1.0 - agreement) * frame.origins
+        return Starts(points, np.ones(points.shape[:2]))
+    agreement = at(solids.agreement)
+    certainty = agreement + (1.0 - agreement) * _certainty(weights)[:, None]
+    return Starts(agreement[:, None] * points + (1.0 - agreement)[:, None] * frame.origins, certainty)
+
+
+def _certainty(weights: Sequence[float]) -> NDArray[np.float64]:
+    """Return how sure transport is of where on every shape matter comes from, (k,): the more, the nearer the blend."""
+    share = np.clip((np.asarray(weights) - _UNKNOWN) / (_KNOWN - _UNKNOWN), 0.0, 1.0)
+    return share**2 * (3.0 - 2.0 * share)
 
 
 def _sampled(
