@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from skimage.graph import MCP_Geometric
 
 from .bumps import around
+from .gaps import Gap
 
-# Cells around a gap among which a way across is looked for.
-_WINDOW = 12
+# Cells around a gap, beyond its width, among which a way across is looked for.
+_MARGIN = 2
 # How much more a step costs where there is half the density.
 _STEEPNESS = 3.0
 # Radii of a bridge that a change of the density reaches.
@@ -24,7 +25,7 @@ def way_across(
     density: NDArray[np.floating],
     labels: NDArray[np.int32],
     ends: tuple[NDArray[np.int64], NDArray[np.int64]],
-    place: tuple[int, ...],
+    gap: Gap,
 ) -> NDArray[np.int64]:
     """Return the cells of a way from some pieces to others through a gap, (n, 3), which goes where it is dense.
 
@@ -36,10 +37,11 @@ def way_across(
         Of the pieces, 1, 2, ...; zero elsewhere.
     ends : two of (k,) int64
         Numbers of the pieces that the way begins in, and of those that it ends in.
-    place : (int, int, int)
-        A cell of the gap. Where pieces are more than twelve cells away from it, the way ends in the gap.
+    gap : Gap
+        Between them. Where it is wider than it says, the way ends in it.
     """
-    window = around(density.shape, place, _WINDOW)
+    place = gap.place
+    window = around(density.shape, place, gap.width + _MARGIN)
     inner, pieces = density[window], labels[window]
     low = np.array([span.start for span in window])
     value = float(density[place])

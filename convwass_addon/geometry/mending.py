@@ -31,7 +31,7 @@ _COUNTED = ("crumbs", "filled", "bridged", "clipped", "unhandled", "smoothed")
 # By how many cells places are smoothed whose handles cannot be removed one by one, and how many are too many to try.
 # From a ball to a knot at 100 cells, 57 handles of a frame were removed and 10 were left.
 _SMOOTHINGS = (1.0, 1.5, 2.0)
-_SPONGE = 16
+_SPONGE = 12
 
 
 @dataclass(frozen=True)
@@ -93,18 +93,17 @@ def mended_surface(density: NDArray[np.floating], volume: float, most: Connectiv
     # What is thinner than the deepest gap plays no part.
     box, low = _box_of_interest(density, volume)
     given = np.array(density[box], order="C")
-    work = _Work(given.copy(), volume, most)
-    level, smoothings = work.level, _SMOOTHINGS
-    best = None
-    if work.excess() > _SPONGE:
-        smoothings = smoothings[1:]
-    else:
-        best = _settled(work, most)
-    for sigma in smoothings:
-        if best is not None and best.mending.found.beyond(most).handles == 0:
+    work = _Work(given.copy(), volume, most, _SPONGE)
+    level = work.level
+    best = _settled(work, most)
+    # What is no sponge keeps its handles after little smoothing or after any.
+    is_sponge = best.mending.found.beyond(most).handles > _SPONGE
+    for sigma in _SMOOTHINGS if is_sponge else _SMOOTHINGS[:1]:
+        if best.mending.found.beyond(most).handles == 0:
             break
-        found = _settled(_Work(smoothed_at_saddles(given, level, sigma), volume, most), most)
-        if best is None or found.mending.found.beyond(most) < best.mending.found.beyond(most):
+        too_many = None if sigma == _SMOOTHINGS[-1] else _SPONGE
+        found = _settled(_Work(smoothed_at_saddles(given, level, sigma), volume, most, too_many), most)
+        if found.mending.found.beyond(most) < best.mending.found.beyond(most):
             best = _Settled(replace(found.mending, smoothed=sigma), found.density)
     surface = even_surface(best.mending.surface, best.density)
     return replace(best.mending, surface=LevelSurface(surface.mesh.moved(low), surface.level))
@@ -141,19 +140,20 @@ class _Work:
         As it is now.
     level : float
         Of the surface.
+
+    Parameters
+    ----------
+    density, volume, most
+        As for :func:`mended_surface`.
+    too_many : int or None
+        More handles than that are not removed one by one.
     """
 
-    def __init__(self, density: NDArray[np.floating], volume: float, most: Connectivity) -> None:
-        self.density, self._volume, self._most = density, volume, most
+    def __init__(self, density: NDArray[np.floating], volume: float, most: Connectivity, too_many: int | None) -> None:
+        self.density, self._volume, self._most, self._too_many = density, volume, most, too_many
         self._shortfall = estimate_shortfall(density, volume)
         self.level = level_enclosing(density, volume, self._shortfall)
         self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
-
-    def excess(self) -> int:
-        """Count handles beyond those that there may be."""
-        pieces = pieces_above(self.density, self.level).count
-        bubbles = hollows_below(self.density, self.level).count
-        return pieces + bubbles - euler_number(self.density, self.level) // 2 - self._most.handles
 
     def drawn(self) -> Mending:
         """Draw the surface as it is now; what is mended next is seen at its level."""
@@ -167,8 +167,9 @@ class _Work:
         pieces = self._join_pieces()
         bubbles = self._fill_bubbles()
         handles = pieces + bubbles - euler_number(self.density, self.level) // 2
-        if handles > self._most.handles:
-            self._unhandled += remove_handles(self.density, self.level, handles - self._most.handles)
+        excess = handles - self._most.handles
+        if excess > 0 and (self._too_many is None or excess <= self._too_many):
+            self._unhandled += remove_handles(self.density, self.level, excess)
         return before != self._counts()
 
     def _counts(self) -> tuple[int, ...]:

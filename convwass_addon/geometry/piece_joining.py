@@ -98,7 +98,7 @@ def join_pieces(density: NDArray[np.floating], level: float, pieces: Pieces, mos
             is_gone[link.branch] = True
     # From the tips to the stems, so that what is clipped takes along all that hangs on it.
     for link, grown in reversed(bridges):
-        way = way_across(density, labels, (link.stem + 1, link.branch[0] + 1), link.gap.place)
+        way = way_across(density, labels, (link.stem + 1, link.branch[0] + 1), link.gap)
         branch = np.concatenate([cells[piece] for piece in link.branch if not is_gone[piece]])
         bridge = _Bridge(way, branch, grown)
         cells[link.branch[0]] = np.concatenate([cells[link.branch[0]], bridge.build(density, level)])

@@ -6,6 +6,9 @@ import numpy as np
 from scipy.ndimage import label
 
 from convwass_addon.geometry.gap_bridging import growing_tip, raised_along, way_across
+from convwass_addon.geometry.gaps import Gap
+
+GAP = Gap((12, 10, 4), 8.0, 0.6, (1, 2))
 
 
 def two_blocks():
@@ -19,7 +22,7 @@ def two_blocks():
 
 def test_a_way_goes_from_one_piece_to_the_other_where_it_is_dense():
     density, labels = two_blocks()
-    way = way_across(density, labels, ([1], [2]), (12, 10, 4))
+    way = way_across(density, labels, ([1], [2]), GAP)
     assert labels[tuple(way[0])] == 1
     assert labels[tuple(way[-1])] == 2
     assert np.abs(np.diff(way, axis=0)).max() == 1
@@ -29,7 +32,7 @@ def test_a_way_goes_from_one_piece_to_the_other_where_it_is_dense():
 
 def test_raising_makes_a_bridge_and_nothing_else():
     density, labels = two_blocks()
-    way = way_across(density, labels, ([1], [2]), (12, 10, 4))
+    way = way_across(density, labels, ([1], [2]), GAP)
     box, raised = raised_along(density, way, 0.9, 1.0)
     after = density.copy()
     after[box] = raised
