@@ -68,6 +68,8 @@ class DetailSource:
         How far the starts are known, from 0 to 1; offsets from them are taken no further.
     filled : callable
         Takes points, (p, 3), and returns which share of the space about each the solid fills, (p,).
+    reliability : (v,) float64 or None
+        How far the surface is the shape's own at its vertices, from 0 to 1; None where it is everywhere.
     """
 
     shape: FacingShape
@@ -75,6 +77,7 @@ class DetailSource:
     starts: NDArray[np.float64]
     certainty: NDArray[np.float64]
     filled: Callable[[NDArray[np.float64]], NDArray[np.floating]]
+    reliability: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -211,7 +214,11 @@ class _Carried:
         agreement = np.einsum("nd,nd->n", self.normals, normals)
         outside = (_INSIDE - self.source.filled(self.points)) / (_INSIDE - _SURFACE)
         near = (_FARTHEST - distances) / (_FARTHEST - _TRUSTED)
-        return self.certainty * np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
+        known = self.certainty * np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
+        if self.source.reliability is None:
+            return known
+        corners = self.source.shape.mesh.faces[self.places.triangles]
+        return known * np.einsum("nc,nc->n", self.places.shares, self.source.reliability[corners])
 
     def relaxed(self, faces: NDArray[np.int64], facing: NDArray[np.float64], means: EdgeMeans) -> _Carried:
         """Even out places where triangles are turned over or stand on edge: between their neighbors, on the shape.

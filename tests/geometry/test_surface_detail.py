@@ -92,9 +92,11 @@ def test_offsets_are_added_with_the_weights(smooth):
 
 def test_offsets_from_places_that_are_half_known_are_halved(smooth):
     larger, half = (scaled(smooth, 1.0 + height / RADIUS) for height in (0.5, 0.25))
-    unsure = replace(source(larger, 1.0, smooth.vertices), certainty=np.full(len(smooth.vertices), 0.5))
-    found = with_detail(smooth, [unsure], 1.0, 1.0, half.volume).mesh
-    assert away(half, found.vertices).max() < 0.005
+    halves = np.full(len(smooth.vertices), 0.5)
+    for name in ("certainty", "reliability"):
+        unsure = replace(source(larger, 1.0, smooth.vertices), **{name: halves})
+        found = with_detail(smooth, [unsure], 1.0, 1.0, half.volume).mesh
+        assert away(half, found.vertices).max() < 0.005
 
 
 def test_half_of_the_detail_is_half_of_the_offset(smooth):

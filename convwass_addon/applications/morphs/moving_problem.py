@@ -20,7 +20,7 @@ from ..motions.motion import Motion, MovedShape
 from .blend_solver import BlendSolver
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
-from .detail import detailed_blend, starts_on_readings
+from .detail import detailed_blend, reliability_of, starts_on_readings
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
@@ -164,7 +164,8 @@ class MovingProblem:
         mesh, searched = solved.mesh, [FacingShape(shape.mesh) for shape in shapes]
         if problem.settings.carried_detail > 0:
             starts = starts_on_readings(problem, solved, solids)
-            detailed = detailed_blend(problem, solved, searched, occupancies, starts, control)
+            sound = [reliability_of(shape) for shape in shapes]
+            detailed = detailed_blend(problem, solved, searched, occupancies, starts, control, sound)
             return _PlacedSurface(detailed.mesh, detailed.places, detailed.triangles)
         if not problem.settings.carry:
             return _PlacedSurface(mesh, [])

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distortion by deformations whose stretches are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.distortion import vertex_distortions
+from convwass_addon.geometry.mesh import TriangleMesh
+
+SHEET = TriangleMesh.from_arrays([(0, 0, 0), (2, 0, 0), (2, 1, 0), (0.5, 1.5, 0), (9, 9, 9)], [(0, 1, 2), (0, 2, 3)])
+
+
+@pytest.mark.parametrize(("stretches", "expected"), [((1, 1), 1.0), ((3, 3), 1.0), ((2, 1), 1.25), ((1, 4), 2.125)])
+def test_stretching_along_the_axes(stretches, expected):
+    moved = SHEET.vertices * (*stretches, 1.0)
+    np.testing.assert_allclose(vertex_distortions(SHEET, moved)[:4], expected)
+
+
+def test_turning_does_not_distort():
+    turned = SHEET.vertices[:, [1, 2, 0]] + 5.0
+    np.testing.assert_allclose(vertex_distortions(SHEET, turned), 1.0)
+
+
+def test_a_triangle_that_is_flattened_to_a_line_is_distorted_most():
+    moved = SHEET.vertices * (1.0, 0.0, 1.0)
+    assert (vertex_distortions(SHEET, moved)[:4] == 10.0).all()
