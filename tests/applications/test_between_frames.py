@@ -19,6 +19,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
+from convwass_addon.geometry.closest_points import ClosestPointFinder
 from tests.shapes import ball, box, joined
 
 QUICK = MorphSettings(motion="transport", resolution=32)
@@ -46,9 +47,10 @@ def solved(weights, options=QUICK, **others):
 
 
 def distance(one, other):
-    """Largest distance from a vertex of one surface to those of the other."""
-    gaps = np.linalg.norm(one.mesh.vertices[:, None] - other.mesh.vertices[None], axis=2)
-    return max(gaps.min(axis=0).max(), gaps.min(axis=1).max())
+    """Largest distance from a vertex of one surface to the other surface, however both are meshed."""
+    meshes = (one.mesh, other.mesh)
+    pairs = (meshes, meshes[::-1])
+    return max(ClosestPointFinder(a.corners).find_about(b.vertices).distances.max() for a, b in pairs)
 
 
 @pytest.fixture(scope="module")

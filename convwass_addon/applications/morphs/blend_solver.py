@@ -20,8 +20,8 @@ from .transport_problem import MorphPart, TransportProblem
 # By how much the automatic blur grows where it does not reach.
 _WIDEN = 1.25
 # What a start leaves goes away slowly: a blend that is further than this from the one it starts from is solved to half
-# of the automatic tolerance (docs/performance.md, "Few frames").
-_FAR, _FROM_AFAR = 1.0 / 12.0, 0.5
+# of the automatic tolerance, and one that starts from none to this share (docs/performance.md, "Few frames").
+_FAR, _FROM_AFAR, _FROM_NOTHING = 1.0 / 12.0, 0.5, 0.7
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,9 @@ class _PartSolver:
     def _tolerance(self, blend: Blend, initial: Barycenter | None) -> float:
         """Return the tolerance that was asked for; where that was left open, a tighter one for a start from afar."""
         asked = self._settings.stopping_error
-        if self._settings.tolerance is not None or initial is None:
+        if self._settings.tolerance is not None:
             return asked
+        if initial is None:
+            return asked * _FROM_NOTHING
         moved = float(np.abs(initial.weights - np.asarray(blend.weights)).sum()) / 2.0
         return asked * (_FROM_AFAR if moved > _FAR else 1.0)
