@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user of Blender would pick in place of transport: the same two shapes, blended in four ways.
+"""What a user of Blender would pick in place of transport: the same two shapes, blended in five ways.
 
 All of them get the same meshes, center of mass on center of mass, and the same size of a cell:
 
@@ -8,7 +8,8 @@ All of them get the same meshes, center of mass on center of mass, and the same 
 - ``shrinkwrap``: the first mesh wrapped onto the second by a Shrinkwrap modifier as Blender sets it up (nearest surface
   point), kept as a shape key whose value goes from 0 to 1;
 - ``sdf``: Mesh to SDF Grid of both, mixed linearly, Grid to Mesh, in Geometry Nodes (on their menus since Blender 5.0);
-- ``transport``: a morph by transport alone, at default settings otherwise.
+- ``transport``: a morph by transport alone, at default settings otherwise;
+- ``automatic``: a morph at default settings.
 """
 
 from __future__ import annotations
@@ -53,15 +54,15 @@ class Ends:
         Of their files.
     shapes : (TriangleMesh, TriangleMesh)
         The meshes.
-    settings : MorphSettings
-        The defaults, at a resolution, without a motion.
+    cells : int
+        Along the longest side.
     lattice : Lattice
         A grid that holds both.
     """
 
     names: tuple[str, str]
     shapes: tuple[TriangleMesh, TriangleMesh]
-    settings: MorphSettings
+    cells: int
     lattice: Lattice
 
     @classmethod
@@ -69,9 +70,8 @@ class Ends:
         """Read two meshes, smoothed by one subdivision, with `cells` along the longest side of the grid."""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         shapes = tuple(_smoothed(Path(path)) for path in paths)
-        settings = MorphSettings(resolution=cells, motion="transport")
         names = tuple(Path(path).stem for path in paths)
-        return cls(names, shapes, settings, Lattice.around(shapes, cells, settings.sigma))
+        return cls(names, shapes, cells, Lattice.around(shapes, cells, MorphSettings(resolution=cells).sigma))
 
     def occupancies(self) -> NDArray[np.float32]:
         """Which part of every cell each of the two fills, (2, nx, ny, nz)."""
@@ -163,7 +163,17 @@ def _sdf_mix(
 
 def transported(ends: Ends) -> list[TriangleMesh]:
     """Morph by transport alone, at default settings otherwise."""
-    steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), ends.settings, workers=1)
+    return _morphed(ends, "transport")
+
+
+def held_together(ends: Ends) -> list[TriangleMesh]:
+    """Morph at default settings."""
+    return _morphed(ends, "automatic")
+
+
+def _morphed(ends: Ends, motion: str) -> list[TriangleMesh]:
+    settings = MorphSettings(resolution=ends.cells, motion=motion)
+    steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), settings, workers=1)
     frames = [step.payload for step in steps if step.payload is not None]
     return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 
@@ -173,6 +183,7 @@ METHODS: dict[str, Callable[[Ends], list[TriangleMesh]]] = {
     "shrinkwrap": shrinkwrapped,
     "sdf": sdf_mixed,
     "transport": transported,
+    "automatic": held_together,
 }
 """What makes the frames at `TIMES`, by name."""
 

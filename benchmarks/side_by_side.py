@@ -9,13 +9,14 @@ from pathlib import Path
 from .processes import measured
 
 SHAPES = Path(__file__).resolve().parent.parent / "assets" / "shapes"
-PAIRS = (("horse", "bird"), ("double_torus", "horse"), ("dolphins", "bird"))
+PAIRS = (("horse", "cow"), ("horse", "bird"), ("double_torus", "horse"), ("dolphins", "bird"))
 """Of the sample shapes."""
 TITLES = {
     "fade": "Linear fade of volumes",
     "shrinkwrap": "Shrinkwrap as a shape key",
     "sdf": "SDF mix in Geometry Nodes",
-    "transport": "Convwass",
+    "transport": "Convwass, Transport",
+    "automatic": "Convwass, Automatic",
 }
 """What the methods are called, in the order in which they are shown."""
 

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the motions of morphs, docs/pictures/motions.jpg: ``python3 run.py python docs/motions.py``.
+"""Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
-Three pairs of the coherence benchmark, seven frames each: transport alone above, a guided motion or a warp below.
+Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
+the pictures: first (of the README), motions, pairs_one_build or pairs_other.
 """
 
 from __future__ import annotations
@@ -28,54 +29,67 @@ from convwass_addon.progress import drained
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.blends import baked_frames
-from benchmarks.coherence_pairs import pairs_named
+from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, TUNED, pairs_named
 
-PICTURE = Path(__file__).resolve().parent / "pictures" / "motions.jpg"
+PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 7
 """In a row, the two shapes among them."""
 
-# Pixels: of the picture, of the names at its left, and between two pairs.
-_WIDTH, _GUTTER, _BETWEEN = 1500, 130, 12
+# Pixels: of the picture, of the names at its left and above, and between two pairs.
+_WIDTH, _GUTTER, _HEAD, _BETWEEN = 1500, 130, 30, 12
 _QUALITY = 85
 _INK, _FAINT = (52, 52, 56), (120, 120, 126)
 _CLAY = (0.48, 0.12, 0.05, 1.0)
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """A pair of shapes, and the motion that is shown below transport alone.
+class Block:
+    """A pair of shapes, and the motions that are shown of it, one in a row.
 
     Attributes
     ----------
     pair : str
         A name of `benchmarks.coherence_pairs`.
-    motion : str
-        As `MorphSettings` calls it.
+    motions : tuple of str
+        As `MorphSettings` calls them.
     """
 
     pair: str
-    motion: str
+    motions: tuple[str, ...]
+
+    @classmethod
+    def compared(cls, pair: str) -> Block:
+        """Show transport alone above what is chosen automatically."""
+        return cls(pair, ("transport", "automatic"))
 
 
-COMPARISONS = (
-    Comparison("man raises arm", "guided"),
-    Comparison("dog rears", "guided"),
-    Comparison("chair to man", "warp"),
-)
+def drawn_pictures() -> dict[str, list[Block]]:
+    """Return the blocks of every picture by its name."""
+    every = (*TUNED, *HELD_BACK)
+    return {
+        "first": [Block("horse to cow", ("automatic",))],
+        "motions": [Block.compared(pair) for pair in ("man raises arm", "dog rears", "chair to man")],
+        "pairs_one_build": [Block.compared(pair.name) for pair in every if pair.build == ONE_BUILD],
+        "pairs_other": [Block.compared(pair.name) for pair in every if pair.build != ONE_BUILD],
+    }
 
 
 def main() -> None:
     """Bake and render all pairs."""
+    pictures = drawn_pictures()
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cells", type=int, default=64, help="along the longest side (%(default)s)")
-    parser.add_argument("--out", type=Path, default=PICTURE, help="the JPEG to write (%(default)s)")
+    parser.add_argument("--cells", type=int, default=100, help="along the longest side (%(default)s)")
+    parser.add_argument("--only", choices=pictures, help="draw this picture alone")
     options = parser.parse_args()
-    blocks = []
-    for comparison in COMPARISONS:
-        motions = ("transport", comparison.motion)
-        rows = [baked_row(comparison.pair, motion, options.cells) for motion in motions]
-        blocks.append(labeled(rendered(rows), motions))
-    stacked(blocks).save(options.out, quality=_QUALITY, optimize=True, progressive=True)
+    for name in [options.only] if options.only else pictures:
+        blocks = []
+        for block in pictures[name]:
+            rows = [baked_row(block.pair, motion, options.cells) for motion in block.motions]
+            if len(rows) == 1:
+                blocks.append(rendered(rows, _WIDTH))
+            else:
+                blocks.append(labeled(rendered(rows, _WIDTH - _GUTTER), block))
+        stacked(blocks).save(PICTURES / f"{name}.jpg", quality=_QUALITY, optimize=True, progressive=True)
 
 
 def baked_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
@@ -88,8 +102,8 @@ def baked_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
     return [shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 
 
-def rendered(rows: Sequence[Sequence[TriangleMesh]]) -> Image.Image:
-    """Render rows of frames by the contact sheet of morphs."""
+def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int) -> Image.Image:
+    """Render rows of frames by the contact sheet of morphs, so many pixels wide."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     collection = bpy.data.collections.new("Sheet")
     bpy.context.scene.collection.children.link(collection)
@@ -105,7 +119,7 @@ def rendered(rows: Sequence[Sequence[TriangleMesh]]) -> Image.Image:
             obj[WEIGHTS_KEY], obj[INDEX_KEY] = [1.0 - share, share], row * len(frames) + column
             collection.objects.link(obj)
     with TemporaryDirectory() as folder:
-        path = drained(render_contact_sheet(collection, Path(folder) / "sheet.png", width=_WIDTH - _GUTTER))
+        path = drained(render_contact_sheet(collection, Path(folder) / "sheet.png", width=width))
         with Image.open(path) as picture:
             return picture.convert("RGB")
 
@@ -128,15 +142,16 @@ def _object(mesh: TriangleMesh, material: bpy.types.Material) -> bpy.types.Objec
     return bpy.data.objects.new("Frame", data)
 
 
-def labeled(sheet: Image.Image, motions: Sequence[str]) -> Image.Image:
-    """Write the names of the motions beside the rows of a sheet."""
-    block = Image.new("RGB", (_WIDTH, sheet.height), "white")
-    block.paste(sheet, (_GUTTER, 0))
-    draw, font = ImageDraw.Draw(block), ImageFont.load_default(20)
-    for row, motion in enumerate(motions):
-        middle = sheet.height * (row + 0.5) / len(motions)
+def labeled(sheet: Image.Image, block: Block) -> Image.Image:
+    """Write the name of the pair above a sheet, and the names of the motions beside its rows."""
+    picture = Image.new("RGB", (_WIDTH, sheet.height + _HEAD), "white")
+    picture.paste(sheet, (_GUTTER, _HEAD))
+    draw, font = ImageDraw.Draw(picture), ImageFont.load_default(20)
+    draw.text((_GUTTER / 6, _HEAD / 2), block.pair, _INK, font, anchor="lm")
+    for row, motion in enumerate(block.motions):
+        middle = _HEAD + sheet.height * (row + 0.5) / len(block.motions)
         draw.text((_GUTTER / 2, middle), motion.capitalize(), _INK if row else _FAINT, font, anchor="mm")
-    return block
+    return picture
 
 
 def stacked(blocks: Sequence[Image.Image]) -> Image.Image:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/pictures/side_by_side.jpg: ``python3 run.py python docs/side_by_side.py``.
 
-Morphs beside what else Blender offers: three pairs of shapes, four methods, five frames each, all from the same meshes
+Morphs beside what else Blender offers: four pairs of shapes, five methods, five frames each, all from the same meshes
 at the same resolution, in one material and under one camera; the figures of docs/side_by_side.md are printed. The
 first pair alone is written beside it, as side_by_side_one.jpg. Needs Blender 5.0 or newer.
 """
