@@ -155,7 +155,10 @@ def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monk
         path.unlink()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs="Cube, Sphere", frames=8, resolution=24)
     told = [line for line in capfd.readouterr().out.splitlines() if "meshes" in line]
-    assert [line.rpartition(": ")[2] for line in told] == ["9 meshes", "9 meshes, 4 of them finished before"]
+    assert [line.rpartition(": ")[2] for line in told] == [
+        "9 meshes, frames 1 to 9",
+        "9 meshes, 4 of them finished before, frames 1 to 9",
+    ]
 
 
 def test_a_bake_does_without_a_folder_of_its_own_and_says_so(monkeypatch, tmp_path, capfd):
