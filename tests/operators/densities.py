@@ -58,8 +58,12 @@ def center(obj, weights):
 
 
 def inventory():
-    """Return all that an operator could leave behind: data-blocks, and on every object groups and modifiers."""
-    blocks = {(block.id_type, block.name) for block in bpy.data.user_map()}
+    """Return all that an operator could leave behind: data-blocks, and on every object groups and modifiers.
+
+    Blender links brushes from its own libraries whenever it likes.
+    """
+    own_blocks = (block for block in bpy.data.user_map() if block.library is None and block.id_type != "LIBRARY")
+    blocks = {(block.id_type, block.name) for block in own_blocks}
     own = {
         obj.name: (obj.vertex_groups.keys(), obj.modifiers.keys(), sorted(obj.data.attributes.keys()))
         for obj in bpy.data.objects

@@ -173,7 +173,7 @@ def test_frames_that_are_missing_are_told_and_missing_settings_get_their_default
 
 def test_images_can_be_stopped_and_those_that_are_there_stay(obj, monkeypatch, tmp_path):
     context = window_context()
-    pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=512)
+    pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=2048)
     monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     until(pressed, context, lambda: any(tmp_path.iterdir()))
