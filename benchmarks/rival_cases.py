@@ -28,7 +28,10 @@ def passage(paths: list[str], cells: int, method: str, keep: str | None = None) 
             f"{kind}{i}": getattr(frame, kind) for i, frame in enumerate(frames) for kind in ("vertices", "faces")
         }
         np.savez_compressed(keep, **arrays)
-    found = Passage.of(frames, ends.shapes, TIMES, ends.lattice)
+    # Limbs that swing may leave the cells that hold both shapes.
+    bounds = np.stack([mesh.bounds for mesh in (*frames, *ends.shapes)])
+    lattice = ends.lattice.holding(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0))
+    found = Passage.of(frames, ends.shapes, TIMES, lattice)
     return {
         "outside": found.outside,
         "detour": found.detour,
