@@ -109,10 +109,3 @@ def home_distances(source: Carrier, target: Carrier, there: NDArray[np.float64],
     mesh, other = source.mesh, target.mesh
     images = FacingPointFinder(other).find(there, vertex_normals(there, mesh.faces))
     return np.linalg.norm(images.interpolated(back[other.faces]) - mesh.vertices, axis=1) / source.size
-
-
-def most(costs: NDArray[np.float64], areas: NDArray[np.float64], share: float = 0.95) -> float:
-    """Return what a share of the area pays at most."""
-    order = np.argsort(costs)
-    reached = np.cumsum(areas[order])
-    return float(costs[order][np.searchsorted(reached, share * reached[-1])])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.poisson_deformation import deformation_gradients
+from ...geometry.weighted_quantile import weighted_quantile
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
 
@@ -87,9 +88,9 @@ def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation, back:
         confidence=float(weights @ there.confidence),
         doubtful=float(weights[there.confidence < _DOUBTFUL].sum()),
         round_trip=float(weights @ trip),
-        round_trip_95=_quantile(trip, weights, 0.95),
+        round_trip_95=weighted_quantile(trip, weights, 0.95),
         left=float(weights @ left),
-        left_99=_quantile(left, weights, 0.99),
+        left_99=weighted_quantile(left, weights, 0.99),
         stretch=float(areas @ stretch),
         torn=float(areas[stretch > _TORN].sum()),
         folded=float(areas[_folded(source, target, there)].sum()),
@@ -106,10 +107,3 @@ def _folded(source: Carrier, target: Carrier, there: ShapeDeformation) -> NDArra
 
 def _sides(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-
-
-def _quantile(values: NDArray[np.float64], weights: NDArray[np.float64], share: float) -> float:
-    """Return the value that a share of the weights stays below."""
-    order = np.argsort(values)
-    reached = np.cumsum(weights[order])
-    return float(values[order][min(int(np.searchsorted(reached, share * reached[-1])), len(values) - 1)])

@@ -17,9 +17,10 @@ from ...geometry.normals import vertex_normals
 from ...geometry.poisson_deformation import deformation_gradients
 from ...geometry.registration import AS_PLACED, Stage
 from ...geometry.rotations import nearest_rotations
+from ...geometry.weighted_quantile import weighted_quantile
 from ...progress import Control
 from .carriers import Carrier
-from .laid_meshes import Laid, Registered, home_distances, most, registered
+from .laid_meshes import Laid, Registered, home_distances, registered
 from .mesh_parts import mesh_edges
 
 # From a start to the other surface: first as the start says, then as smooth as the surfaces allow. Tighter stages gain
@@ -33,8 +34,8 @@ _HEALING = (Stage(20.0, 30.0, 0.05, 4), Stage(100.0, 5.0, 0.04, 4))
 _TRIP, _AWAY, _STRETCH = 0.15, 0.06, 1.0
 # An edge over which the proposals differ by the size of the surface pays so much per its share of that size.
 _SEAM = 1.0
-# For two shapes to agree, 95 % of the area must come this near to home.
-_NEAR_HOME = 0.06
+# For two shapes to agree, this share of the area must come so near to home.
+_MOST, _NEAR_HOME = 0.95, 0.06
 # Shapes that are turned by less than this against each other are taken as they stand, radians.
 _TURNED = np.radians(30.0)
 
@@ -163,7 +164,7 @@ def judged(own: Carrier, other: Carrier, points: NDArray[np.float64], control: C
     costs = misfit + np.minimum(_vertex_stretch(own, points) / _STRETCH, 1.0)
     missed = np.minimum(origins.distances / other.size / _AWAY, 1.0)
     inverse = Laid(home, np.exp(-np.square(missed + origins.interpolated(costs[mesh.faces][:, :, None])[:, 0])))
-    return Proposal(points, costs, most(misfit, mesh.vertex_areas), inverse)
+    return Proposal(points, costs, weighted_quantile(misfit, mesh.vertex_areas, _MOST), inverse)
 
 
 def _vertex_stretch(own: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -205,9 +206,9 @@ def agree(
     drafts: tuple[Carrier, Carrier],
     found: Sequence[Proposal | Registered],
     k: int,
-    share: float = 0.95,
+    share: float = _MOST,
     near: float = _NEAR_HOME,
 ) -> bool:
     """Tell whether the way there and back ends near home for a share of the area."""
     home = home_distances(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
-    return most(home, drafts[k].mesh.vertex_areas, share) <= near
+    return weighted_quantile(home, drafts[k].mesh.vertex_areas, share) <= near

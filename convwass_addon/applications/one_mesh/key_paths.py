@@ -20,6 +20,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals, vertex_normals
 from ...geometry.orientation import orient_outward
 from ...geometry.surface_projection import drawn_along_normals
+from ...geometry.weighted_quantile import weighted_quantile
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -197,24 +198,23 @@ def _path(way: _Way, name: str, score: float, accuracy: float, control: Control)
     pieces = fitted_pieces(samples, accuracy * diagonal)
     times = tuple(end / (_SAMPLES - 1) for end in pieces.ends)
     final = TriangleMesh(samples[-1], way.mesh.faces)
-    found = ClosestPointFinder(way.target.corners).find(final.vertices, control)
-    areas = final.vertex_areas / final.vertex_areas.sum()
-    order = np.argsort(found.distances)
-    last = order[min(int(np.searchsorted(np.cumsum(areas[order]), 0.95)), len(order) - 1)]
+    finder = ClosestPointFinder(way.target.corners)
+    distances = finder.find(final.vertices, control).distances / diagonal
+    areas = final.vertex_areas
     return KeyPath(
         name,
         times,
         pieces.positions,
         score,
         pieces.deviation / diagonal,
-        float(areas @ found.distances) / diagonal,
-        float(found.distances[last]) / diagonal,
-        _turned(final, way.target, control),
+        float(areas @ distances / areas.sum()),
+        weighted_quantile(distances, areas, 0.95),
+        _turned(final, way.target, finder, control),
     )
 
 
-def _turned(mesh: TriangleMesh, target: TriangleMesh, control: Control) -> int:
-    """Count triangles that face away from the surface below their middle."""
-    below = ClosestPointFinder(target.corners).find(mesh.corners.mean(axis=1), control).triangles
+def _turned(mesh: TriangleMesh, target: TriangleMesh, finder: ClosestPointFinder, control: Control) -> int:
+    """Count triangles that face away from the target's surface, which `finder` knows, below their middle."""
+    below = finder.find(mesh.corners.mean(axis=1), control).triangles
     own, there = triangle_normals(mesh.corners), triangle_normals(target.corners)[below]
     return int((np.einsum("nd,nd->n", own, there) < 0).sum())

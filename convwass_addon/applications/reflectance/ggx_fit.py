@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.weighted_quantile import weighted_quantile
 from .lobe_table import IncomingDirections, LobeTable, reflected_light
 from .materials import Ggx
 
@@ -138,6 +139,4 @@ def _typical_slope(table: LobeTable) -> float:
     half = table.outgoing + table.incoming[0]
     slope = (np.hypot(half[..., 0], half[..., 1]) / half[..., 2]).ravel()
     mass = (table.lobes[0] * table.cells).ravel()
-    order = np.argsort(slope)
-    at = np.searchsorted(np.cumsum(mass[order]), 0.5 * mass.sum())
-    return float(np.clip(slope[order][min(at, len(order) - 1)], 2 * _LEAST_ALPHA, _MOST_ALPHA))
+    return float(np.clip(weighted_quantile(slope, mass, 0.5), 2 * _LEAST_ALPHA, _MOST_ALPHA))

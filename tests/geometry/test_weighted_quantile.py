@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quantiles of weighted values, against the sorted list in which each value stands as often as it weighs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.weighted_quantile import weighted_quantile
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 0.95, 1.0])
+def test_whole_weights_count_like_repeated_values(share):
+    rng = np.random.default_rng(4)
+    values, weights = rng.normal(size=40), rng.integers(1, 6, size=40).astype(float)
+    repeated = np.sort(np.repeat(values, weights.astype(int)))
+
+    expected = np.quantile(repeated, share, method="inverted_cdf")
+
+    assert weighted_quantile(values, weights, share) == expected
+
+
+def test_values_without_weight_do_not_count():
+    assert weighted_quantile(np.array([5.0, 1.0, 9.0]), np.array([1.0, 1.0, 0.0]), 1.0) == 5.0
