@@ -27,7 +27,7 @@ def extension_id() -> str:
 
 
 def register() -> None:
-    """Add the properties, operators, panels and command-line verbs to Blender; all of them or, on an error, none.
+    """Add the properties, operators, panels and command-line commands to Blender; all of them or, on an error, none.
 
     Raises
     ------

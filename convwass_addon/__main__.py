@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``python -m convwass_addon VERB …``, where the bpy module comes from pip."""
+"""``python -m convwass_addon COMMAND …``, where the bpy module comes from pip."""
 
 import os
 import sys

@@ -25,7 +25,7 @@ from convwass_addon.bridge.densities.density_request import DensityRequest
 from convwass_addon.bridge.morphs.morph_request import MorphRequest
 from convwass_addon.bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from convwass_addon.cli.from_schema import add_setting_options, given_settings
-from convwass_addon.cli.program import VERBS
+from convwass_addon.cli.program import COMMANDS
 from convwass_addon.errors import InputError
 from convwass_addon.panels.from_schema import draw_settings
 from convwass_addon.properties.from_schema import arguments_of, values_of, with_properties
@@ -303,12 +303,12 @@ OWNERS = [
 
 @pytest.mark.usefixtures("empty_scene")
 @pytest.mark.parametrize(
-    ("kind", "owner", "group", "verb"), OWNERS, ids=lambda value: getattr(value, "__name__", value)
+    ("kind", "owner", "group", "command"), OWNERS, ids=lambda value: getattr(value, "__name__", value)
 )
-def test_every_setting_is_in_its_group_and_among_the_options_of_its_verb(kind, owner, group, verb):
+def test_every_setting_is_in_its_group_and_among_the_options_of_its_command(kind, owner, group, command):
     held = owner.bl_rna.properties[group].fixed_type.properties
     parser = ArgumentParser(add_help=False)
-    next(one for one in VERBS if one.name == verb).add_options(parser)
+    next(one for one in COMMANDS if one.name == command).add_options(parser)
     options = set(re.findall(r"--[a-z][\w-]*", parser.format_help()))
     settings = list(settings_of(kind))
     assert settings
@@ -318,10 +318,10 @@ def test_every_setting_is_in_its_group_and_among_the_options_of_its_verb(kind, o
     assert set(arguments_of(kind().as_dict(), kind)) <= {name for one in settings for name in one.properties}
 
 
-def option_help(verb, option):
+def option_help(command, option):
     wide = partial(HelpFormatter, max_help_position=100, width=10_000)
     parser = ArgumentParser(add_help=False, formatter_class=wide)
-    next(one for one in VERBS if one.name == verb).add_options(parser)
+    next(one for one in COMMANDS if one.name == command).add_options(parser)
     return next(line for line in parser.format_help().splitlines() if line.lstrip().startswith(option))
 
 

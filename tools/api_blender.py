@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators, the settings of scenes and the verbs of the command line as Markdown."""
+"""Operators, the settings of scenes and the commands of the command line as Markdown."""
 
 from __future__ import annotations
 
@@ -78,17 +78,17 @@ def _number(value: float) -> str:
     return str(value) if isinstance(value, int) else f"{value:.6g}"
 
 
-def verb_pages() -> dict[str, list[str]]:
-    """Return the Markdown of every verb of the command line, by its name."""
+def command_pages() -> dict[str, list[str]]:
+    """Return the Markdown of every command of the command line, by its name."""
     found = {}
-    for verb in program.VERBS:
-        parser = ArgumentParser(verb.name, add_help=False)
-        verb.add_options(parser)
-        found[verb.name] = _verb(verb.name, verb.description, parser)
+    for command in program.COMMANDS:
+        parser = ArgumentParser(command.name, add_help=False)
+        command.add_options(parser)
+        found[command.name] = _command_page(command.name, command.description, parser)
     return found
 
 
-def _verb(name: str, description: str, parser: ArgumentParser) -> list[str]:
+def _command_page(name: str, description: str, parser: ArgumentParser) -> list[str]:
     lines = ["```text", description.strip(), "```"]
     for group in parser._action_groups:
         actions = [action for action in group._group_actions if action.help is not SUPPRESS]

@@ -19,7 +19,7 @@ import convwass_addon
 from convwass_addon import applications, bridge, transport
 from convwass_addon.geometry.mesh import TriangleMesh
 
-from .api_blender import operator_pages, scene_pages, verb_pages
+from .api_blender import command_pages, operator_pages, scene_pages
 from .api_entries import APPLICATIONS, BRIDGE
 from .docstrings import described, parsed, plain
 
@@ -33,7 +33,7 @@ _INDEX = """# The API
 
 For those who write scripts. The same work can be asked for in four ways, from the shortest to the most open:
 
-- [The command line](api/command_line.md): `blender --command convwass VERB` or `python -m convwass_addon VERB`.
+- [The command line](api/command_line.md): `blender --command convwass COMMAND` or `python -m convwass_addon COMMAND`.
 - [Operators](api/operators.md): `bpy.ops.convwass.…` in Blender's Python, the same that the buttons call. In a script
   they do all of their work before they return; in the window they work in the background.
 - [Applications](api/applications.md): what the operators do, on arrays; no Blender is needed.
@@ -87,12 +87,13 @@ The settings that the panels show, such as `bpy.context.scene.convwass_soft_map.
 
 """
 
-_VERBS = """# The command line
+_COMMAND_LINE = """# The command line
 
-`blender --command convwass VERB …` in a Blender that has the extension, or, in this project,
-`python3 run.py python -m convwass_addon VERB …`. `VERB --help` says the same as this page. Exit codes: 0 done, 1 a
-failure while working, 2 a wrong command line, 3 shapes or settings that cannot be used, 4 not enough memory, 130
-interrupted.
+With the extension installed, run `blender --command convwass COMMAND …`; in a checkout of this project,
+`python3 run.py python -m convwass_addon COMMAND …`. `COMMAND --help` prints what this page says.
+
+Exit codes: 0 success, 1 failure while working, 2 wrong command line, 3 unusable shapes or settings, 4 not enough
+memory, 130 interrupted.
 
 """
 
@@ -149,13 +150,13 @@ def pages_of_registered() -> dict[str, str]:
     functions = [_entry(name, getattr(transport, name)) for name in transport.__all__]
     operators = [Entry(f"bpy.ops.{name}", "", lines) for name, lines in operator_pages().items()]
     scenes = [Entry(f"scene.{name}", "", lines) for name, lines in scene_pages().items()]
-    verbs = [Entry(name, "", lines) for name, lines in verb_pages().items()]
+    commands = [Entry(name, "", lines) for name, lines in command_pages().items()]
     return {
         INDEX: f"{_MADE}\n\n{_INDEX}" + _index(functions),
         f"{FOLDER}/transport.md": _page(_TRANSPORT, _written(functions)),
         f"{FOLDER}/applications.md": _page(_APPLICATIONS, [*_rooms(), *_bridge()]),
         f"{FOLDER}/operators.md": _page(_OPERATORS, [*_written(operators), _SCENES, *_written(scenes, "###")]),
-        f"{FOLDER}/command_line.md": _page(_VERBS, _written(verbs)),
+        f"{FOLDER}/command_line.md": _page(_COMMAND_LINE, _written(commands)),
     }
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: ``blender --command convwass VERB …`` and ``python -m convwass_addon VERB …``."""
+"""The command line: ``blender --command convwass COMMAND …`` and ``python -m convwass_addon COMMAND …``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import bpy
 
 
 def main(arguments: Sequence[str], program: str = "blender --command convwass") -> int:
-    """Run one verb.
+    """Run one command.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def main(arguments: Sequence[str], program: str = "blender --command convwass") 
     int
         The exit code; see the help text.
     """
-    # Imported here: Blender's window does without the verbs, and should not wait for them when it starts.
+    # Imported here: Blender's window does without the commands, and should not wait for them when it starts.
     from .program import run
 
     return run(arguments, program)
@@ -34,11 +34,11 @@ _commands: list[object] = []
 
 
 def register() -> None:
-    """Add the verbs to ``blender --command convwass``."""
+    """Add the commands to ``blender --command convwass``."""
     _commands.append(bpy.utils.register_cli_command("convwass", main))
 
 
 def unregister() -> None:
-    """Take the verbs away."""
+    """Take the commands away."""
     while _commands:
         bpy.utils.unregister_cli_command(_commands.pop())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a verb answers on standard output."""
+"""What a command answers on standard output."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Answer:
-    """What a verb answers: lines for people, or a record for programs.
+    """What a command answers: lines for people, or a record for programs.
 
     Attributes
     ----------

@@ -8,7 +8,7 @@ import re
 from argparse import ArgumentTypeError
 
 WORKERS = {"type": int, "metavar": "N", "help": "threads that compute frames (one per processor)"}
-"""The option of threads, which several verbs have."""
+"""The option of threads, which several commands have."""
 
 
 def numbers(text: str) -> list[float]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that the verb ``density`` works on, and what its words for distributions mean."""
+"""The mesh that the command ``density`` works on, and what its words for distributions mean."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def add_setting_options(
     Parameters
     ----------
     parser : ArgumentParser
-        Of the verb, or a group of its options.
+        Of the command, or a group of its options.
     *kinds : type
         Whose settings. Those that share an option, because it depends on the shapes which of them counts, share the
         help too.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the options of the verb ``morph`` mean together; combinations that make no sense are refused."""
+"""What the options of the command ``morph`` mean together; combinations that make no sense are refused."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verbs of the command line, with all that they use."""
+"""The parser of the command line and its commands."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from ..applications.system_errors import error_to_tell
 from ..console import own_stdout
 from ..errors import Cancelled, ConvwassError, InputError, ResourceError
 from .answer import Answer
+from .armature_command import run_armature
 from .armature_options import ARMATURE_HELP, add_armature_options
-from .armature_verb import run_armature
-from .demo_verb import DEMO_HELP, add_demo_options, run_demo
+from .demo_command import DEMO_HELP, add_demo_options, run_demo
+from .density_command import run_density
 from .density_options import DENSITY_HELP, add_density_options
-from .density_verb import run_density
+from .morph_command import run_morph
 from .morph_options import MORPH_HELP, add_morph_options
-from .morph_verb import run_morph
+from .recolor_command import run_recolor
 from .recolor_options import RECOLOR_HELP, add_recolor_options
-from .recolor_verb import run_recolor
+from .reflect_command import run_reflect
 from .reflect_options import REFLECT_HELP, SKY_HELP, add_reflect_options, add_sky_options
-from .reflect_verb import run_reflect
-from .sky_verb import run_sky
+from .sky_command import run_sky
+from .softmap_command import run_softmap
 from .softmap_options import SOFTMAP_HELP, add_softmap_options
-from .softmap_verb import run_softmap
 
 EXIT_CODES = """exit codes:
   0  done                            3  the shapes or settings cannot be used (the message says what to do)
@@ -37,8 +37,8 @@ EXIT_CODES = """exit codes:
 
 
 @dataclass(frozen=True)
-class Verb:
-    """A verb of the command line: what it is called, its options, and what it does with them."""
+class Command:
+    """A command of the command line: its name, its help, its options and the function that runs it."""
 
     name: str
     summary: str
@@ -47,20 +47,20 @@ class Verb:
     run: Callable[[Namespace], Answer]
 
 
-VERBS = (
-    Verb("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
-    Verb("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
-    Verb("softmap", "map a mesh to another and transfer what is on it", SOFTMAP_HELP, add_softmap_options, run_softmap),
-    Verb("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
-    Verb("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
-    Verb("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
-    Verb("sky", "make skies between others", SKY_HELP, add_sky_options, run_sky),
-    Verb("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
+COMMANDS = (
+    Command("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
+    Command("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
+    Command("softmap", "map one mesh to another, transfer its data", SOFTMAP_HELP, add_softmap_options, run_softmap),
+    Command("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
+    Command("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
+    Command("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
+    Command("sky", "make skies between others", SKY_HELP, add_sky_options, run_sky),
+    Command("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
 )
 
 
 def run(arguments: Sequence[str], program: str) -> int:
-    """Run one verb.
+    """Run one command.
 
     Parameters
     ----------
@@ -98,17 +98,17 @@ def run(arguments: Sequence[str], program: str) -> int:
 
 
 def command_line_parser(program: str) -> ArgumentParser:
-    """Return the parser of all verbs; `program` is how the user called it."""
+    """Return the parser of all commands; `program` is how the user called it."""
     parser = ArgumentParser(program, description="Convolutional Wasserstein distances for Blender.")
-    verbs = parser.add_subparsers(metavar="VERB", required=True)
-    for verb in VERBS:
-        own = verbs.add_parser(
-            verb.name,
-            help=verb.summary,
-            description=verb.description,
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        own = commands.add_parser(
+            command.name,
+            help=command.summary,
+            description=command.description,
             formatter_class=RawDescriptionHelpFormatter,
             epilog=EXIT_CODES,
         )
-        verb.add_options(own)
-        own.set_defaults(run=verb.run)
+        command.add_options(own)
+        own.set_defaults(run=command.run)
     return parser

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the verb ``recolor`` reads: image files, or the frames of a movie."""
+"""What the command ``recolor`` reads: image files, or the frames of a movie."""
 
 from __future__ import annotations
 

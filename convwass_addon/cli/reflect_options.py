@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The options of the verbs ``reflect`` and ``sky``."""
+"""The options of the commands ``reflect`` and ``sky``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ REFLECT_HELP = """Make a material between two to four others. A material is
   blinn:EXPONENT                      Blinn's highlight
   ashikhmin:NU,NV                     Ashikhmin and Shirley's
   FILE.binary                         a measured material of the MERL database
-  FILE.npz, FILE.lobes.exr            a table that this verb has written; all of them tables then
+  FILE.npz, FILE.lobes.exr            a table that this command has written; all of them tables then
 
   convwass reflect principled:0.2 principled:0.6 --weights 0.5,0.5 --out half.npz
   convwass reflect blinn:400 principled:0.7 --steps 9 --out path.exr

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What verbs write besides the .blend: reports as JSON, and notes on standard error."""
+"""What commands write besides the .blend: reports as JSON, and notes on standard error."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..drafts import written_whole
 
 
 def add_output_options(parser: ArgumentParser, out: Path, report: str) -> None:
-    """Add the options of what a verb writes: ``--out``, ``--report`` and ``--json``.
+    """Add the options of what a command writes: ``--out``, ``--report`` and ``--json``.
 
     Parameters
     ----------
     parser : ArgumentParser
-        Of the verb, or a group of its options.
+        Of the command, or a group of its options.
     out : Path
         The .blend that is written where no other is named.
     report : str

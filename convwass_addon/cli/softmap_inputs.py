@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two objects that the verb ``softmap`` works on, in one scene, with all that can be transferred."""
+"""The two objects that the command ``softmap`` works on, in one scene, with all that can be transferred."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@
 
 python3 run.py python docs/scripts/grade_folder.py photos --palette painting.jpg --strength 0.8 --out graded
 
-Frames of one clip want one map for all of them, or they flicker: for these there is the verb ``recolor``.
+Frames of one clip want one map for all of them, or they flicker: for these there is the command ``recolor``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gray images that become a sequence of pictures, by the operator and by the verb."""
+"""Gray images that become a sequence of pictures, by the operator and by the command."""
 
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ def test_an_image_of_one_tone_is_refused():
         gray_inputs([picture("Gray", np.full((8, 8, 4), 0.5))], bpy.context.evaluated_depsgraph_get())
 
 
-def test_the_verb_writes_pictures_beside_the_blend(tmp_path, capsys):
+def test_the_command_writes_pictures_beside_the_blend(tmp_path, capsys):
     sources = []
     for name, ink in (("first", RED), ("last", BLUE)):
         image = picture(name, spot(32, 32, 14, ink)).data

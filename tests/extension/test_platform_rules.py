@@ -36,7 +36,7 @@ SHIPPED = sorted({path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob
 MAY_LOOK_AROUND = {
     "solver_presets.py",
     "translations/__init__.py",
-    "cli/demo_verb.py",
+    "cli/demo_command.py",
     "applications/morphs/code_digest.py",
 }
 NETWORK = {"asyncio", "dask", "distributed", "ftplib", "http", "requests", "smtplib", "socket", "ssl", "urllib"}

@@ -78,7 +78,7 @@ def test_blender_without_the_packages_that_only_speed_things_up_can_do_without_t
         # What bakes, and what solves on surfaces.
         "import convwass_addon.bridge.morphs.job, convwass_addon.transport;"
         "import convwass_addon.applications.densities.surface_densities;"
-        # Verbs are for the command line, and the window does not wait for them.
+        # Commands are for the command line, and the window does not wait for them.
         "sys.exit('convwass_addon.cli.program' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", script], cwd=project, check=True, timeout=600)

@@ -157,7 +157,7 @@ def test_folders_are_no_files(path):
 
 @on_posix
 @pytest.mark.usefixtures("empty_scene")
-def test_operators_and_verbs_say_what_is_wrong_with_a_path(morph, capsys):
+def test_operators_and_commands_say_what_is_wrong_with_a_path(morph, capsys):
     for path in (*ODD_PATHS[:3], "/dev/null/x", "/proc/none/x", "//x"):
         for name in ("make_volume", "make_cache"):
             with pytest.raises(RuntimeError, match=r"Error: (?!Python)"):
@@ -177,10 +177,10 @@ def test_errors_of_the_system_are_told():
     assert error_to_tell(KeyboardInterrupt()) is None
 
 
-def test_verbs_tell_of_what_the_system_refuses(monkeypatch, capsys):
+def test_commands_tell_of_what_the_system_refuses(monkeypatch, capsys):
     def fail(_):
         raise OSError(28, "No space left on device", "/full/x")
 
-    monkeypatch.setattr("convwass_addon.cli.morph_verb.settings_of", fail)
+    monkeypatch.setattr("convwass_addon.cli.morph_command.settings_of", fail)
     assert main(["morph", "a", "b", "--out", "c"]) == 1
     assert "convwass: /full/x cannot be read or written: No space left on device." in capsys.readouterr().err

@@ -36,7 +36,7 @@ def test_two_processes_that_write_the_same_files_leave_whole_ones(project, tmp_p
     assert not list(tmp_path.rglob(".convwass-*"))
 
 
-def test_two_verbs_may_write_one_file_and_share_a_cache(project, tmp_path):
+def test_two_commands_may_write_one_file_and_share_a_cache(project, tmp_path):
     shapes = [project / "assets" / "shapes" / f"{name}.ply" for name in ("letter_a", "letter_b")]
     target = tmp_path / "out.blend"
     command = [

@@ -65,7 +65,7 @@ def opened(path):
 
 
 def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
-    """The same as the verb, which measures the frames together: each keeps its place, all together have the palette."""
+    """The command grades the same way: frames are measured together and keep their differences."""
     before = len(bpy.data.textures), {path: path.read_bytes() for path in files}
     assert call("recolor_clip", image="Shot", folder=str(tmp_path / "graded")) == {"FINISHED"}
     results = sorted((tmp_path / "graded").iterdir())
@@ -75,9 +75,9 @@ def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
     np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.0)
     assert before == (len(bpy.data.textures), {path: path.read_bytes() for path in files})
     palette = saved(image_of("Copy", pixels_of(bpy.data.images["Blue"])), tmp_path / "blue.png")
-    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "verb")]) == 0
+    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
     for path in results:
-        np.testing.assert_allclose(opened(path), opened(tmp_path / "verb" / path.name), atol=1.1 / 255)
+        np.testing.assert_allclose(opened(path), opened(tmp_path / "command" / path.name), atol=1.1 / 255)
 
 
 def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):

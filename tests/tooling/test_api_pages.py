@@ -33,8 +33,8 @@ def test_nothing_public_is_left_out(pages):
     made = set(re.findall(r"^## bpy\.ops\.convwass\.(\w+)$", pages["docs/api/operators.md"], re.MULTILINE))
     # Blender's own menu of presets calls that one.
     assert made == set(dir(bpy.ops.convwass)) - {"add_solver_preset"}
-    verbs = re.findall(r"^## (\w+)$", pages["docs/api/command_line.md"], re.MULTILINE)
-    assert verbs == [verb.name for verb in program.VERBS]
+    commands = re.findall(r"^## (\w+)$", pages["docs/api/command_line.md"], re.MULTILINE)
+    assert commands == [command.name for command in program.COMMANDS]
 
 
 def test_every_application_has_its_entries(project):

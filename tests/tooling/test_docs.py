@@ -21,9 +21,9 @@ PROJECT = Path(__file__).resolve().parents[2]
 PAGES = sorted(
     path for folder in (".", "docs", "docs/api", "docs/scripts", "assets") for path in (PROJECT / folder).glob("*.md")
 )
-VERBS = [verb.name for verb in program.VERBS]
+NAMES = [command.name for command in program.COMMANDS]
 # What stands for something else in examples.
-_PLACEHOLDERS = ("VERB", "…")
+_PLACEHOLDERS = ("COMMAND", "…")
 # Pages that name options of other programs, or options that have gone.
 _TELLS_OF_OTHERS = ("CHANGELOG.md", "performance.md")
 
@@ -62,13 +62,13 @@ def commands_of(text: str) -> list[str]:
     """Return the command lines in blocks of code and in inline code that call this project."""
     lines = [line for _, block in _BLOCK.findall(text) for line in re.sub(r"\\\n\s*", "", block).splitlines()]
     lines += _INLINE.findall(re.sub(r"(?<!\n)\n(?!\n)", " ", _BLOCK.sub("", text)))
-    return [line.strip() for line in lines if is_command(line.split()) and not any(p in line for p in _PLACEHOLDERS)]
+    return [line.strip() for line in lines if calls_us(line.split()) and not any(p in line for p in _PLACEHOLDERS)]
 
 
-def is_command(words: list[str]) -> bool:
+def calls_us(words: list[str]) -> bool:
     if words[:2] == ["python3", "run.py"] or words[:3] == ["blender", "--command", "convwass"]:
         return True
-    return len(words) > 2 and words[0] in VERBS and any(word.startswith("--") or "." in word for word in words[1:])
+    return len(words) > 2 and words[0] in NAMES and any(word.startswith("--") or "." in word for word in words[1:])
 
 
 COMMANDS = sorted(
@@ -101,7 +101,7 @@ def test_commands_are_understood(page, command):
     if words[:2] == ["python3", "run.py"]:
         understood_by_run(words[2:])
     else:
-        understood_by_verbs(words[3:] if words[0] == "blender" else words)
+        understood_by_convwass(words[3:] if words[0] == "blender" else words)
 
 
 def understood_by_run(words: list[str]) -> None:
@@ -111,14 +111,14 @@ def understood_by_run(words: list[str]) -> None:
         return
     assert words[0] in run.COMMANDS
     if words[:3] == ["python", "-m", "convwass_addon"]:
-        understood_by_verbs(words[3:])
+        understood_by_convwass(words[3:])
     elif words[0] == "test":
         run.take_blender(words[1:])
     elif words[0] == "python" and words[1:] and words[1].endswith(".py"):
         assert (PROJECT / words[1]).is_file()
 
 
-def understood_by_verbs(words: list[str]) -> None:
+def understood_by_convwass(words: list[str]) -> None:
     try:
         program.command_line_parser("convwass").parse_args(words)
     except SystemExit as stop:
@@ -127,7 +127,7 @@ def understood_by_verbs(words: list[str]) -> None:
 
 def test_a_wrong_command_is_noticed():
     with pytest.raises(AssertionError):
-        understood_by_verbs(["morph", "a.obj", "b.obj", "--no-such-option"])
+        understood_by_convwass(["morph", "a.obj", "b.obj", "--no-such-option"])
     with pytest.raises(AssertionError):
         understood_by_run(["pakcage"])
 
@@ -137,9 +137,9 @@ def test_options_exist(page):
     known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out"}
     # Of the tests that install the extension.
     known |= {"--zip", "--from-zip"}
-    for verb in program.VERBS:
+    for command in program.COMMANDS:
         parser = ArgumentParser()
-        verb.add_options(parser)
+        command.add_options(parser)
         known |= set(re.findall(r"--[a-z][\w-]*", parser.format_help()))
     named = {word for code in _INLINE.findall(prose_of(page)) for word in re.findall(r"(?<!\S)--[a-z][a-z-]*", code)}
     assert named <= known

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verb ``armature``: what it reads and writes, how it ends; the layout itself is a stand-in here."""
+"""The command ``armature``: what it reads and writes, how it ends; the layout itself is a stand-in here."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from convwass_addon import cli
 from convwass_addon.applications.skeletons.inner_points import InnerPoint
 from convwass_addon.bridge.armatures.pins import pin_joints, pinned_ends, register_pins, unregister_pins
 from convwass_addon.bridge.armatures.rigs import rig_graph
-from convwass_addon.cli import armature_verb
+from convwass_addon.cli import armature_command
 from convwass_addon.progress import UNINTERRUPTED
 from tests.rigs import chain, harmonic_steps, lines, tube, world_ends
 
@@ -35,7 +35,7 @@ def asked(monkeypatch):
         calls.append((mesh, graph, settings))
         return harmonic_steps(mesh, graph, settings, control)
 
-    monkeypatch.setattr(armature_verb, "fit_steps", steps)
+    monkeypatch.setattr(armature_command, "fit_steps", steps)
     return calls
 
 
@@ -114,7 +114,7 @@ def test_pins_of_the_file_and_settings(tmp_path, asked):
 
 def test_joints_behind_the_surface(tmp_path, scene, monkeypatch):
     finder = SimpleNamespace(find=lambda point: InnerPoint(np.array((point[0], 0.0, 0.0)), 0.4))
-    monkeypatch.setattr(armature_verb, "InnerPointFinder", lambda mesh: finder)
+    monkeypatch.setattr(armature_command, "InnerPointFinder", lambda mesh: finder)
     places = ("--place", "A.head=0.5,0,0.4", "--place", "C.tail=3.5,0.4,0")
     assert run(tmp_path, scene, scene, *places) == 0
     np.testing.assert_allclose(world_ends(opened(tmp_path)["Rig"])["A.head"], (0.5, 0, 0), atol=1e-5)

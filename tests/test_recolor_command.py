@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verb ``recolor``: what it reads and writes, how it ends."""
+"""The command ``recolor``: what it reads and writes, how it ends."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from convwass_addon import cli
 from convwass_addon.applications.palettes import recolor_job
 from convwass_addon.bridge.video import write_video
-from convwass_addon.cli import recolor_verb
+from convwass_addon.cli import recolor_command
 from convwass_addon.errors import ConvwassError
 from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
 
@@ -91,7 +91,7 @@ def test_what_ends_early_leaves_what_was_there(tmp_path, red, blue, ends, monkey
     frames = [saved(image_of("Frame", opened(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
     assert run(*frames, "--palette", blue, "--out", out, "--cube", cube, "--cube-size", 5) == 0
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
-    save, left = recolor_verb.save_pixels, [1]
+    save, left = recolor_command.save_pixels, [1]
 
     def breaks(*arguments):
         if not left:
@@ -99,7 +99,7 @@ def test_what_ends_early_leaves_what_was_there(tmp_path, red, blue, ends, monkey
         left.pop()
         save(*arguments)
 
-    monkeypatch.setattr(recolor_verb, "save_pixels", breaks)
+    monkeypatch.setattr(recolor_command, "save_pixels", breaks)
     arguments = (*frames, "--palette", blue, "--strength", 0.3, "--out", out, "--cube", cube, "--cube-size", 5)
     try:
         assert run(*arguments) != 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verb ``softmap``: what it writes, what it prints, how it ends."""
+"""The command ``softmap``: what it writes, what it prints, how it ends."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def files(tmp_path, empty_scene):
 
 
 def run(capfd, *words):
-    """Run the verb; return its exit code, standard output and standard error."""
+    """Run the command; return its exit code, standard output and standard error."""
     capfd.readouterr()
     code = cli.main(["softmap", *map(str, words)])
     return code, *capfd.readouterr()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verbs ``reflect`` and ``sky``: what they read and write, and how they end."""
+"""The commands ``reflect`` and ``sky``: what they read and write, and how they end."""
 
 from __future__ import annotations
 

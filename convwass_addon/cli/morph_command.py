@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verb ``morph``."""
+"""The command ``morph``."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .morph_choices import (
     settings_of,
 )
 from .reports import note
-from .shape_key_verb import with_shape_keys
+from .shape_key_command import with_shape_keys
 
 
 def run_morph(options: Namespace) -> Answer:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The verb ``demo``."""
+"""The command ``demo``."""
 
 from __future__ import annotations
 
