@@ -23,6 +23,11 @@ APPLICATIONS = {
         "combined_motion": ("combined_motion", "CombinedMotion"),
         "motion": ("Motion", "MovedShape"),
     },
+    "live": {
+        "field_lattice": ("FieldLattice", "PathNodes", "SheetNodes"),
+        "level_fields": ("LevelField", "MixedField", "FieldBox", "mixed"),
+        "weight_layouts": ("path_weights", "square_weights", "checked_weights"),
+    },
     "one_mesh": {
         "key_paths": ("key_paths", "KeyPath"),
     },

@@ -46,6 +46,41 @@ class Reading:
     record: dict[str, object]
 
 
+@dataclass(frozen=True)
+class LevelDensity:
+    """A density as it is prepared for its surface, with the level of that.
+
+    Attributes
+    ----------
+    density : (mx, my, mz) float32
+        In a box of the grid that holds all of it.
+    low : (3,) int64
+        First cell of the box.
+    level : float
+        On the surface.
+    volume : float
+        Cells that the surface encloses.
+    """
+
+    density: NDArray[np.float32]
+    low: NDArray[np.int64]
+    level: float
+    volume: float
+
+
+def level_density(
+    density: NDArray[np.floating], volume: float, settings: MorphSettings, solids: CoincidingSolids | None = None
+) -> LevelDensity:
+    """Prepare a density, and find the level of its surface, which is not mended; parameters as `read_surface`."""
+    prepared = _Prepared.of(density, volume, settings)
+    if settings.level == "half-max":
+        surface = surface_at_level(prepared.density, float(prepared.density.max()) / 2)
+        return LevelDensity(prepared.density, prepared.low, surface.level, surface.mesh.volume)
+    if solids is not None:
+        prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
+    return LevelDensity(prepared.density, prepared.low, surface_enclosing(prepared.density, volume).level, volume)
+
+
 def own_surface(occupancy: NDArray[np.floating], settings: MorphSettings) -> LevelSurface:
     """Surface of a shape as it can be read from its occupancy, in the way that blends are read."""
     volume = float(occupancy.sum(dtype=np.float64))

@@ -1,0 +1,247 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Level fields of blends, and the blends between them: mixed linearly, at the level of the interpolated volume.
+
+The level field of a blend is zero on its surface, positive inside and -1 where nothing is. Fields of neighboring
+blends differ little, so that the zero set of their mean is close to the surface of the blend between them
+(docs/performance.md, "Live blends").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from skimage.measure import marching_cubes
+
+from ...errors import InputError
+from ...geometry.isosurface import bounding_box
+from ...geometry.mesh import TriangleMesh
+from ...one_line import one_line
+
+OUTSIDE = -1.0
+"""Value of a level field where nothing is."""
+
+# Deep inside, fields say nothing about the surface between; larger values only make thick parts win over thin ones.
+_DEEPEST = 4.0
+# The level of a mixed field lies between these.
+_LEAST_LEVEL, _MOST_LEVEL = -0.75, 0.9
+# Cells count in part where their values are this close to the level, in all from one side to the other; whole cells
+# would make the volume of a ball of 800 cells waver by 1.4 % (tests/applications/live/test_field_lattice.py).
+_RAMP = 0.5
+# The level is found to this share of the cells inside, in so many steps at the most.
+_CELL_TOLERANCE, _NEWTON_STEPS = 5e-4, 8
+# Values keep this distance from the level: a sample at the level would put several vertices in one place.
+_CLEARANCE = 1e-4
+
+
+@dataclass(frozen=True)
+class FieldBox:
+    """The cells that hold every blend.
+
+    Attributes
+    ----------
+    low : (3,) int64
+        The first cell, in cells of the common grid.
+    shape : tuple of int
+        Cells per axis.
+    """
+
+    low: NDArray[np.int64]
+    shape: tuple[int, int, int]
+
+    @classmethod
+    def between(cls, low: ArrayLike, high: ArrayLike) -> FieldBox:
+        """Return the box from a first cell to the one after the last, (3,) each."""
+        low, high = np.asarray(low, np.int64), np.asarray(high, np.int64)
+        return cls(low, tuple(int(n) for n in high - low))
+
+    @property
+    def high(self) -> NDArray[np.int64]:
+        """The cell after the last, (3,)."""
+        return self.low + self.shape
+
+    @property
+    def field_bytes(self) -> int:
+        """Memory that one field takes."""
+        return int(np.prod(self.shape)) * np.dtype(np.float16).itemsize
+
+    def union(self, other: FieldBox) -> FieldBox:
+        """Return the smallest box that holds both."""
+        return FieldBox.between(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
+
+
+@dataclass(frozen=True)
+class LevelField:
+    """The level field of one blend.
+
+    Attributes
+    ----------
+    box : FieldBox
+        Where it is; fields that are mixed have the same.
+    values : (nx, ny, nz) float16
+        density / level - 1, at the most 4.
+    volume : float
+        Cells that the surface encloses.
+    cells : float
+        Cells inside, those close to the surface in part.
+    span : (2, 3) int64
+        In cells of the box, the first cell and the one after the last that a surface of a mixture can reach.
+    """
+
+    box: FieldBox
+    values: NDArray[np.float16]
+    volume: float
+    cells: float
+    span: NDArray[np.int64]
+
+    __repr__ = one_line("values", "volume", "cells")
+
+    @classmethod
+    def of(
+        cls, density: NDArray[np.floating], low: ArrayLike, level: float, volume: float, box: FieldBox
+    ) -> LevelField:
+        """Make the field of a blend.
+
+        Parameters
+        ----------
+        density : (mx, my, mz)
+            Not negative, prepared as for taking a surface of it; nothing lies outside of the array.
+        low : (3,) int
+            Its first cell on the common grid.
+        level : float
+            Of the surface.
+        volume : float
+            Cells that the surface encloses.
+        box : FieldBox
+            Of the field; what lies outside of it is cut off.
+
+        Raises
+        ------
+        InputError
+            Nothing of the density is above the level.
+        """
+        values = np.full(box.shape, OUTSIDE, np.float16)
+        offset = np.asarray(low, np.int64) - box.low
+        begin = np.maximum(offset, 0)
+        end = np.minimum(offset + density.shape, box.shape)
+        if (end > begin).all():
+            source = tuple(slice(a - o, b - o) for a, b, o in zip(begin, end, offset, strict=True))
+            target = tuple(slice(a, b) for a, b in zip(begin, end, strict=True))
+            values[target] = np.minimum(density[source] / level - 1.0, _DEEPEST)
+        return cls.of_values(values, volume, box)
+
+    @classmethod
+    def of_values(cls, values: NDArray[np.floating], volume: float, box: FieldBox) -> LevelField:
+        """Make a field of its values, (nx, ny, nz) in a box; for the rest see :meth:`of`."""
+        values = values.astype(np.float16, copy=False)
+        if not (values > 0).any():
+            raise InputError("A blend without a cell inside has no level field; use a finer resolution.")
+        span = np.stack(bounding_box(values > np.float16(_LEAST_LEVEL)))
+        return cls(box, values, float(volume), _cells_inside(values, 0.0), span)
+
+    def within(self, box: FieldBox) -> LevelField:
+        """Return the field in another box."""
+        values = np.full(box.shape, OUTSIDE, np.float16)
+        begin, end = np.maximum(self.box.low, box.low), np.minimum(self.box.high, box.high)
+        source = tuple(slice(a, b) for a, b in zip(begin - self.box.low, end - self.box.low, strict=True))
+        target = tuple(slice(a, b) for a, b in zip(begin - box.low, end - box.low, strict=True))
+        values[target] = self.values[source]
+        return LevelField.of_values(values, self.volume, box)
+
+    def difference(self, other: LevelField) -> float:
+        """Return what the solids of two blends do not have in common as a share of their mean volume, 0 to 2."""
+        own, others = self.values > 0, other.values > 0
+        return 2.0 * np.count_nonzero(own != others) / (np.count_nonzero(own) + np.count_nonzero(others))
+
+
+@dataclass(frozen=True)
+class MixedField:
+    """A field between those of several blends.
+
+    Attributes
+    ----------
+    values : (nx, ny, nz) float32
+        The mixture.
+    low : (3,) int64
+        Its first cell on the common grid; nothing lies outside.
+    level : float
+        Value on the surface.
+    volume : float
+        Cells that the surface is to enclose.
+    """
+
+    values: NDArray[np.float32]
+    low: NDArray[np.int64]
+    level: float
+    volume: float
+
+    __repr__ = one_line("values", "level", "volume")
+
+    def surface(self) -> TriangleMesh:
+        """Return the surface by marching cubes, in cells of the common grid, closed and outward."""
+        low, high = bounding_box(self.values > self.level)
+        begin, end = np.maximum(low - 1, 0), np.minimum(high + 1, self.values.shape)
+        sample = self.values[tuple(slice(a, b) for a, b in zip(begin, end, strict=True))]
+        missing = [(int(a > b), int(c > d)) for a, b, c, d in zip(begin, low - 1, high + 1, end, strict=True)]
+        if np.any(missing):
+            sample = np.pad(sample, missing, constant_values=np.float32(OUTSIDE))
+        # Marching cubes works on samples at integer coordinates; a sample is the center of its cell.
+        vertices, faces, _, _ = marching_cubes(sample, self.level, gradient_direction="ascent")
+        return TriangleMesh(vertices.astype(np.float64) + (self.low + low - 0.5), faces.astype(np.int64))
+
+
+def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
+    """Mix level fields, and find the level that encloses the interpolated volume.
+
+    The volume inside a level follows the number of cells inside it. How many there are for a cell of volume is known of
+    every field, and interpolated.
+
+    Parameters
+    ----------
+    fields : sequence of LevelField
+        In one box.
+    shares : sequence of float
+        One each, not negative, of sum 1.
+    """
+    first = fields[0].box
+    low = np.maximum(np.min([field.span[0] for field in fields], axis=0) - 1, 0)
+    high = np.minimum(np.max([field.span[1] for field in fields], axis=0) + 1, first.shape)
+    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+    values = np.multiply(fields[0].values[box], np.float32(shares[0]), dtype=np.float32)
+    if len(fields) > 1:
+        part = np.empty_like(values)
+        for field, share in zip(fields[1:], shares[1:], strict=True):
+            np.multiply(field.values[box], np.float32(share), out=part, dtype=np.float32)
+            values += part
+    volume = float(np.dot(shares, [field.volume for field in fields]))
+    wanted = volume * float(np.dot(shares, [field.cells / field.volume for field in fields]))
+    return MixedField(values, first.low + low, _enclosing_level(values, wanted), volume)
+
+
+def _enclosing_level(values: NDArray[np.float32], wanted: float) -> float:
+    """Return the level that so many cells are inside, by Newton's method, and move values away that are too close."""
+    flat = values.reshape(-1)
+    ramp = _RAMP / 2.0
+    near = np.flatnonzero((flat > _LEAST_LEVEL - ramp) & (flat < _MOST_LEVEL + ramp))
+    close = flat[near]
+    level, inside = 0.0, np.count_nonzero(flat >= _MOST_LEVEL + ramp)
+    for _ in range(_NEWTON_STEPS):
+        share = (close - np.float32(level)) / np.float32(_RAMP) + np.float32(0.5)
+        on_ramp = np.count_nonzero((share > 0.0) & (share < 1.0))
+        excess = inside + float(np.clip(share, 0.0, 1.0).sum(dtype=np.float64)) - wanted
+        if on_ramp == 0 or abs(excess) < _CELL_TOLERANCE * wanted:
+            break
+        level = min(max(level + excess * _RAMP / on_ramp, _LEAST_LEVEL), _MOST_LEVEL)
+    touching = near[np.abs(close - np.float32(level)) < _CLEARANCE]
+    is_inside = flat[touching] > level
+    flat[touching] = level + np.where(is_inside, _CLEARANCE, -_CLEARANCE).astype(np.float32)
+    return level
+
+
+def _cells_inside(values: NDArray[np.floating], level: float) -> float:
+    """Count the cells inside a level, those close to it in part."""
+    share = (values.astype(np.float32) - np.float32(level)) / np.float32(_RAMP) + np.float32(0.5)
+    return float(np.clip(share, 0.0, 1.0).sum(dtype=np.float64))

@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mixed level fields against balls, whose blends are known, and the lattices of weights."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.live.field_lattice import FieldLattice, PathNodes, SheetNodes
+from convwass_addon.applications.live.level_fields import FieldBox, LevelField, mixed
+from convwass_addon.applications.live.weight_layouts import (
+    PathLayout,
+    SquareLayout,
+    TriangleLayout,
+    checked_weights,
+    layout_of,
+    path_weights,
+)
+from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, triangle_blends
+from convwass_addon.errors import InputError
+from convwass_addon.geometry.centroid import centroid
+from tests.applications.live.fields import BOX, CENTER, ball_field, radius_of
+
+LAYOUTS = [PathLayout(2), PathLayout(4), TriangleLayout(), SquareLayout()]
+
+
+def balls_along(count: int, radii: tuple[float, ...] = (5.0, 9.0)) -> FieldLattice:
+    """Return the lattice of balls whose volumes are interpolated."""
+    weights = np.array([blend.weights for blend in path_blends(2, count)])
+    volumes = weights @ np.array(radii) ** 3
+    return FieldLattice(PathNodes.of(weights), [ball_field(float(np.cbrt(volume))) for volume in volumes])
+
+
+@pytest.mark.parametrize("share", [0.0, 0.11, 0.4375, 0.5, 0.98, 1.0])
+def test_mixed_balls_are_the_balls_between(share):
+    found = balls_along(8).mixed((1.0 - share, share))
+    mesh = found.surface()
+    radius = np.cbrt((1.0 - share) * 5.0**3 + share * 9.0**3)
+    assert radius_of(found.volume) == pytest.approx(radius)
+    distances = np.linalg.norm(mesh.vertices - CENTER, axis=1)
+    # Triangles cut corners, which the level makes up for: vertices are a little outside.
+    np.testing.assert_allclose(distances, radius, atol=0.12)
+    assert distances.mean() == pytest.approx(radius, abs=0.06)
+    assert mesh.volume == pytest.approx(found.volume, rel=0.01)
+    np.testing.assert_allclose(centroid(mesh), CENTER, atol=0.01)
+
+
+def test_balls_far_apart_in_the_lattice_keep_their_volume():
+    # The linear mixture of two balls is a ball too small or too large; the level is not.
+    found = balls_along(2).mixed((0.75, 0.25))
+    assert found.surface().volume == pytest.approx(found.volume, rel=0.02)
+
+
+def test_surfaces_are_closed_where_fields_are_cut_off_by_the_box():
+    field = ball_field(6.0)
+    small = FieldBox.between(CENTER.astype(int), BOX.high)
+    mesh = mixed([field.within(small)], [1.0]).surface()
+    _, counts = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    assert set(counts) == {2}
+    assert mesh.volume > 0
+
+
+def test_fields_are_the_same_in_a_larger_box():
+    field = ball_field(6.0)
+    larger = field.within(BOX.union(FieldBox.between((-9, 0, 0), (10, 40, 33))))
+    assert larger.cells == pytest.approx(field.cells)
+    np.testing.assert_allclose(mixed([larger], [1.0]).surface().vertices, mixed([field], [1.0]).surface().vertices)
+
+
+def test_a_field_without_a_cell_inside_is_refused():
+    with pytest.raises(InputError, match="without a cell inside"):
+        LevelField.of(np.full((3, 3, 3), 0.2), (0, 2, 0), 0.5, 1.0, BOX)
+
+
+def test_difference_is_that_of_the_solids():
+    small, large = ball_field(5.0), ball_field(6.0)
+    expected = 2.0 * (6.0**3 - 5.0**3) / (6.0**3 + 5.0**3)
+    assert small.difference(large) == pytest.approx(expected, rel=0.05)
+    assert small.difference(small) == 0.0
+
+
+@pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: f"{type(layout).__name__} {layout.count}")
+@pytest.mark.parametrize("steps", [1, 4, 12])
+def test_stencils_interpolate_the_weights(layout, steps):
+    nodes, random = layout.nodes(steps), np.random.default_rng(0)
+    assert len(set(nodes)) == len(nodes)
+    for node in nodes:
+        assert layout.stencil(layout.weights(node, steps), steps).nodes == (node,)
+        assert set(layout.neighbors(node, steps)) <= set(nodes) - {node}
+    for _ in range(40):
+        # A mixture of a stencil lies in the layout.
+        start = nodes[random.integers(len(nodes))]
+        around = np.array([layout.weights(node, steps) for node in (start, *layout.neighbors(start, steps)[:1])])
+        weights = random.dirichlet(np.ones(len(around))) @ around
+        stencil = layout.stencil(weights, steps)
+        assert set(stencil.nodes) <= set(nodes)
+        assert min(stencil.shares) > 0 and sum(stencil.shares) == pytest.approx(1.0)
+        found = np.array(stencil.shares) @ np.array([layout.weights(node, steps) for node in stencil.nodes])
+        if layout.count == 3 or not isinstance(layout, SquareLayout):
+            np.testing.assert_allclose(found, weights, atol=1e-9)
+        for node in stencil.nodes:
+            assert set(stencil.nodes) - {node} <= set(layout.neighbors(node, steps))
+
+
+def test_sheets_and_paths_are_recognized_by_their_weights():
+    field = ball_field(5.0)
+    for blends in (triangle_blends(3, 5), grid_blends(4, 4)):
+        weights = np.array([blend.weights for blend in blends])
+        nodes = SheetNodes.of(weights.astype(np.float32))
+        for row, own in enumerate(weights):
+            found = nodes.between(own)
+            assert max(zip(found.shares, found.rows, strict=True)) == (pytest.approx(1.0), row)
+        assert FieldLattice(nodes, [field] * len(weights)).mixed(weights[1]).volume == pytest.approx(field.volume)
+    # The last step of a path may be shorter.
+    weights = np.array([blend.weights for blend in path_blends(3, 24, 5)])
+    found = PathNodes.of(weights).between(path_weights(1.0 - 1 / 96, 3))
+    assert found.rows == (4, 5)
+    assert found.shares == pytest.approx((0.0625, 0.9375))
+    with pytest.raises(InputError, match="no whole sheet"):
+        SheetNodes.of(weights[:-1])
+    with pytest.raises(InputError, match="no path"):
+        PathNodes.of(weights[::-1])
+
+
+def test_weights_out_of_range_are_brought_back():
+    lattice = balls_along(4)
+    exact = lattice.mixed((0.75, 0.25)).volume
+    assert lattice.mixed((3.0, 1.0)).volume == pytest.approx(exact)
+    assert lattice.mixed((0.5, -0.2)).volume == pytest.approx(lattice.mixed((1.0, 0.0)).volume)
+    assert lattice.mixed((3e300, 1e300)).volume == pytest.approx(exact)
+    np.testing.assert_allclose(path_weights(-3.0, 3), (1, 0, 0))
+    np.testing.assert_allclose(path_weights(np.inf, 3), (0, 0, 1))
+    np.testing.assert_allclose(path_weights(1.25, 3), (0, 0.75, 0.25))
+
+
+@pytest.mark.parametrize(
+    ("weights", "message"), [((1, 1, 1), "3 weights"), ((0, -1), "All weights"), ((np.nan, 1), "finite")]
+)
+def test_weights_without_a_meaning_are_refused(weights, message):
+    with pytest.raises(InputError, match=message):
+        checked_weights(weights, 2)
+
+
+def test_five_shapes_have_no_pad():
+    assert layout_of(4) == SquareLayout()
+    with pytest.raises(InputError, match="not 5"):
+        layout_of(5)
