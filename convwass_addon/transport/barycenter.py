@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Wasserstein barycenters by iterated Bregman projection, in logarithms.
 
-Algorithm 2 of Solomon et al. 2015 with, on a dial, the debiasing of Janati, Cuturi and Gramfort 2020 ("Debiased
-Sinkhorn barycenters"), and with the entropy bound of Algorithm 3.
+Algorithm 2 of Solomon et al. 2015, with optional debiasing after Janati, Cuturi and Gramfort 2020 ("Debiased Sinkhorn
+barycenters") and with the entropy bound of Algorithm 3.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from .potentials import Potentials
 from .region import Region
 from .sharpening import entropy
 
-# Coarser levels are solved to this share of the tolerance: what they leave is what the finest level is slowest to mend,
-# but more than this changes nothing in its rounds (docs/performance.md, "Constants of the barycenter").
+# Coarser levels are solved to this fraction of the tolerance. A larger fraction leaves errors that the finest level
+# corrects slowly; a smaller one saves it no rounds (docs/performance.md, "Constants of the barycenter").
 _COARSE_TOLERANCE = 0.6
-# A region is widened by so many cells while more than this share of the tolerance lies at its rim, so that what it
-# leaves out stays below the tolerance; a third or three times as much changes nothing (the same table).
+# A region grows by this many cells while its rim holds more than this fraction of the tolerance, so that the mass cut
+# off stays below the tolerance; a third or three times as much changes nothing (the same table).
 _RIM_SHARE = 0.1
 _RIM_CELLS = 3
 
@@ -42,35 +42,35 @@ class Barycenter:
     Attributes
     ----------
     density : (*shape) float64
-        The barycenter; mass 1 under the area weights. Its mean is 1, not its sum: see `masses`.
+        The barycenter, of mass 1 under the area weights: its mean is 1, not its sum. See `masses`.
     levels : tuple of Potentials
-        The scalings of the inputs whose weight is not zero, coarse to fine; to start a neighboring solve from.
+        The scalings of the inputs of positive weight, from coarse to fine; the start for a similar solve.
     weights : (k,) float64
         The weights of the inputs, as used.
     sharpness : float
-        As asked for.
+        As given.
     iterations : tuple of int
         Iterations at every level, coarse to fine.
     marginal_error : float
-        The largest sum of a |v_i H(a w_i) - mu| over the inputs in the last round; the step of d after it may add up to
-        s times the error of d.
+        The largest sum of a |v_i H(a w_i) - mu| over the inputs in the last round. The step of d that follows may add
+        up to s times the error of d.
     debias_error : float
-        Sum of a |d H(a d) - mu| in the last round, whose step of d halves it afterwards; 0 without sharpness.
+        Sum of a |d H(a d) - mu| in the last round, whose final step of d halves it; 0 without sharpness.
     mass : float
-        Of mu before it was normalized: about 1, or what is left of it where mass may vanish.
+        Mass of mu before normalization: about 1, or what remains where mass may vanish.
     mass_error : float
-        How far that is from 1; 0 where mass may vanish.
+        Its difference from 1; 0 where mass may vanish.
     invariant_error : float
         Largest |sum_i alpha_i ln v_i - s ln d - (1 - 1 / beta) ln mu| where the density is not negligible; zero in
         exact arithmetic.
     converged : bool
-        Whether the marginal error and that of d fell below the tolerance.
+        Whether the marginal error and the debiasing error fell below the tolerance.
     numerics : str
         How the kernel was applied at the finest level: "scaling" or the domain's far_numerics.
     entropy : float
         Entropy of the density in nats.
     sharpening_exponent : float
-        beta of Algorithm 3; 1 where the bound does not act.
+        beta of Algorithm 3; 1 where the bound is inactive.
     areas : float or (*shape) float64
         The area weights of the domain, of sum 1.
     """
@@ -113,7 +113,7 @@ class Barycenter:
         names = ("sharpness", "iterations", "marginal_error", "debias_error", "mass", "mass_error", "invariant_error")
         others = ("converged", "numerics", "entropy", "sharpening_exponent")
         found = {name: getattr(self, name) for name in (*names, *others)}
-        # An error that was never measured, because the solve ended before, is no number of JSON's.
+        # An error is infinite if the solve ended before measuring it; JSON has no infinity.
         return {name: None if value == np.inf else value for name, value in found.items()}
 
 
@@ -138,38 +138,36 @@ def barycenter(
     Parameters
     ----------
     mus : (k, *domain.shape) or Inputs
-        Densities, not negative; each is normalized to mass 1. On a grid these may be histograms that sum to one; on
-        other domains :func:`from_masses` makes densities of such. ``Inputs.of(mus, domain)`` prepares them once for
+        Nonnegative densities, each normalized to mass 1. On a grid these may be histograms that sum to one; on other
+        domains, convert histograms with :func:`from_masses`. ``Inputs.of(mus, domain)`` prepares them once for
         many solves.
     weights : (k,)
-        Not negative, not all zero; normalized to sum 1. Inputs of weight zero take no part.
+        Nonnegative, not all zero; normalized to sum 1. Inputs of weight zero are ignored.
     domain : Domain
         Owns the area weights and the heat kernel.
     sharpness : float
-        0 is the paper's barycenter, 1 the debiased one of Janati et al. 2020, between them their geometric blend:
-        mu = d^s prod_i (H(a w_i))^alpha_i.
+        0 is the paper's barycenter and 1 the debiased one of Janati et al. 2020; values between are their geometric
+        blend: mu = d^s prod_i (H(a w_i))^alpha_i.
     entropy_limit : None, "max" or float
-        Upper bound of the entropy in nats (eq. 14); "max" takes the largest entropy of the inputs.
+        Upper bound on the entropy in nats (eq. 14); "max" takes the largest entropy of the inputs.
     tightening : int
-        How many looser bounds lead to the limit, from the entropy of the unbounded barycenter (end of section 6.1);
-        0 applies the limit from the start. They follow on the finest domain.
+        Number of steps in which the bound is tightened, from the entropy of the unbounded barycenter to the limit (end
+        of section 6.1), on the finest domain only; 0 applies the limit from the start.
     reach : float, optional
-        How far mass goes, in units of the finest domain (cells), before it rather vanishes in one place and grows in
-        another; by default all of it travels. Not together with an entropy limit.
+        Distance, in units of the finest domain (cells), beyond which mass vanishes in one place and appears in another
+        instead of travelling; by default all mass travels. Cannot be combined with an entropy limit.
     initial : Barycenter, optional
-        The barycenter of the same inputs with similar weights on the same domain, to start from. It is used where the
-        same inputs have weight.
+        The barycenter of the same inputs with similar weights on the same domain, to start from. Ignored unless the
+        same inputs have positive weight.
     begun : Barycenter, optional
-        The barycenter of ``inputs.coarser``, or of the coarser part of that, with the same weights and options, and
-        with the coarser one of `initial` to start from where that is given. Its levels are not solved again; nothing
-        else changes.
+        The barycenter of ``inputs.coarser`` (or of coarser levels still) with the same weights and options, started
+        from the coarser part of `initial` if that is given. Its levels are not solved again; the result is the same.
     tolerance : float
-        The solve ends when the marginal error and that of the debiasing density are below this.
+        The solve ends when the marginal error and the debiasing error are below this.
     max_iterations : int
         At every level.
     numerics : "automatic" or "scaling"
-        Where scalings of float64 do not reach, "automatic" goes on in the log domain, which reaches further and takes
-        longer; "scaling" raises.
+        Where float64 scalings underflow, "automatic" continues in the log domain, which is slower; "scaling" raises.
     control : Control
         Ends the solve when cancelled.
 
@@ -181,9 +179,9 @@ def barycenter(
     Raises
     ------
     ValueError
-        Distributions, weights or parameters that make no sense; the message names the argument.
+        Invalid distributions, weights or parameters; the message names the argument.
     KernelTooNarrowError
-        Scalings do not reach, and nothing else was allowed.
+        float64 scalings underflow and `numerics` is "scaling".
     """
     inputs = mus if isinstance(mus, Inputs) else Inputs.of(mus, domain)
     if inputs.domain is not domain:
@@ -254,7 +252,7 @@ class _Problem:
     control: Control
 
     def resumed(self, begun: Barycenter, limit: float | None) -> _Solved:
-        """Take up the coarse levels where they were left."""
+        """Restart from the coarse levels that `begun` has solved."""
         level, start = self.ladder[len(begun.levels) - 1], begun.levels[-1]
         state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics, self.reach)
         state.density[...] = start.region.gather(begun.density)
@@ -263,7 +261,7 @@ class _Problem:
     def coarse_to_fine(
         self, limit: float | None, before: tuple[Potentials, ...], done: _Solved | None = None
     ) -> _Solved:
-        """Solve on ever finer domains, each started from the one before and, if given, from a neighbor's levels."""
+        """Solve from coarse to fine, each level started from the last and, if given, from a similar solve's levels."""
         levels: list[Potentials] = [] if done is None else list(done.levels)
         iterations = [] if done is None else list(done.iterations)
         state = None if done is None else done.state
@@ -279,7 +277,7 @@ class _Problem:
                 start = levels[-1].prolonged(domain, region)
             else:
                 start = Potentials.flat(len(self.alphas), domain.shape)
-            # Under a bound the coarser state is that of its weights already, and another one.
+            # With a bound, the coarser state already satisfies its own, different invariant.
             if self.reach is None and (limit is None or before or not depth):
                 start = start.for_weights(self.alphas, self.sharpness)
             tolerance = self.tolerance * (1.0 if domain is self.aim else _COARSE_TOLERANCE)

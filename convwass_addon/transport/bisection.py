@@ -17,18 +17,18 @@ from .interpolation import Interpolation, SolvedFrame, check_times
 from .propagation import propagation
 from .sharpening import entropy, entropy_between
 
-# Halvings by default: frames themselves, and those next to which frames at other times are put. With an eighth of the
-# way from one to the next, costs are quadratic enough for any weights.
+# Default number of halvings, without and with explicit times; explicit times lie between two solved frames. Once
+# frames are an eighth apart, costs are close enough to quadratic for unequal weights.
 _LEVELS, _LEVELS_BELOW_TIMES = 5, 3
-# Frames that are solved together where each takes few sweeps: as many as have so many values, but at least four, whose
-# columns fill the solves of a mesh.
+# Frames solved together where each takes few sweeps: as many as hold this many values, but at least four, which make
+# the multi-column solves of a mesh efficient.
 _VALUES_AT_ONCE, _FEWEST_AT_ONCE = 1 << 17, 4
-# Nats by which a bound is raised at frames that do not converge under it. Chosen by eye; how far bounds had to be
-# raised is in docs/performance.md, "Meshes".
+# Nats by which a bound is raised at frames that do not converge under it. Chosen by eye; docs/performance.md,
+# "Meshes", lists how far bounds had to be raised.
 _RELIEF = 1.0
-# Halvings of the way whose frames are solved again between nearer ones. Between far ends of a body there are many ways
-# of nearly the same length; the midpoint is spread over all of them, and sharpened to the bound it is a spike with long
-# tails, up to twice as high as its neighbors.
+# Frames of this many first halvings are solved again, between nearer ones. Between distant ends of a body there are
+# many paths of nearly the same length; the midpoint spreads over all of them, and sharpening it to the bound gives a
+# spike with long tails, up to twice as high as its neighbors.
 _FAR_HALVINGS = 2
 
 
@@ -46,45 +46,45 @@ def bisect(
 ) -> Interpolation:
     """Interpolate by recursive bisection: every new frame is the midpoint of its two neighbors.
 
-    Only equal weights are used, and every hop is half as long as the one before, so that the mass is where transport
-    puts it although the cost of a mesh's kernel turns linear far away.
+    Only equal weights are used, and every hop is half as long as the one before. Mass therefore ends up in the right
+    place although the cost of a mesh's kernel becomes linear at long distances.
 
     Parameters
     ----------
     mu0, mu1 : domain.shape
-        Densities, not negative; each is normalized to mass 1.
+        Nonnegative densities; each is normalized to mass 1.
     domain : Domain
         Owns the area weights and the heat kernel. Meshes start every frame from coarser ones.
     levels : int, optional
-        Frames at the multiples of 1 / 2^levels; by default 5, or 3 where `times` are given.
+        Solve frames at the multiples of 1 / 2^levels; by default 5, or 3 if `times` are given.
     times : (f,), optional
-        Other times to return instead, in [0, 1]; each is a barycenter of the two frames next to it. Frames that none
-        of them needs are not solved.
+        Times to return instead, in [0, 1]; each frame is a barycenter of the two solved frames next to it. Frames that
+        no requested time needs are not solved.
     entropy_limit : "between", "max", None or float
-        Bound for the entropy of every new frame in nats: between those of its two neighbors, as if a ball grew from one
-        to the other; the larger of both; none; or one number. Without any the blur of every level would add up. On
-        meshes the first two are raised by one nat where a frame does not converge.
+        Bound on the entropy of every new frame in nats: "between" interpolates the entropies of its two neighbors, as
+        if a ball grew from one to the other; "max" takes the larger one; None sets no bound, and the blur of all
+        levels adds up. On meshes the first two are raised by one nat where a frame does not converge.
     tolerance, max_iterations, control
         As in :func:`propagate`.
 
     Returns
     -------
     Interpolation
-        In the order of `times`, or of time. Its iterations are those of the slowest frame of every level.
+        In the order of `times`, or of time. `iterations` has those of the slowest frame of every level.
 
     Raises
     ------
     ValueError
-        Distributions or parameters that make no sense; the message names the argument.
+        Invalid distributions or parameters; the message names the argument.
     KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to the other.
+        gamma is too small for any of the numerics to reach from one distribution to the other.
 
     Notes
     -----
-    A bound makes one bump of what the blur of a level joins: peaks that are closer to each other than that become one.
-    Where two ways are equally long, frames may not converge, and say so.
+    Peaks closer to each other than the blur of a level are merged, and the bound makes one peak of them. Where two
+    paths are equally long, frames may not converge; the result says so.
 
-    Few frames are solved at a time: with 24 of them on 500 000 vertices the whole process stays below 2 GB.
+    Few frames are solved at a time: 24 frames on 500 000 vertices keep the whole process below 2 GB.
     """
     return drained(
         bisection(
@@ -113,17 +113,17 @@ def bisection(
     max_iterations: int = 500,
     control: Control = UNINTERRUPTED,
 ) -> Work[Interpolation]:
-    """Do the same as :func:`bisect` sweep by sweep, some frames at a time.
+    """Like :func:`bisect`, but yields progress after every sweep over some of the frames.
 
-    On meshes, the frames of the first two halvings are solved again where a bound acts, once there are nearer frames on
-    both sides of them.
+    On meshes with a bound, the frames of the first two halvings are solved again once nearer frames exist on both
+    sides of them.
 
     Parameters and errors are those of :func:`bisect`; errors are raised before the first report.
 
     Yields
     ------
     Progress
-        After every sweep; the fraction is the share of all frames that is done, the payload a :class:`.rounds.Round`.
+        After every sweep; the fraction is the share of frames that are done, the payload a :class:`.rounds.Round`.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def bisection(
     for stage in stages:
         if stage is far:
             if path.is_raised:
-                # Bounds that were raised would be raised once more.
+                # Solving again would raise bounds a second time.
                 done += len(stage)
                 continue
             path.forget(stage)
@@ -164,9 +164,9 @@ def bisection(
 
 
 def _halvings(levels: int, wanted: NDArray[np.float64] | None) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
-    """Return the times of frames to solve, an array per halving, and times in between to solve at the end.
+    """Return the times of frames to solve, one array per halving, and the requested times between them, solved last.
 
-    None that nothing wanted is next to or at.
+    Skips the times that no requested time needs.
     """
     known = np.array([0.0, 1.0])
     stages = []
@@ -184,7 +184,7 @@ def _halvings(levels: int, wanted: NDArray[np.float64] | None) -> tuple[list[NDA
 
 
 def _far(halvings: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return the times of the first halvings in the middle between nearer frames than those they were solved from."""
+    """Return the times of the first halvings that now lie midway between nearer frames than they were solved from."""
     known = np.concatenate([[0.0, 1.0], *halvings])
     found = []
     for halving, times in enumerate(halvings[:_FAR_HALVINGS], start=1):
@@ -197,7 +197,7 @@ def _far(halvings: list[NDArray[np.float64]]) -> NDArray[np.float64]:
 
 @dataclass
 class _Path:
-    """Frames by their time, and how more of them are solved."""
+    """Frames by time, and the method that solves more of them."""
 
     domain: Domain
     entropy_limit: Literal["between", "max"] | float | None
@@ -207,7 +207,7 @@ class _Path:
     frames: dict[float, SolvedFrame] = field(default_factory=dict)
 
     def keep(self, times: NDArray[np.float64], densities: NDArray[np.float64]) -> None:
-        """Take frames that are known exactly."""
+        """Store frames that are known exactly."""
         for time, density in zip(times.tolist(), densities, strict=True):
             self.frames[time] = SolvedFrame(density, entropy(density, self.domain.weights))
 
@@ -218,32 +218,32 @@ class _Path:
 
     @property
     def is_raised(self) -> bool:
-        """Whether the bound of any frame was."""
+        """Whether any frame's bound was raised."""
         return any(frame.raised for frame in self.frames.values())
 
     def blocks(self, times: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-        """Split times into those of frames to solve together."""
+        """Split times into blocks of frames to solve together."""
         size = len(times)
         if self.domain.has_fast_propagation:
             size = max(_FEWEST_AT_ONCE, _VALUES_AT_ONCE // int(np.prod(self.domain.shape)))
         return [times[start : start + size] for start in range(0, len(times), size)]
 
     def insert(self, times: NDArray[np.float64]) -> Work[int]:
-        """Solve frames between their neighbors in time, in one propagation over separate parts of a graph.
+        """Solve frames between their neighbors in time, as one propagation on a graph of separate components.
 
-        Frames at `times` are vertices count, count + 1, ... after the known ones. Returns the sweeps that it took.
+        Frames at `times` become vertices count, count + 1, ... after the known ones. Returns the number of sweeps.
         """
         known = np.array(sorted(self.frames))
         right = np.searchsorted(known, times)
         if self.domain.has_fast_propagation:
-            # Frames that take no part would only take memory.
+            # Other frames would only take memory.
             near = np.union1d(right - 1, right)
             known, right = known[near], np.searchsorted(near, right)
         share = (times - known[right - 1]) / (known[right] - known[right - 1])
         new = len(known) + np.arange(len(times))
         edges = np.concatenate([np.stack([right - 1, new], 1), np.stack([new, right], 1)])
         frames = [self.frames[time] for time in known.tolist()]
-        # What the bound of a neighbor was raised by fades with the distance in time, so that nothing flickers.
+        # The raise of a neighbor's bound is interpolated in time, so that frames do not flicker.
         raises = np.array([frame.raised for frame in frames])
         inherited = (1.0 - share) * raises[right - 1] + share * raises[right]
         limits, relief = self.entropy_limit, 0.0
@@ -284,7 +284,7 @@ class _Path:
         return solved.iterations
 
     def interpolation(self, wanted: NDArray[np.float64] | None, iterations: tuple[int, ...]) -> Interpolation:
-        """Return the frames at the wanted times, or all in the order of time."""
+        """Return the frames at the requested times, or all of them in order of time."""
         times = np.array(sorted(self.frames)) if wanted is None else wanted
         frames = [self.frames[time] for time in times.tolist()]
         numerics = [frame.numerics for frame in self.frames.values()]

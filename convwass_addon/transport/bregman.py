@@ -19,22 +19,22 @@ from .potentials import Potentials
 from .region import Region
 from .sharpening import BOUNDED_STEP, sharpening_exponent
 
-# The debiasing density spans a few orders of magnitude where there is mass; elsewhere it does not matter, but its
-# exponential must stay within float64, whose logarithms end at 709.
+# ln d spans a few orders of magnitude where there is mass. Elsewhere its value is irrelevant, but exp(ln d) must not
+# overflow float64, whose logarithms end at 709.
 _DEBIAS_RANGE = 700.0
-# Over-relaxation of v, which helps on grids, is given up once a round leaves more than this share of the error. A
-# guard: where rounds converge as they should it never acts (docs/performance.md, "Constants of the barycenter").
+# Over-relaxation of v speeds up grids; it is switched off once a round leaves more than this fraction of the error. A
+# safeguard: normal convergence never triggers it (docs/performance.md, "Constants of the barycenter").
 _STALLED = 0.95
-# Share of the step that d takes. Where the error of ln d varies slowly against the kernel, whole steps would overshoot;
-# where it varies faster, each leaves 1 - (1 - s) of it. Between them this leaves least (the same table).
+# Damping of the step of d. A full step overshoots where the error of ln d varies slowly compared with the kernel;
+# where it varies faster, a step leaves 1 - (1 - s) of it. This value leaves the least overall (the same table).
 _DEBIAS_STEP = 0.9
-# Share of its last step that ln d goes on by, as a heavy ball does, and how much less of it per lack of sharpness: the
-# errors of sharper barycenters are slower. Measured for full sharpness, and for 0.75 (the same table).
+# Heavy-ball momentum of ln d, and how much it decreases per unit of missing sharpness: sharper barycenters converge
+# more slowly. Measured for sharpness 1 and 0.75 (the same table).
 _DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
-# The most that the last step, after which nothing is measured, changes ln d anywhere.
+# The largest change of ln d anywhere in the last step, which no measurement follows.
 _LAST_STEP = float(np.log(2.0))
-# Elements of a coarse barycenter below this share of the tolerance, relative to its maximum, have no counterpart on
-# finer levels, beyond a margin (docs/performance.md, "Constants of the barycenter").
+# Elements of a coarse barycenter below this fraction of the tolerance, relative to its maximum, are dropped on finer
+# levels, except within a margin (docs/performance.md, "Constants of the barycenter").
 _NEGLIGIBLE_SHARE = 0.3
 
 
@@ -46,20 +46,20 @@ class BregmanIteration:
         w_i = mu_i / H(a v_i),    mu = (d^s prod_i H(a w_i)^alpha_i)^beta,
         v_i = mu / H(a w_i),      d' = d (mu / (d H(a d)))^0.9 (d / d_before)^m,    v_i' = v_i (d' / d)^s
 
-    This is the paper's round with prod_i v_i^alpha_i = d^s built in, so that nothing accumulates: the state is right
-    for its weights after one round from any start. Without the last step v would hold the d of the round before, and
-    the delay would let errors of d ring. The momentum m (Polyak 1964) is for the slow errors of sharp barycenters. mu
-    is normalized to mass 1 inside the round, because the root in d otherwise makes the total mass swing for a dozen
-    rounds; v keeps the mass before that, which goes to 1.
+    This is the paper's round with prod_i v_i^alpha_i = d^s built in, so that no error accumulates: from any start, the
+    state fits its weights after one round. Without the last step v would lag one round behind d, and errors of d would
+    oscillate. The momentum m (Polyak 1964) speeds up the slow errors of sharp barycenters. mu is normalized to mass 1
+    inside the round, because otherwise the root in d makes the total mass oscillate for a dozen rounds; v keeps the
+    unnormalized mass, which converges to 1.
 
-    Where mass may vanish and grow, every update has an exponent: :class:`.fidelity.Unbalanced`.
+    Where mass may vanish and appear, every update has an exponent: see :class:`.fidelity.Unbalanced`.
 
-    v_i, d and mu are kept on the region of the start, w_i where mu_i has mass: the rest of the domain costs nothing.
+    v_i, d and mu are stored on the region of the start, w_i where mu_i has mass; the rest of the domain costs nothing.
 
     Parameters
     ----------
     inputs : Level
-        The distributions, of mass 1, and where they live.
+        The distributions, of mass 1, and their domain.
     alphas : (k,) float64
         Positive weights of sum 1.
     sharpness : float
@@ -69,9 +69,9 @@ class BregmanIteration:
     start : Potentials
         Copied.
     numerics : "automatic" or "scaling"
-        Whether to go on in the log domain where scalings of float64 do not reach, or to raise.
+        Whether to continue in the log domain or to raise where float64 scalings underflow.
     reach : float or None
-        How far mass goes before it rather fades, in lengths of the domain; with None all mass travels.
+        Distance at which mass fades instead of travelling, in lengths of the domain; None lets all mass travel.
     """
 
     def __init__(
@@ -99,12 +99,12 @@ class BregmanIteration:
         self._log_mus = inputs.log_mus
         first = inputs.regions[0].scatter(np.exp(inputs.log_mus[0]), 0.0) if self.domain.pieces is not None else None
         self._pieces = None if first is None else PieceMasses.of(first, self.domain)
-        # Exponents below 1 converge by themselves, and steps beyond would leave the invariant.
+        # Exponents below 1 converge without over-relaxation, which would break the invariant.
         self._relaxation = self.domain.relaxation if self.balanced else 1.0
         self._enter(start)
 
     def _enter(self, start: Potentials) -> None:
-        """Take up a state, and with it the region that it is on."""
+        """Load a state and its region."""
         self.region = start.region
         whole = isinstance(self.domain.weights, float)
         self.weights = self.domain.weights if whole else self.region.gather(self.domain.weights)
@@ -121,7 +121,7 @@ class BregmanIteration:
         self._debias_step: NDArray[np.float64] | None = None
 
     def step(self) -> None:
-        """Do one round and measure how far the marginals are from agreeing."""
+        """Do one round and measure how far the marginals disagree."""
         if self._debias_step is not None:
             self._update_debias()
         self._project_on_inputs()
@@ -142,7 +142,7 @@ class BregmanIteration:
         here = [self.region] * len(self.alphas)
         log_kv = self._transfer(self.log_v, here, self._inputs)
         if not self.far and min(float(logs.min()) for logs in log_kv) <= LOG_NOTHING / 2:
-            # Some of an input's mass is too far from the barycenter for scalings of float64.
+            # Some mass of an input is too far from the barycenter for float64 scalings.
             if self.numerics == "scaling":
                 raise KernelTooNarrowError(f"gamma = {self.domain.gamma:.3g} is too small for scalings of float64")
             self.far = True
@@ -153,7 +153,7 @@ class BregmanIteration:
             log_kw[...] = logs
 
     def _geometric_mean(self) -> None:
-        """Take ln mu = beta (s ln d + sum_i alpha_i ln H(a w_i)), or its unbalanced form, not yet normalized."""
+        """Set ln mu = beta (s ln d + sum_i alpha_i ln H(a w_i)), or its unbalanced form, without normalizing it."""
         self.fidelity.log_mean(self._log_kw, self.alphas, self._log_mu)
         np.multiply(self.log_debias, self.sharpness / self.fidelity.exponent, out=self._spare)
         self._log_mu += self._spare
@@ -165,12 +165,12 @@ class BregmanIteration:
             self._balance()
 
     def _balance(self) -> None:
-        """Give every connected piece its mass, where there are several."""
+        """Set the mass of every connected component, where there are several."""
         if self._pieces is not None and self.balanced:
             self._log_mu[...] = self._pieces.balanced(self._log_mu, self.weights)
 
     def _normalize(self) -> None:
-        """Fill the density, of mass 1; remember the logarithm of the mass before."""
+        """Compute the density, of mass 1, and remember the logarithm of the mass before normalizing."""
         shift = float(self._log_mu.max())
         np.subtract(self._log_mu, shift, out=self.density)
         np.exp(self.density, out=self.density)
@@ -181,9 +181,9 @@ class BregmanIteration:
         self._relevant = self._log_mu > self._log_mass - RELEVANT
 
     def _marginal_error(self, index: int) -> float:
-        """Sum of a |v_i H(a w_i) - mu|; the mass of v_i H(a w_i) is that of mu_i in every round.
+        """Sum of a |v_i H(a w_i) - mu|; v_i H(a w_i) has the mass of mu_i in every round.
 
-        Unbalanced it is v_i^(1 / e) H(a w_i), per mass.
+        The unbalanced form compares v_i^(1 / e) H(a w_i) divided by the mass.
         """
         np.divide(self.log_v[index], self.fidelity.exponent, out=self._spare)
         self._spare += self._log_kw[index]
@@ -197,7 +197,7 @@ class BregmanIteration:
         return total_mass(self._spare, self.weights)
 
     def _prepare_debias(self) -> None:
-        """Measure how far d H(a d) is from mu, and prepare the step of ln d towards it."""
+        """Measure the difference of d H(a d) from mu, and prepare the step of ln d that reduces it."""
         (step,) = self._transfer([self.log_debias], [self.region], [self.region])
         exponent = self.fidelity.exponent
         step += self.log_debias / exponent
@@ -220,21 +220,21 @@ class BregmanIteration:
         self._debias_step = step
 
     def _update_debias(self) -> None:
-        """Take the step that the last round prepared, v with d."""
+        """Take the step that the last round prepared, in d and in v."""
         self.log_debias += self._debias_step
         np.multiply(self._debias_step, self.sharpness, out=self._spare)
         np.copyto(self._spare, 0.0, where=~self._relevant)
         self.log_v += self._spare
 
     def settle(self) -> None:
-        """Take the step of d that the last round prepared, and mu with it: another round less to go.
+        """Take the step of d that the last round prepared, and update mu to match, which saves another round.
 
-        Under a bound of the entropy mu is not the product that this changes.
+        With an entropy bound mu is left alone, because it is not the product that the step changes.
         """
         if self._debias_step is None or self.entropy_limit is not None:
             return
-        # Where next to nothing lies, at the rim, ln d may still be off by dozens: no error has that in it, but the step
-        # would make something of it, and no round comes to take it back.
+        # At the rim, where there is almost no mass, ln d may still be off by dozens. The errors do not show this, and
+        # no later round would undo what a full step does there.
         np.clip(self._debias_step, -_LAST_STEP, _LAST_STEP, out=self._debias_step)
         np.multiply(self._debias_step, self.sharpness / self.fidelity.exponent, out=self._spare)
         self._log_mu += self._spare
@@ -252,22 +252,22 @@ class BregmanIteration:
                 self._spare *= self.fidelity.exponent
                 np.copyto(self._spare, LOG_NOTHING, where=log_kw <= LOG_NOTHING / 2)
             if self.entropy_limit is not None:
-                # The exponent would raise a mass other than 1 to its power in every round.
+                # Otherwise the exponent would raise a mass other than 1 to its power in every round.
                 self._spare -= self._log_mass
             if self._relaxation == 1.0:
                 log_v[...] = self._spare
             else:
-                # Where there was nothing before there is nothing to step beyond.
+                # Where there was no mass before there is no step to extrapolate.
                 np.copyto(log_v, self._spare, where=log_v <= LOG_NOTHING / 2)
                 log_v += self._relaxation * (self._spare - log_v)
             np.copyto(log_v, LOG_NOTHING, where=irrelevant)
 
     def _settle_constants(self) -> None:
-        """Multiply every v_i by the constant for which as much arrives as should.
+        """Rescale every v_i by the constant that makes the arriving mass right.
 
-        With v_i times c, and w_i with it, v_i^(1 / e) H(a w_i) is c^(1 / e - e) times what it was. Left to themselves
-        the constants would go there by a factor of e^2 in a round, which for long reaches is next to nothing. Half of
-        the way, because what lies too far apart to exchange mass has constants of its own.
+        Multiplying v_i (and w_i with it) by c multiplies v_i^(1 / e) H(a w_i) by c^(1 / e - e). On their own the
+        constants converge by a factor of e^2 per round, which is very slow for long reaches. Only half of the step is
+        taken, because parts too far apart to exchange mass have constants of their own.
         """
         exponent = self.fidelity.exponent
         shifts = -0.5 * np.log(np.maximum(self._arrived, np.finfo(float).tiny)) / (1.0 / exponent - exponent)
@@ -277,10 +277,10 @@ class BregmanIteration:
         self.log_v -= np.where(there, off, 0.0)
 
     def potentials(self) -> Potentials:
-        """Return the state, to continue from or to prolong.
+        """Return the state, to continue from or to prolong to a finer level.
 
-        A constant may move from one v_i to the others without changing anything; here every ln v_i has the same mean
-        under mu, because a constant would grow fourfold with every finer level.
+        Moving a constant from one v_i to the others changes nothing. Here every ln v_i is given the same mean under mu,
+        because such a constant would grow fourfold with every finer level.
         """
         if not self.balanced:
             return Potentials(self.region, np.maximum(self.log_v, LOG_NOTHING), self.log_debias)
@@ -292,30 +292,30 @@ class BregmanIteration:
         return Potentials(self.region, self.log_v, self.log_debias)
 
     def finer_region(self, tolerance: float, finer: Multiscale) -> Region:
-        """Elements of the next finer domain that its barycenter needs: the coarse one's support, with a margin.
+        """Elements of the next finer domain that its barycenter needs: the support of the coarse one and a margin.
 
-        What lies below a third of the tolerance, relative to the maximum, counts as empty.
+        Densities below a third of the tolerance, relative to the maximum, count as empty.
         """
         support = Region(self.region.scatter(self.density, 0.0) > _NEGLIGIBLE_SHARE * tolerance * self.density.max())
         return finer.refined(support, self.region)
 
     def rim_mass(self) -> float:
-        """Mass at the elements of a grid's region that have neighbors outside it: what the region may have cut off."""
+        """Mass of the region's elements that have neighbors outside it: an estimate of the mass cut off."""
         if self.region.is_whole:
             return 0.0
         rim = ~self.region.gather(self.region.interior)
         return total_mass(np.where(rim, self.density, 0.0), self.weights)
 
     def grow(self, cells: int) -> None:
-        """Go on with a larger region."""
+        """Continue on a larger region."""
         self._enter(self.potentials().on(self.region.grown(cells)))
 
     @property
     def error(self) -> float:
-        """The larger of the marginal error and the error of d: a stale d holds mu back while the marginals agree.
+        """The larger of the marginal error and the error of d, since mu lags behind d even when the marginals agree.
 
-        The error of d is that before the step which :meth:`settle` takes. Twice as much would do after a near start;
-        what a far one leaves in d is of the size of cells, and shows as teeth on creases.
+        The error of d is measured before the step that :meth:`settle` takes. After a start nearby, twice as large an
+        error of d would be acceptable; after a distant one it has the size of cells and shows as jagged creases.
         """
         return max(self.marginal_error, self.debias_error)
 
@@ -325,9 +325,9 @@ class BregmanIteration:
         return float(np.exp(min(self._log_mass, 700.0)))
 
     def mass_error(self) -> float:
-        """Return |a^T mu - 1| before normalizing; with an entropy bound, how far the mass moved in the last round.
+        """Return |a^T mu - 1| before normalizing; with an entropy bound, the change of the mass in the last round.
 
-        Unbalanced there is no mass that mu should have, and the error is 0.
+        Without balance there is no mass that mu should have, and the error is 0.
         """
         if not self.balanced:
             return 0.0
@@ -340,7 +340,7 @@ class BregmanIteration:
             expected -= self._log_mass
         residual = self.fidelity.mean_of_scalings(self.log_v, self.alphas) - expected
         if self._pieces is not None and self.balanced:
-            # Every piece has a constant of its own, which changes no plan.
+            # Every component has a constant of its own, which changes no plan.
             mass = self.density * self.weights
             means = self._pieces.sums(residual * mass) / np.maximum(self._pieces.sums(mass), np.finfo(float).tiny)
             residual -= means[self._pieces.labels]

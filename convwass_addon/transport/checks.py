@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refuse distributions and weights that make no sense, by the name of the argument."""
+"""Validate distributions, weights and solver parameters; messages name the argument."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .domain import Domain, total_mass
 
-# Masses of one piece of the domain may differ by the rounding of whoever normalized them.
+# Masses on one connected component may differ by the rounding of the caller's normalization.
 _PIECE_TOLERANCE = 1e-6
 
 
@@ -21,8 +21,8 @@ def check_distributions(mus: ArrayLike, domain: Domain, name: str = "mus") -> ND
     Raises
     ------
     ValueError
-        A shape that does not fit, values that are not numbers, negative mass, no mass, or different masses on one
-        connected piece of the domain. `name` is what the message calls them.
+        A wrong shape, values that are not finite, negative mass, no mass, or masses that differ on a connected
+        component of the domain. `name` is the name of the argument in messages.
     """
     densities = np.array(mus, dtype=np.float64, order="C")
     if densities.ndim != len(domain.shape) + 1 or densities.shape[1:] != tuple(domain.shape) or not len(densities):
@@ -78,7 +78,7 @@ def _normalize(density: NDArray[np.float64], domain: Domain, name: str) -> None:
 
 
 def _check_pieces(densities: NDArray[np.float64], domain: Domain, name: str) -> None:
-    """Mass cannot cross from one connected piece to another, so every distribution needs the same mass on each."""
+    """Check that all distributions have the same mass on each connected component, which mass cannot leave."""
     labels = domain.pieces.ravel()
     used = labels >= 0
     masses = np.stack([np.bincount(labels[used], (d * domain.weights).ravel()[used]) for d in densities])
@@ -100,7 +100,7 @@ def check_weights(weights: Sequence[float] | NDArray[np.float64], count: int) ->
     Raises
     ------
     ValueError
-        Another number of weights, weights that are negative, not numbers, or all zero.
+        The wrong number of weights, or weights that are negative, not finite, or all zero.
     """
     alphas = np.array(weights, dtype=np.float64)
     if alphas.shape != (count,):
@@ -113,7 +113,7 @@ def check_weights(weights: Sequence[float] | NDArray[np.float64], count: int) ->
 
 
 def check_solver(tolerance: float, max_iterations: int, name: str = "max_iterations") -> None:
-    """Refuse limits that no iteration can keep; `name` is what the second argument is called.
+    """Check the limits of an iteration; `name` is the name of the second argument in messages.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def check_solver(tolerance: float, max_iterations: int, name: str = "max_iterati
 
 
 def check_entropy_limit(entropy_limit: str | float | None) -> None:
-    """Refuse a bound that is neither "max" nor a number nor None.
+    """Check that an entropy bound is "max", a number or None.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def check_entropy_limit(entropy_limit: str | float | None) -> None:
 
 
 def check_sharpness(sharpness: float) -> None:
-    """Refuse a sharpness that is not between the plain and the debiased method.
+    """Check that a sharpness lies between 0, the plain method, and 1, the debiased one.
 
     Raises
     ------

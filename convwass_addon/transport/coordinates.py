@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which blend of these is this? Weights whose barycenter is, or is nearest to, a given distribution."""
+"""Barycentric coordinates: weights whose barycenter equals a given distribution or is nearest to it."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from .domain import Domain
 from .inputs import Inputs
 from .sinkhorn import balancing, self_balancing
 
-# How much heavier the constraint that weights sum to one is than the quadratic form, in nonnegative least squares.
-# Its rounding, 1e4 x 1e-16, is far below the tolerance of any solve.
+# Weight of the sum-to-one constraint relative to the quadratic form, in nonnegative least squares. The rounding error
+# it causes, 1e4 x 1e-16, is far below the tolerance of any solve.
 _CONSTRAINT = 1e4
-# Weights are moved this far to see how the barycenter answers; less would drown in the solver's tolerance.
+# Step of the weights for difference quotients of the barycenter; a smaller one is lost in the solver's tolerance.
 _NUDGE = 1e-2
 _SOLVER_SHARE = 1e-2
 
 
 @dataclass(frozen=True)
 class BarycentricCoordinates:
-    """Weights of a distribution in the family of barycenters of others.
+    """Weights that place a distribution in the family of barycenters of others.
 
     Attributes
     ----------
     weights : (k,) float64
-        Not negative, sum 1.
+        Nonnegative, of sum 1.
     residual : float
-        Standard deviation under the distribution of the weighted mean of the potentials, in squared units of the
-        domain's maker; 0 exactly for members of the family.
+        Standard deviation, under the distribution, of the weighted mean of the potentials, in squared input units of
+        the domain; 0 for members of the family.
     marginal_error : float
-        The largest of the transports involved.
+        The largest over the plans involved.
     converged : bool
         Whether it is below the tolerance.
     """
@@ -58,13 +58,13 @@ class NearestBarycenter:
     Attributes
     ----------
     weights : (k,) float64
-        Not negative, sum 1.
+        Nonnegative, of sum 1.
     barycenter : Barycenter
         Of these weights.
     distance : Distance
-        From it to the distribution, debiased.
+        Debiased, from the barycenter to the distribution.
     evaluations : int
-        How many sets of weights were tried.
+        Number of weight vectors tried.
     """
 
     weights: NDArray[np.float64]
@@ -85,24 +85,24 @@ def barycentric_coordinates(
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
 ) -> BarycentricCoordinates:
-    """Weights for which a distribution comes nearest to being the barycenter of others.
+    """Weights for which a distribution comes closest to being the barycenter of others.
 
-    mu is the barycenter of weights alpha exactly where sum_i alpha_i ln v_i - s ln d is constant on it, v_i the scaling
-    on its side of the transport to mus[i] and d that of the transport to itself: the invariant of Algorithm 2. The
-    weights minimize the variance of that sum under mu, a quadratic program in k unknowns (Werenski et al. 2022,
-    "Measure estimation in the barycentric coding model", with the potentials in place of their gradients). It takes
-    k + 1 transports and no barycenter.
+    mu is the barycenter of weights alpha exactly where sum_i alpha_i ln v_i - s ln d is constant on it (the invariant
+    of Algorithm 2), where v_i is the scaling on its side of the transport to mus[i] and d the one of its transport to
+    itself. The weights minimize the variance of that sum under mu, a quadratic program in k unknowns (Werenski et al.
+    2022, "Measure estimation in the barycentric coding model", with the potentials in place of their gradients). It
+    takes k + 1 transports and no barycenter.
 
     Parameters
     ----------
     mu : domain.shape
-        The distribution in question.
+        The distribution.
     mus : (k, *domain.shape)
-        Those that span the family.
+        The distributions that span the family.
     domain : Domain
-        Where all of them live.
+        Their common domain.
     sharpness : float
-        That of the family's barycenters.
+        The sharpness of the family's barycenters.
     tolerance, max_iterations, control
         As in :func:`distance`.
 
@@ -114,9 +114,9 @@ def barycentric_coordinates(
     Raises
     ------
     ValueError
-        Distributions or parameters that make no sense; the message names the argument.
+        Invalid distributions or parameters; the message names the argument.
     KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to another.
+        gamma is too small for any of the numerics to reach from one distribution to another.
     """
     target, family = _checked(mu, mus, domain)
     check_sharpness(sharpness)
@@ -150,8 +150,9 @@ def nearest_barycenter(
     """Weights whose barycenter is nearest to a distribution, in debiased distance.
 
     Starts from :func:`barycentric_coordinates` and descends by sequential quadratic programming on the simplex. The
-    derivative of the distance is the potential at the barycenter, that of the barycenter a difference quotient
-    (Bonneel, Peyré and Cuturi 2016, "Wasserstein barycentric coordinates", differentiate the iterations instead).
+    derivative of the distance is the potential at the barycenter; the derivative of the barycenter is a difference
+    quotient (Bonneel, Peyré and Cuturi 2016, "Wasserstein barycentric coordinates", differentiate the iterations
+    instead).
 
     Parameters
     ----------
@@ -159,21 +160,21 @@ def nearest_barycenter(
         As in :func:`barycentric_coordinates`.
     tolerance : float
         Relative decrease of the squared distance at which the search ends; the barycenters are solved to a hundredth
-        of it.
+        of this.
     max_evaluations : int
-        Largest number of steps of the search.
+        Largest number of search steps.
 
     Returns
     -------
     NearestBarycenter
-        The weights, their barycenter and what separates it from mu.
+        The weights, their barycenter and its distance from mu.
 
     Raises
     ------
     ValueError
-        Distributions or parameters that make no sense; the message names the argument.
+        Invalid distributions or parameters; the message names the argument.
     KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to another.
+        gamma is too small for any of the numerics to reach from one distribution to another.
     """
     target, family = _checked(mu, mus, domain)
     check_sharpness(sharpness)
@@ -186,7 +187,7 @@ def nearest_barycenter(
     ).weights
     search.value(start)
     if len(family) > 1:
-        # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+        # Imported here: SciPy loads a hundred modules for it, which most sessions do not need.
         from scipy.optimize import minimize
 
         minimize(
@@ -202,7 +203,7 @@ def nearest_barycenter(
 
 
 class _Search:
-    """Distance of the barycenter of given weights to the target, its gradient, and the best so far."""
+    """Distance from the barycenter of given weights to the target, its gradient, and the best weights so far."""
 
     def __init__(
         self,
@@ -231,7 +232,7 @@ class _Search:
         return self.last.value
 
     def gradient(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the derivative of :meth:`value` by every weight, up to a constant, which the simplex does not see."""
+        """Return the gradient of :meth:`value`, up to a constant, which has no effect on the simplex."""
         weights = _on_simplex(weights)
         if not np.array_equal(weights, self.last_weights):
             self.value(weights)
@@ -255,8 +256,8 @@ def _checked(mu: ArrayLike, mus: ArrayLike, domain: Domain) -> tuple[NDArray[np.
 
 
 def _least_on_simplex(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weights, not negative and of sum 1, for which the quadratic form is least."""
-    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    """Weights on the simplex that minimize a quadratic form."""
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do not need.
     from scipy.optimize import nnls
 
     values, vectors = np.linalg.eigh(covariance)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ..geometry.products import multiply
 from .surface import Surface
 
-# Entries of the kernel below this share of the largest are nothing: they would only end in the subnormal numbers of
-# float32, which are many times slower. Those of its factors may be much smaller before anybody can tell.
+# Kernel entries below this fraction of the largest are set to zero: they would underflow to subnormal float32 numbers,
+# which are many times slower. In the factors of the kernel, much smaller entries must be kept.
 _NEGLIGIBLE, _NEGLIGIBLE_ON_THE_WAY = np.float32(1e-12), np.float32(1e-18)
 
 
@@ -21,19 +21,19 @@ def dense_kernel(domain: Surface) -> NDArray[np.float32]:
     Parameters
     ----------
     domain : Surface
-        Of a few thousand vertices at most.
+        A surface of at most a few thousand vertices.
 
     Returns
     -------
     (k, k) float32
-        a(x) H(x, y) between the k vertices that triangles use: ``rows @ kernel`` is ``domain.apply(rows)``. Entries
-        without any weight are exactly zero.
+        a(x) H(x, y) between the k vertices that triangles use: ``rows @ kernel`` is ``domain.apply(rows)``. Negligible
+        entries are exactly zero.
     """
     used = domain.weights > 0
     places = np.flatnonzero(used)
     columns = np.zeros((len(places), len(used)))
     columns[np.arange(len(places)), places] = 1.0
-    # Steps of the flow are powers of the first, which few large products of matrices do faster than many solves.
+    # All steps are powers of the first; a few large matrix products are faster than many solves.
     step = domain.with_kernel(domain.gamma / domain.steps, 1).apply(columns)[:, places].astype(np.float32, order="C")
     kernel = _power(step, domain.steps)
     heat = kernel / domain.weights[places, None].astype(np.float32)

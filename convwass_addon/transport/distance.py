@@ -17,14 +17,14 @@ from .region import Region
 from .rounds import COARSE_SHARE
 from .sinkhorn import Scalings, balancing, self_balancing
 
-# Coarser levels only give the finest one its start.
+# Coarser levels only provide the starting point of the finest one.
 _COARSE_TOLERANCE = 1e-3
-# As many pairs at once as fit into this many values per array.
+# Pairs are solved together as long as they fit into this many values per array.
 _VALUES_AT_ONCE = 1 << 23
-# No more, so that progress can be told; larger blocks are hardly faster.
+# An upper limit, so that progress can be reported; larger blocks are hardly faster.
 _PAIRS_AT_ONCE = 16
-# Where the report of a debiased distance begins to tell of the plans of both distributions to themselves, which take a
-# dozen rounds; and where that of a matrix ends to tell of them, which comes first.
+# Self-transport takes a dozen rounds. For a distance it comes last, from this fraction of the progress on; for a matrix
+# it comes first, up to this fraction.
 _OWN_BEGIN, _OWN_END = 0.85, 0.1
 
 
@@ -35,19 +35,19 @@ class Distance:
     Attributes
     ----------
     value : float
-        Squared distance W2^2, in squared units of the domain's maker (cells, or units of the vertices): the squared
-        distance that the divergence stands for (``domain.squared_distance``), zero where rounding makes it negative;
-        without debiasing the entropic value.
+        Squared distance W2^2 in squared input units of the domain (cells, or the units of the vertices): the divergence
+        converted by ``domain.squared_distance``, and zero where rounding makes it negative. Without debiasing, the
+        entropic value.
     entropic_value : float
-        Eq. (10), gamma (1 + min KL(pi | H)), in the same units. It is not zero between equal distributions and has an
-        offset from the normalization of H.
+        Eq. (10), gamma (1 + min KL(pi | H)), in the same units. It does not vanish between equal distributions and has
+        an offset from the normalization of H.
     divergence : float
-        The entropic value less half of that of each distribution to itself (Feydy et al. 2019), in the same units:
-        zero between equal distributions. None without debiasing.
+        The entropic value minus half of each distribution's own self-transport value (Feydy et al. 2019), in the same
+        units: zero between equal distributions. None without debiasing.
     iterations : int
-        Rounds of Sinkhorn's iteration between the two distributions, over all levels.
+        Sinkhorn iterations between the two distributions, over all levels.
     marginal_error : float
-        Sum of a |v H(a w) - mu0|; the largest over the plans that the value is made of.
+        Sum of a |v H(a w) - mu0|, the largest over all plans that contribute to the value.
     converged : bool
         Whether the error fell below the tolerance.
     numerics : str
@@ -70,17 +70,17 @@ class Distance:
 
     @property
     def length(self) -> float:
-        """The distance itself, W2, in units of the domain's maker."""
+        """The distance itself, W2, in the domain's input units."""
         return float(np.sqrt(max(self.value, 0.0)))
 
     @property
     def v(self) -> NDArray[np.float64]:
-        """The scaling on the side of mu0, of its shape; what float64 cannot express is its largest number."""
+        """The scaling on the side of mu0, of its shape, clipped to the largest float64."""
         return _exponential(self.log_v)
 
     @property
     def w(self) -> NDArray[np.float64]:
-        """The scaling on the side of mu1, of its shape; what float64 cannot express is its largest number."""
+        """The scaling on the side of mu1, of its shape, clipped to the largest float64."""
         return _exponential(self.log_w)
 
 
@@ -91,11 +91,11 @@ class DistanceMatrix:
     Attributes
     ----------
     values : (k, k) float64
-        Squared distances, symmetric, zero on the diagonal; units as in `Distance`.
+        Squared distances, symmetric, zero on the diagonal; units as for `Distance`.
     iterations : int
-        Rounds of the pair that took longest.
+        Iterations of the slowest pair.
     marginal_error : float
-        The largest of all plans.
+        The largest over all plans.
     converged : bool
         Whether it is below the tolerance.
     """
@@ -123,12 +123,12 @@ def distance(
     Parameters
     ----------
     mu0, mu1 : domain.shape
-        Densities, not negative; each is normalized to mass 1.
+        Nonnegative densities; each is normalized to mass 1.
     domain : Domain
         Owns the area weights and the heat kernel.
     debias : bool
-        Whether the value is to be zero between equal distributions and near the true distance; otherwise it is that of
-        eq. (10).
+        Whether to subtract the self-transport terms, so that the value is zero between equal distributions and close
+        to the true distance; otherwise it is the value of eq. (10).
     tolerance : float
         Largest marginal error.
     max_iterations : int
@@ -144,9 +144,9 @@ def distance(
     Raises
     ------
     ValueError
-        Distributions or parameters that make no sense; the message names the argument.
+        Invalid distributions or parameters; the message names the argument.
     KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to the other.
+        gamma is too small for any of the numerics to reach from one distribution to the other.
     """
     return drained(
         distance_rounds(
@@ -165,13 +165,13 @@ def distance_rounds(
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
 ) -> Work[Distance]:
-    """Do the same as :func:`distance` round by round; parameters and errors are the same.
+    """Like :func:`distance`, but yields progress after every round; parameters and errors are the same.
 
     Yields
     ------
     Progress
-        After every round of the plan between the two and, debiased, of those of both to themselves; the payload is a
-        :class:`.rounds.Round`.
+        After every round of the plan between the two distributions and, if debiased, of their plans to themselves; the
+        payload is a :class:`.rounds.Round`.
 
     Returns
     -------
@@ -201,7 +201,7 @@ def distance_matrix(
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
 ) -> DistanceMatrix:
-    """Debiased squared distances between all pairs of `mus`, (k, *domain.shape), in blocks of columns.
+    """Debiased squared distances between all pairs of `mus`, (k, *domain.shape), solved in blocks of pairs.
 
     Parameters and errors are those of :func:`distance`.
     """
@@ -218,7 +218,7 @@ def distance_matrix_rounds(
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
 ) -> Work[DistanceMatrix]:
-    """Do the same as :func:`distance_matrix` round by round; parameters and errors are the same.
+    """Like :func:`distance_matrix`, but yields progress after every round; parameters and errors are the same.
 
     Yields
     ------
@@ -259,7 +259,7 @@ def _coarse_to_fine(
     max_iterations: int,
     control: Control,
 ) -> Work[tuple[Scalings, int]]:
-    """Balance pairs on ever finer domains; the scalings of the finest one, and the iterations of all."""
+    """Solve pairs on ever finer domains; return the scalings of the finest one and the iterations of all."""
     coarser = None if domain.has_fast_balance else domain.coarser()
     start, before = None, 0
     if coarser is not None:
@@ -279,14 +279,14 @@ def _coarse_to_fine(
 def _entropic_values(
     solved: Scalings, mus: NDArray[np.float64], nus: NDArray[np.float64], domain: Domain
 ) -> NDArray[np.float64]:
-    """Return gamma a^T (mu ln v + nu ln w) of every pair, in squared units of the domain's maker."""
+    """Return gamma a^T (mu ln v + nu ln w) of every pair, in squared input units of the domain."""
     return domain.gamma * domain.unit_length**2 * _sums(mus * solved.log_v + nus * solved.log_w, domain)
 
 
 def _self_values(own: Scalings, mus: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
-    """Return the same for plans of distributions to themselves.
+    """Return the entropic values of plans of distributions to themselves.
 
-    Neither marginal of such a plan is exact, so the dual's mass term, 1 - a^T (v H(a v)), does not vanish.
+    Neither marginal of such a plan is exact, so the mass term of the dual, 1 - a^T (v H(a v)), does not vanish.
     """
     plan = np.where(mus > 0, np.exp(np.minimum(own.log_v + own.log_kw, 50.0)), 0.0)
     values = 2.0 * _sums(mus * own.log_v, domain) + 1.0 - _sums(plan, domain)
@@ -294,7 +294,7 @@ def _self_values(own: Scalings, mus: NDArray[np.float64], domain: Domain) -> NDA
 
 
 def _squared_distances(divergences: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
-    """Squared distances that divergences stand for, both in squared units of the domain's maker."""
+    """Convert divergences to squared distances, both in squared input units of the domain."""
     scale = domain.unit_length**2
     return scale * domain.squared_distance(np.maximum(divergences, 0.0) / scale)
 
@@ -304,7 +304,7 @@ def _sums(columns: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
 
 
 def _evened(log_v: NDArray[np.float64], log_w: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Move a constant from one scaling to the other, which changes no plan, until their largest values are equal."""
+    """Move a constant from one scaling to the other until their maxima are equal, which leaves the plan unchanged."""
     shift = 0.5 * (log_w.max() - log_v.max())
     return log_v + shift, log_w - shift
 

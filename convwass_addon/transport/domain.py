@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solver asks of a domain: area weights and the heat kernel, in logarithms."""
+"""The interface between solvers and domains: area weights and the heat kernel, in logarithms."""
 
 from __future__ import annotations
 
@@ -14,40 +14,40 @@ from .region import Region
 
 
 class KernelTooNarrowError(ArithmeticError):
-    """The numerics of a domain do not reach from a distribution to all of another one's mass."""
+    """The numerics of a domain cannot reach all mass of one distribution from another."""
 
 
 class Domain(Protocol):
-    """A place where distributions live. Solvers take one and never ask which.
+    """A space on which distributions are defined. Solvers use only this interface.
 
     Attributes
     ----------
     shape : tuple of int
         Shape of one distribution.
     weights : float or ndarray of `shape`
-        Area weights a, with sum 1; a float where all are equal.
+        Area weights a, of sum 1; a float where all are equal.
     gamma : float
         Entropic regularization, K = exp(-d^2 / gamma), in lengths of the domain rescaled to unit volume.
     unit_length : float
-        The domain's unit of length in the units that its maker uses: cells, or those of the vertices.
+        The domain's unit of length in its input units: cells, or the units of the vertices.
     positions : ndarray, (*shape, d)
-        Where the elements lie, in the units of the maker.
+        Positions of the elements in the input units.
     pieces : None or ndarray of int, `shape`
-        The connected piece that every element belongs to; None where the domain is in one piece. Mass cannot cross.
+        The connected component of every element; None if the domain is connected. Mass cannot cross components.
     dimension : int
-        Of what the distributions live on.
+        Dimension of the space itself: 2 for a surface in 3D.
     has_quadratic_cost : bool
-        Whether transport by this kernel costs the squared distance at all distances.
+        Whether transport with this kernel costs the squared distance even at long distances.
     has_fast_propagation : bool
-        Whether propagation starts from coarser domains, and takes longer steps under a bound of the entropy; measured
-        to take a fraction of the time on meshes.
+        Whether propagation starts from coarser domains and takes longer steps under an entropy bound, which was
+        measured to be several times faster on meshes.
     has_fast_balance : bool
-        Whether Sinkhorn's iteration takes so few rounds here that a start from coarser domains has not been measured
-        to help.
+        Whether Sinkhorn's iteration converges in so few rounds that starting from coarser domains was not measured to
+        help.
     relaxation : float
-        Over-relaxation that has been measured to help the plain iterations here; 1 for none.
+        Over-relaxation that was measured to speed up the plain iterations here; 1 for none.
     far_numerics : str
-        What :meth:`log_apply_far` is called in records.
+        Name of :meth:`log_apply_far` in records.
     """
 
     shape: tuple[int, ...]
@@ -70,31 +70,31 @@ class Domain(Protocol):
         """Write log H (a * exp(column)) to `out`; LOG_NOTHING where float64 scalings cannot express it."""
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write the same by numerics that reach further, at a higher cost, or raise KernelTooNarrowError."""
+        """Like :meth:`log_apply`, slower but with a longer range; raises KernelTooNarrowError where that fails too."""
 
     def log_transfer(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
     ) -> list[NDArray[np.float64]]:
-        """Do as log_apply: each column has the elements of its source, and is wanted at those of its target."""
+        """Like log_apply; each column is given on the elements of its source and returned on those of its target."""
 
     def log_transfer_far(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
     ) -> list[NDArray[np.float64]]:
-        """Do as log_apply_far between regions."""
+        """Like log_apply_far, between regions."""
 
     def kernel_distance(
         self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Distances in units of the domain at which the kernel in flat space falls from its source to these values."""
+        """Distances, in units of the domain, at which the flat-space kernel falls from its source to these values."""
 
     def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Squared distance, in units of the domain, of transport that costs `divergence` by this kernel, debiased."""
+        """Convert the debiased cost of transport with this kernel to a squared distance, in units of the domain."""
 
     def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Slope, by the distance in units of the domain, of what transport over it costs by this kernel."""
+        """Return the derivative of the transport cost of this kernel by the distance (in units of the domain)."""
 
     def coarser(self) -> Domain | None:
-        """Return the domain of half the resolution, if there is a useful one."""
+        """Return the domain of half the resolution, or None if it would be of no use."""
 
 
 class Multiscale(Domain, Protocol):
@@ -103,19 +103,20 @@ class Multiscale(Domain, Protocol):
     Attributes
     ----------
     fall_of_gamma : float
-        The coarser domain's gamma over this one's: potentials over gamma grow by it from there to here.
+        gamma of the coarser domain divided by gamma of this one. Potentials over gamma grow by this factor when they
+        are prolonged.
     """
 
     fall_of_gamma: float
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Densities on the coarser domain, (k, *its shape), of those here, (k, *shape)."""
+        """Restrict densities, (k, *shape), to the coarser domain, (k, *its shape)."""
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
-        """Columns of the coarser domain, (k, *its shape), interpolated to a region of this one, (k, len)."""
+        """Interpolate columns of the coarser domain, (k, *its shape), to a region of this one, (k, len)."""
 
     def refined(self, support: Region, region: Region) -> Region:
-        """Elements here that a solve needs whose density on the coarser domain has a `support` within a `region`."""
+        """Elements needed here if the density on the coarser domain has this `support` within this `region`."""
 
 
 def total_mass(density: NDArray[np.float64], weights: float | NDArray[np.float64]) -> float:

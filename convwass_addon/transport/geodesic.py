@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances between points, as transport between unit masses (Solomon et al. 2015, Fig. 3)."""
+"""Geodesic distances between points, as transport between unit masses (Solomon et al. 2015, Fig. 3)."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from .log_range import LOG_NOTHING
 
 
 def point_distances(sources: int | Sequence[int] | ArrayLike, domain: Domain) -> NDArray[np.float64]:
-    """Distances from single elements to all others, by one application of the kernel.
+    """Distances from given elements to all others, by one application of the kernel.
 
-    The transport between unit masses at x and y costs -gamma ln H(x, y), which goes to the squared distance with gamma
-    (Varadhan). The logarithm is taken relative to that at the source, which makes the distance zero there, and is
-    turned into a distance by the domain's own formula for its kernel in flat space, which is right for larger gamma
-    and for few substeps too.
+    Transport between unit masses at x and y costs -gamma ln H(x, y), which tends to the squared distance as gamma goes
+    to zero (Varadhan). The logarithm is taken relative to the source, where the distance becomes zero, and is converted
+    to a distance by the domain's formula for its kernel in flat space, which also holds for larger gamma and for few
+    substeps.
 
     Parameters
     ----------
     sources : int or (k,) int
-        Elements, by their flat index.
+        Flat indices of elements.
     domain : Domain
         Owns the kernel.
 
     Returns
     -------
     domain.shape or (k, *domain.shape) float64
-        Distances in units of the domain's maker; infinite where no heat arrives: on other pieces of a surface, and
-        where float64 ends.
+        Distances in the domain's input units; infinite where no heat arrives: on other connected components, and where
+        float64 underflows.
 
     Raises
     ------
     ValueError
-        Indices that are not elements of the domain, or that hold no area.
+        Indices outside the domain, or of elements without area.
     """
     size = int(np.prod(domain.shape))
     chosen = np.atleast_1d(np.asarray(sources))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Graphs whose vertices carry distributions, prepared for propagation."""
+"""Graphs of distributions, prepared for propagation."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from scipy.sparse.csgraph import connected_components
 
 @dataclass(frozen=True)
 class PropagationGraph:
-    """An undirected graph with some vertices fixed.
+    """An undirected graph some of whose vertices are fixed.
 
-    Every edge e has two ends: end 2 e at its first vertex and end 2 e + 1 at its second; the other end of end h is
+    Every edge e has two ends (half-edges): 2 e at its first vertex and 2 e + 1 at its second, so the other end of h is
     h ^ 1. Edges between two fixed vertices carry no unknown and are left out.
 
     Attributes
@@ -28,7 +28,7 @@ class PropagationGraph:
     vertex_of_end : (2 e,) int64
         The vertex of every end.
     weight_of_end : (2 e,) float64
-        The weight of its edge.
+        The weight of the edge of every end.
     fixed : (size,) bool
         Whether the vertex's distribution is given.
     """
@@ -42,7 +42,7 @@ class PropagationGraph:
     def from_edges(
         cls, edges: ArrayLike, edge_weights: ArrayLike | float, fixed: Collection[int], size: int | None = None
     ) -> PropagationGraph:
-        """Check and convert.
+        """Validate and convert an edge list.
 
         Parameters
         ----------
@@ -58,8 +58,8 @@ class PropagationGraph:
         Raises
         ------
         ValueError
-            Edges that are no pairs, run from a vertex to itself or beyond the graph; weights that are not positive;
-            vertices that no path connects with a fixed one. The message names the argument.
+            Edges that are not pairs, are loops, or leave the graph; weights that are not positive; vertices without a
+            path to a fixed one. The message names the argument.
         """
         pairs = _vertices(edges, "edges") if np.size(edges) else np.empty((0, 2), np.int64)
         if pairs.ndim != 2 or pairs.shape[1] != 2:
@@ -93,9 +93,9 @@ class PropagationGraph:
 
     @cached_property
     def parts(self) -> NDArray[np.int64]:
-        """Label of every free vertex, (size,), -1 at fixed ones.
+        """Connected component of every free vertex, (size,), -1 at fixed vertices.
 
-        Parts that only fixed vertices join are separate problems.
+        Components that only meet at fixed vertices are independent problems.
         """
         tails, heads = self.vertex_of_end[0::2], self.vertex_of_end[1::2]
         inner = ~(self.fixed[tails] | self.fixed[heads])
@@ -106,13 +106,13 @@ class PropagationGraph:
 
     @cached_property
     def part_of_end(self) -> NDArray[np.int64]:
-        """The part that the edge of every end belongs to, (2 e,)."""
+        """The component of every end's edge, (2 e,)."""
         parts = self.parts[self.vertex_of_end]
         return np.maximum(parts, parts[np.arange(len(parts)) ^ 1])
 
     @cached_property
     def colors(self) -> tuple[NDArray[np.int64], ...]:
-        """Vertices that no edge joins, one group after the other: the fixed ones, then the free ones.
+        """Color classes: the fixed vertices, then groups of free vertices that no edge joins.
 
         The kernel is applied to all ends of a group at once. Greedy coloring in order of decreasing degree (Welsh and
         Powell 1967).
@@ -126,7 +126,7 @@ class PropagationGraph:
 
 
 def line(count: int) -> NDArray[np.int64]:
-    """Edges of a line of `count` vertices, (count - 1, 2)."""
+    """Edges of a path of `count` vertices, (count - 1, 2)."""
     return np.stack([np.arange(count - 1), np.arange(1, count)], axis=1)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Regular grids as a domain of transport: the heat kernel is a Gaussian, one axis after the other."""
+"""Regular grids as domains of transport; the heat kernel is a separable Gaussian."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from .log_lines import log_blur
 from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
 from .region import Region, ThroughWholeArrays
 
-# A narrower Gaussian is one cell, a wider one is even on any grid that fits in memory.
+# Below this the Gaussian is a single cell; above it, uniform on any grid that fits in memory.
 _NARROWEST, _WIDEST = 1e-3, 1e4
-# Entries of the kernel reach so many standard deviations.
+# Kernel entries extend to this many standard deviations.
 _ENTRIES = 36.0
-# Cells that are blurred at once in the log domain.
+# Number of cells blurred at once in the log domain.
 _AT_ONCE = 1 << 17
-# Where fewer of a box's cells are wanted, each is interpolated by itself.
+# If fewer than this fraction of a box's cells are needed, each is interpolated separately.
 _FEW = 0.1
-# Coarser cells around the support of a density whose finer ones are needed too.
+# Coarse cells around the support of a density that are refined as well.
 _MARGIN = 1
 
 
 class Grid(GaussianKernel, ThroughWholeArrays):
-    """A grid of equal square cells, with free space or with walls around it.
+    """A grid of equal square cells, in free space or surrounded by walls.
 
-    Lengths of the domain are those of the grid rescaled to unit volume. With cell size h the kernel is
-    K = exp(-d^2 / gamma), gamma = 2 (sigma h)^2, normalized per axis as the heat kernel is (Solomon et al. 2015,
-    section 4; sigma^2 = 2 t in df/dt = Laplacian(f)).
+    Lengths are those of the grid rescaled to unit volume. With cell size h the kernel is K = exp(-d^2 / gamma), gamma =
+    2 (sigma h)^2, normalized per axis like the heat kernel (Solomon et al. 2015, section 4; sigma^2 = 2 t in
+    df/dt = Laplacian(f)).
 
     Parameters
     ----------
@@ -46,17 +46,17 @@ class Grid(GaussianKernel, ThroughWholeArrays):
     sigma : float
         Standard deviation of the kernel in cells.
     boundary : "open" or "reflecting"
-        "open" lets heat leave the grid, as if nothing but empty space were around it; "reflecting" turns it back at
-        the walls (no flux), so that constants stay constant everywhere.
+        "open" lets heat leave the grid as if it were surrounded by empty space; "reflecting" has walls without flux,
+        so that constants are preserved everywhere.
 
     Raises
     ------
     ValueError
-        `shape` is not one to three positive numbers, `sigma` is not a positive number, or there is no such boundary.
+        `shape` is not one to three positive integers, `sigma` is not a positive number, or `boundary` is unknown.
 
     Notes
     -----
-    A grid keeps scratch arrays between calls, for every thread that uses it.
+    A grid keeps scratch arrays between calls, one set per thread.
     """
 
     has_fast_propagation = False
@@ -89,12 +89,12 @@ class Grid(GaussianKernel, ThroughWholeArrays):
 
     @property
     def dimension(self) -> int:
-        """How many axes there are."""
+        """Number of axes."""
         return len(self.shape)
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Centers of the cells in cells, (*shape, d): the first is at 0.5."""
+        """Centers of the cells, in cells, (*shape, d); the first is at 0.5."""
         return np.moveaxis(np.indices(self.shape), 0, -1) + 0.5
 
     def apply(self, columns: ArrayLike) -> NDArray[np.float64]:
@@ -108,7 +108,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         Returns
         -------
         ndarray
-            The same shape, blurred; constants stay constant away from the walls.
+            The same shape, blurred; constants are preserved away from the walls.
         """
         values = np.ascontiguousarray(columns, dtype=np.float64)
         if values.shape[-len(self.shape) :] != self.shape:
@@ -119,11 +119,11 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         return result
 
     def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write log H (a * exp(column)) of every column to `out`, by scalings of float64.
+        """Write log H (a * exp(column)) of every column to `out`, by float64 scalings.
 
-        The largest term of a sum of positive terms is the last to underflow, so a result is right or `LOG_NOTHING`,
-        as long as that term lies within 36 sigma on every axis, where entries of the kernel end. `logs` and `out` may
-        be the same array.
+        In a sum of positive terms the largest one underflows last, so a result is either accurate or `LOG_NOTHING` as
+        long as that term lies within 36 sigma on every axis, where the kernel's entries end. `logs` and `out` may be
+        the same array.
         """
         scaled, _, _ = self._scratch
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):
@@ -137,14 +137,15 @@ class Grid(GaussianKernel, ThroughWholeArrays):
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
         """Write log H (a * exp(column)) to `out`, line by line in the log domain.
 
-        Lines within the reach of the kernel's entries are shifted by their own maximum, so that only differences along
-        one line can underflow: two to three times the cost of :meth:`log_apply`. Longer ones are blurred in blocks
-        (:func:`.log_lines.log_blur`), which is right up to a hundred sigma and costs ten to twenty times as much.
+        Lines no longer than the kernel's support are shifted by their own maximum, so that only differences along one
+        line can underflow; this costs two to three times as much as :meth:`log_apply`. Longer lines are blurred in
+        blocks (:func:`.log_lines.log_blur`), which is accurate up to a hundred sigma and costs ten to twenty times as
+        much.
         """
         first, second, _ = (buffer.reshape(-1) for buffer in self._scratch)
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):
             current = source.reshape(-1)
-            # What is smaller than the largest by more than this could not be told from nothing any more.
+            # Values further below the largest than this are indistinguishable from zero.
             end = float(current.max()) + LOG_NOTHING / 2
             for axis in reversed(range(len(self.shape))):
                 size = self.shape[axis]
@@ -164,10 +165,10 @@ class Grid(GaussianKernel, ThroughWholeArrays):
             np.copyto(target, LOG_NOTHING, where=target < end)
 
     def _log_blur(self, lines: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Blur long lines, (m, n); what a wall turns back comes from one mirror image on each side."""
+        """Blur long lines, (m, n); one mirror image on each side provides the reflections at walls."""
         size = lines.shape[1]
         log_scale = -float(np.log(_whole_row(self.sigma)))
-        # Few lines at a time: between them there may be hundreds of arrays.
+        # Few lines at a time, because each may need hundreds of temporary arrays.
         chunk = max(_AT_ONCE // size, 1)
         result = np.empty_like(lines)
         for start in range(0, len(lines), chunk):
@@ -182,7 +183,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
     def log_transfer(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
     ) -> list[NDArray[np.float64]]:
-        """Apply the kernel between regions: only their boxes are multiplied, and only their elements taken to logs.
+        """Apply the kernel between regions; only their boxes are multiplied, and logs taken only of their elements.
 
         Parameters and result are those of :meth:`.region.ThroughWholeArrays.log_transfer`.
         """
@@ -209,15 +210,15 @@ class Grid(GaussianKernel, ThroughWholeArrays):
     def coarser(self) -> Grid | None:
         """Return the grid of half the resolution; None where it would be too small.
 
-        A wide kernel stays as it is, so that potentials of the coarser grid are almost right on the finer one; of a
-        narrow one sigma in cells stays (both where :attr:`fall_of_gamma` lies between 1 and 4).
+        A wide kernel keeps its width, so that potentials of the coarser grid are almost right on the finer one; a
+        narrow one keeps sigma in cells. :attr:`fall_of_gamma` lies between 1 and 4.
         """
         if any(n % 2 or n < 16 for n in self.shape):
             return None
         return Grid([n // 2 for n in self.shape], self.coarser_sigma, self.boundary)
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Densities on the coarser grid, (k, *shape / 2): the means of 2 x 2 x 2 cells, which keep the mass."""
+        """Densities on the coarser grid, (k, *shape / 2): means of 2 x 2 x 2 cells, which preserve the mass."""
         split = [size for n in self.shape for size in (n // 2, 2)]
         means = tuple(range(2, 2 * len(self.shape) + 1, 2))
         return columns.reshape(len(columns), *split).mean(axis=means)
@@ -226,14 +227,14 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         """Interpolate columns of the coarser grid, (k, *shape / 2), linearly to a region of this one, (k, len)."""
         result = np.empty((len(columns), len(region)), columns.dtype)
         if len(region) < _FEW * prod(span.stop - span.start for span in region.box):
-            # The center of cell i lies at (i - 1/2) / 2 among those of the coarser cells.
+            # The center of cell i is at (i - 1/2) / 2 in indices of the coarser cells.
             places = np.stack(np.unravel_index(region.index, self.shape)) / 2.0 - 0.25
             for values, target in zip(columns, result, strict=True):
                 map_coordinates(values, places, target, order=1, mode="nearest")
             return result
         for values, target in zip(columns, result, strict=True):
             for axis, span in enumerate(region.box):
-                # A neighbor more on both sides: beyond the outer cells of the grid values are constant.
+                # One extra neighbor on both sides; values are constant beyond the outer cells of the grid.
                 low = max(span.start // 2 - 1, 0)
                 near = values[(slice(None),) * axis + (slice(low, span.stop // 2 + 2),)]
                 wanted = slice(span.start - 2 * low, span.stop - 2 * low)
@@ -242,9 +243,9 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         return result
 
     def refined(self, support: Region, region: Region) -> Region:
-        """Return the cells here that a region of the coarser grid stands for, with a margin of one of its cells.
+        """Return the cells that refine a region of the coarser grid and a margin of one of its cells.
 
-        The neighbors of these cells on the coarser grid all belong to `region`, so that they can be interpolated.
+        The coarse neighbors of these cells all belong to `region`, so that they can be interpolated.
         """
         return Region(support.grown(_MARGIN).inside & region.interior).refined()
 
@@ -253,7 +254,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
 
     @property
     def _scratch(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Arrays to compute in, of every thread's own; fresh ones cost more in page faults than what fills them."""
+        """Scratch arrays of this thread; page faults make new arrays slower than the computation that fills them."""
         if not hasattr(self._of_thread, "arrays"):
             self._of_thread.arrays = np.empty(self.shape), np.empty(self.shape), np.empty(self.shape)
         return self._of_thread.arrays
@@ -277,12 +278,12 @@ class Grid(GaussianKernel, ThroughWholeArrays):
 
 
 def _gaussian(size: int, sigma: float, boundary: Literal["open", "reflecting"]) -> NDArray[np.float64]:
-    """Gaussian between the cells of one axis, (size, size) in Fortran order; a whole row sums to one."""
+    """Gaussian between the cells of one axis, (size, size) in Fortran order; an untruncated row sums to one."""
     cells = np.arange(size)
     reach = int(np.ceil(40 * sigma))
     kernel = _bell(cells[:, None] - cells, sigma)
     if boundary == "reflecting":
-        # The heat that a wall turns back comes from the mirror images of its source.
+        # Mirror images of the source provide the heat that a wall reflects.
         kernel += _bell(cells[:, None] + cells + 1, sigma)
         for shift in range(2 * size, reach + 2 * size, 2 * size):
             for far in (-shift, shift):

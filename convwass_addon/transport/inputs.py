@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distributions made ready for many barycenters of them."""
+"""Distributions prepared for many barycenters."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from .sharpening import entropy
 
 @dataclass(frozen=True)
 class Level:
-    """Distributions on one domain of a ladder of ever finer ones.
+    """Distributions on one domain of a coarse-to-fine hierarchy.
 
     Attributes
     ----------
     domain : Domain
-        Where they live.
+        Their domain.
     regions : tuple of Region
-        Where each has mass.
+        The support of each distribution.
     log_mus : tuple of (len(region),) float64
-        Logarithms of the densities there.
+        Logarithms of the densities on the support.
     """
 
     domain: Domain
@@ -37,7 +37,7 @@ class Level:
 
     @classmethod
     def of(cls, mus: NDArray[np.float64], domain: Domain) -> Level:
-        """Keep of densities, (k, *shape), what has mass."""
+        """Restrict densities, (k, *shape), to their supports."""
         regions = tuple(Region(mu > 0) for mu in mus)
         return cls(domain, regions, tuple(np.log(r.gather(mu)) for r, mu in zip(regions, mus, strict=True)))
 
@@ -48,9 +48,9 @@ class Level:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Distributions checked, normalized, restricted to coarser domains and stripped of what is empty.
+    """Distributions that were validated, normalized, restricted to coarser domains and stored on their supports.
 
-    Barycenters with many different weights share one of these, also from several threads.
+    Barycenters with many different weights share one of these, also across threads.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Inputs:
     entropies : (k,) float64
         In nats.
     finest : Domain, optional
-        Where solves are to end, if these are only the coarser levels on the way there; see `coarser`.
+        Where solves end, if these are only the coarser levels of a hierarchy; see `coarser`.
     """
 
     levels: tuple[Level, ...]
@@ -75,7 +75,7 @@ class Inputs:
         Raises
         ------
         ValueError
-            As :func:`barycenter` says of its `mus`.
+            As :func:`barycenter` for its `mus`.
         """
         densities = check_distributions(mus, domain)
         entropies = np.array([entropy(mu, domain.weights) for mu in densities])
@@ -96,15 +96,15 @@ class Inputs:
 
     @property
     def coarser(self) -> Inputs:
-        """The same distributions without their finest level: what a preview is solved from.
+        """The same distributions without their finest level, to solve a preview.
 
-        Solved with the options of the whole, lengths in units of the finest domain, their barycenter is what the whole
-        one begins with.
+        Solved with the same options, with lengths in units of the finest domain, their barycenter is what the full
+        solve starts from.
 
         Raises
         ------
         ValueError
-            There is one level only.
+            There is only one level.
         """
         if len(self.levels) == 1:
             raise ValueError("inputs on one level have no coarser ones")
@@ -115,10 +115,10 @@ class Inputs:
 
     @property
     def domain(self) -> Domain:
-        """Where the distributions live."""
+        """The domain of the distributions."""
         return self.levels[-1].domain
 
     @property
     def aim(self) -> Domain:
-        """Where solves are to end: on this domain, unless it is on the way to a finer one."""
+        """The domain on which solves end: this one, unless these are the coarser levels of a finer one."""
         return self.domain if self.finest is None else self.finest

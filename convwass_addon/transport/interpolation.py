@@ -23,7 +23,7 @@ from .sharpening import entropy
 
 @dataclass(frozen=True)
 class Interpolation:
-    """Distributions on the way from one to another.
+    """Distributions on the path from one to another.
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ class Interpolation:
     entropies : (f,) float64
         In nats.
     marginal_errors : (f,) float64
-        Of every frame's solve; 0 for the ends.
+        Of every frame; 0 for the two ends.
     converged : (f,) bool
-        Whether the frame's solve has reached the tolerance.
+        Whether the frame's solve reached the tolerance.
     raised_limits : (f,) float64
-        Nats by which the bound of the frame's entropy was raised because it did not converge otherwise.
+        Nats by which the frame's entropy bound was raised, because it did not converge otherwise.
     iterations : tuple of int
         Per frame for weighted barycenters, per level for bisection.
     numerics : str
@@ -73,7 +73,7 @@ class Interpolation:
         numerics: Sequence[str],
         areas: float | NDArray[np.float64],
     ) -> Interpolation:
-        """Put frames, one per time, together; `numerics` are those of all solves."""
+        """Combine frames, one per time; `numerics` lists those of all solves."""
         return cls(
             times=times,
             densities=np.stack([frame.density for frame in frames]),
@@ -89,7 +89,7 @@ class Interpolation:
 
 @dataclass(frozen=True)
 class SolvedFrame:
-    """One frame and how well it was solved; `raised` are nats by which the bound of its entropy was."""
+    """One frame and how well it was solved; `raised` is the number of nats by which its entropy bound was raised."""
 
     density: NDArray[np.float64]
     entropy: float
@@ -113,15 +113,16 @@ def interpolate(
 ) -> Interpolation:
     """Interpolate by barycenters of the two ends, eq. (16), each started from the one before.
 
-    The weights are (1 - t, t) where the kernel's cost is quadratic. On meshes the cost of long ways turns linear, with
-    which (1 - t, t) would lag near the ends; there the weights are those for which mass that goes the whole distance is
-    at t: (c'((1 - t) D), c'(t D)) up to their sum, c' the slope of the cost and D the distance of the ends.
-    :func:`.bisect` gets the place of the mass right without a formula, and keeps it sharper.
+    The weights are (1 - t, t) where the kernel's cost is quadratic. On meshes the cost of long distances becomes
+    linear, and these weights would make the mass lag near the ends. There the weights put mass that travels the whole
+    distance in the right place at t: they are proportional to (c'((1 - t) D), c'(t D)), with c' the slope of the cost
+    and D the distance of the ends. :func:`.bisect` puts the mass in the right place without a formula, and keeps it
+    sharper.
 
     Parameters
     ----------
     mu0, mu1 : domain.shape
-        Densities, not negative; each is normalized to mass 1.
+        Nonnegative densities; each is normalized to mass 1.
     times : (f,)
         In [0, 1], in any order.
     domain, sharpness, entropy_limit, tolerance, max_iterations, control
@@ -135,9 +136,9 @@ def interpolate(
     Raises
     ------
     ValueError
-        Distributions or parameters that make no sense; the message names the argument.
+        Invalid distributions or parameters; the message names the argument.
     KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to the other.
+        gamma is too small for any of the numerics to reach from one distribution to the other.
     """
     ends = check_pair(mu0, mu1, domain)
     instants = check_times(times)
@@ -179,10 +180,10 @@ def _shares(
     max_iterations: int,
     control: Control,
 ) -> NDArray[np.float64]:
-    """Weights of the second end for which mass on its way is at `instants`."""
+    """Weights of the second end that put travelling mass in the right place at `instants`."""
     if domain.has_quadratic_cost:
         return instants
-    # The weights change slowly with the distance, so that a rough one will do.
+    # The weights change slowly with the distance, so a rough distance is enough.
     whole = distance(ends[0], ends[1], domain, tolerance=1e-3, max_iterations=max_iterations, control=control)
     length = max(whole.length / domain.unit_length, np.sqrt(domain.gamma) * 1e-3)
     done, left = domain.cost_slope(instants * length), domain.cost_slope((1.0 - instants) * length)
@@ -195,7 +196,7 @@ def check_times(times: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        No list of numbers, or some outside of [0, 1].
+        Not a list of numbers, or some outside [0, 1].
     """
     instants = np.asarray(times, dtype=np.float64)
     if instants.ndim != 1 or not len(instants):

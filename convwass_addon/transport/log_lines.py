@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gaussian blurs of logarithms along lines, at any distance."""
+"""Gaussian blur of logarithms along lines, at any distance."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from scipy.linalg import blas
 
 from .log_range import LOG_NOTHING, NEGLIGIBLE, floored_log
 
-# Cells of a block, in standard deviations: across one the kernel falls by e^(-14^2 / 2) = e^-98, and
-# across two by e^-392: float64 holds e^-708 (times are in docs/performance.md, "Barycenters on grids").
+# Width of a block in standard deviations: across one block the kernel falls by e^(-14^2 / 2) = e^-98, across two by
+# e^-392, and float64 holds e^-708 (timings are in docs/performance.md, "Barycenters on grids").
 _BLOCK = 14.0
 _LEAST_BLOCK = 8
-# What is smaller than a sum by more than this does not change it: e^-45 is 3e-20, and sums of float64 are exact to
-# 1e-16.
+# A term further below the sum than this does not change it: e^-45 is 3e-20, and float64 sums are accurate to 1e-16.
 _DEPTH = 45.0
-_LESS_THAN_NOTHING = -1e30
+_PADDING = -1e30
 
 
 def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArray[np.float64]:
@@ -28,17 +27,17 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
 
         -(D + v - u)^2 / 2 sigma^2 = -D^2 / 2 sigma^2 + D u / sigma^2 - D v / sigma^2 - (v - u)^2 / 2 sigma^2
 
-    of which the second term belongs to the sources and the third to the targets, so that one small matrix serves all
-    pairs of blocks and no distance is too far for it. Pairs that cannot matter are left out, line by line.
+    The second term depends only on the source and the third only on the target, so one small matrix serves all pairs
+    of blocks at any distance. Pairs that cannot contribute are skipped, line by line.
 
     Parameters
     ----------
     logs : (m, n) float64
-        Lines; LOG_NOTHING where there is nothing.
+        Lines; LOG_NOTHING where there is no mass.
     sigma : float
         Standard deviation in cells.
     log_scale : float
-        Logarithm of what the Gaussian is multiplied by.
+        Logarithm of the factor of the Gaussian.
 
     Returns
     -------
@@ -48,8 +47,8 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
     count, size = logs.shape
     block = max(int(_BLOCK * sigma), _LEAST_BLOCK)
     blocks = -(-size // block)
-    # Against the slopes between far blocks even what stands for nothing would count.
-    padded = np.full((count, blocks * block), _LESS_THAN_NOTHING)
+    # The tilt between distant blocks could lift LOG_NOTHING to a relevant value, so pad with far less.
+    padded = np.full((count, blocks * block), _PADDING)
     np.copyto(padded[:, :size], logs, where=logs > LOG_NOTHING)
     padded = padded.reshape(count, blocks, block)
     offsets = np.arange(block) - (block - 1) / 2
@@ -57,7 +56,7 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
     kernel[kernel < NEGLIGIBLE] = 0.0
     result = np.full((count, blocks, block), LOG_NOTHING)
     for target in range(blocks):
-        for source, rows in _that_matter(padded, target, offsets, sigma):
+        for source, rows in _contributing_blocks(padded, target, offsets, sigma):
             shift = (target - source) * block / sigma**2
             tilted = padded[rows, source] + shift * offsets
             top = tilted.max(axis=1, keepdims=True)
@@ -67,17 +66,18 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
             floored_log(arrived, top - shift * offsets - (shift * sigma) ** 2 / 2.0 + log_scale)
             result[rows, target] = np.logaddexp(result[rows, target], arrived)
     blurred = result.reshape(count, -1)[:, :size]
-    # Nothing and nothing, from several blocks, is still nothing.
+    # The sum of several blocks of LOG_NOTHING is LOG_NOTHING.
     return np.where(blurred > LOG_NOTHING + 1.0, blurred, LOG_NOTHING)
 
 
-def _that_matter(
+def _contributing_blocks(
     padded: NDArray[np.float64], target: int, offsets: NDArray[np.float64], sigma: float
 ) -> list[tuple[int, NDArray[np.int64]]]:
-    """Blocks of sources that may matter to a block of targets, and the lines in which they may.
+    """Source blocks that may contribute to a block of targets, and the lines in which they may.
 
-    Judged by the largest term at the middle of the targets: towards their ends a block may gain on another by the
-    difference of their slopes, at most that of their distances over sigma^2 and half a block long.
+    Blocks are compared by their largest term at the middle of the target block. Towards its ends, a block may gain on
+    another by the difference of their slopes times half a block; the slopes differ by at most their distance over
+    sigma^2.
     """
     blocks, block = padded.shape[1:]
     distances = (np.arange(blocks)[:, None] - target) * block + offsets

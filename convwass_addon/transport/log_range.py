@@ -7,20 +7,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-# Logarithm that stands for "nothing here": far below all that float64 scalings can express, still finite.
+# Logarithm that stands for zero: finite, but far below what float64 scalings can express.
 LOG_NOTHING = -1e4
-# The largest scaling is exp(600): half of the range of float64 lies below one, and no row of a kernel sums to more.
+# The largest scaling is exp(600): half of the range of float64 lies below one, and no kernel row sums to more than 1.
 HEADROOM = 600.0
-# Scalings below this would only produce subnormal products, which are many times slower.
+# Scalings below this would only yield subnormal products, which are many times slower.
 NEGLIGIBLE = 1e-290
-# Densities below exp(-600) are quotients of roundings: scalings there must not leak into their neighborhood.
+# Densities below exp(-600) are quotients of rounding errors: scalings there must not spread to their neighborhood.
 RELEVANT = 600.0
 
 
 def floored_log(values: NDArray[np.float64], shift: float | NDArray[np.float64] = 0.0) -> None:
-    """Take the logarithm of an array of any shape in place and add `shift`; LOG_NOTHING where there is nothing."""
+    """Take the logarithm of an array of any shape in place and add `shift`; LOG_NOTHING where the value is zero."""
     with np.errstate(divide="ignore"):
         np.log(values, out=values)
-    # Nothing stays nothing: the floor comes last, since a large shift would lift it to where it looks like a result.
+    # Apply the floor last: a large shift would otherwise lift log(0) to the range of real results.
     values += shift
     np.maximum(values, LOG_NOTHING, out=values)

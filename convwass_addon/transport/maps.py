@@ -14,31 +14,31 @@ from .log_range import LOG_NOTHING
 
 
 def transport_map(log_scaling: ArrayLike, domain: Domain, values: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Mean of `values` over what every element is matched with.
+    """Mean of `values` over the elements that each element is matched with.
 
-    For a plan D_v H D_w with marginals mu (of v) and nu (of w) the map of nu is T(x) = 1 / nu(x) int pi(y, x) y dy =
-    H(a v y) / H(a v) at x: it needs only the scaling at its target, and is defined beyond the support of nu.
+    For a plan D_v H D_w with marginals mu (of v) and nu (of w), the map of nu is T(x) = 1 / nu(x) int pi(y, x) y dy =
+    H(a v y) / H(a v) at x. It needs only the scaling on its target side, and is defined beyond the support of nu.
 
     Parameters
     ----------
     log_scaling : domain.shape
-        Logarithm of the scaling on the side that the map leads to: ``distance(...).log_w`` for the map from mu0 to
-        mu1, ``barycenter(...).log_v[i]`` for the map from input i to the barycenter.
+        Logarithm of the scaling on the target side of the map: ``distance(...).log_w`` for the map from mu0 to mu1,
+        ``barycenter(...).log_v[i]`` for the map from input i to the barycenter.
     domain : Domain
-        Where both distributions live.
+        The domain of both distributions.
     values : (*domain.shape, d), optional
-        What is averaged: positions, colors, texture coordinates; by default the positions of the domain's elements.
+        The values to average: positions, colors, texture coordinates; by default the positions of the elements.
 
     Returns
     -------
     (*domain.shape, d) float64
-        Images of all elements, in units of `values`. On a surface they are points of space, in general not on it. An
-        element that no mass can reach keeps its own value.
+        Images of all elements, in units of `values`. On a surface these are points in space, in general off the
+        surface. An element that no mass can reach keeps its own value.
 
     Raises
     ------
     ValueError
-        Arrays whose shapes do not fit, or values that are not finite.
+        Shapes that do not match, or values that are not finite.
     """
     scaling = np.asarray(log_scaling, dtype=np.float64)
     own = np.asarray(domain.positions if values is None else values, dtype=np.float64)
@@ -52,7 +52,7 @@ def transport_map(log_scaling: ArrayLike, domain: Domain, values: ArrayLike | No
         raise ValueError("values must be finite numbers")
     carried = np.moveaxis(own, -1, 0).reshape(own.shape[-1], -1)
     low, high = carried.min(axis=1, keepdims=True), carried.max(axis=1, keepdims=True)
-    # Logarithms need positive numbers; between 1 and 2 they lose no digits.
+    # Logarithms need positive numbers; values between 1 and 2 keep all digits.
     unit = np.where(high > low, high - low, 1.0)
     raised = ((carried - low) / unit + 1.0).reshape(-1, *domain.shape)
     columns = np.concatenate([scaling[None], scaling + np.log(raised)])

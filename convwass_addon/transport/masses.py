@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Histograms, whose values sum to one, as densities, whose mean over the area is one."""
+"""Convert histograms, whose values sum to one, to densities, whose mean over the area is one."""
 
 from __future__ import annotations
 
@@ -11,27 +11,28 @@ from .domain import Domain
 
 
 def from_masses(masses: ArrayLike, domain: Domain) -> NDArray[np.float64]:
-    """Densities of distributions that are given by the mass of every element.
+    """Convert distributions given by the mass of every element to densities.
 
-    On a grid all cells have the same area, and solvers take histograms as they are, since they normalize what they are
-    given. On a mesh or a sphere elements have areas of their own, and the two differ.
+    On a grid all cells have the same area and solvers accept histograms directly, because they normalize their inputs.
+    On a mesh or a sphere the elements have different areas, so a histogram is not a density.
 
     Parameters
     ----------
     masses : (k, *domain.shape) or domain.shape
         Histograms; usually of sum 1.
     domain : Domain
-        Where they live.
+        The domain of the histograms.
 
     Returns
     -------
     ndarray of the same shape, float64
-        Density = mass / area; its mean over the area is the sum of the masses. The `masses` of a result lead back.
+        Density = mass / area; its mean over the area is the sum of the masses. The `masses` of a result are the
+        inverse.
 
     Raises
     ------
     ValueError
-        A shape that does not fit, values that are no masses, or mass on an element that has no area.
+        A wrong shape, negative or non-finite masses, or mass on an element without area.
     """
     given = np.asarray(masses, dtype=np.float64)
     if given.shape[-len(domain.shape) :] != tuple(domain.shape) or given.ndim > len(domain.shape) + 1:

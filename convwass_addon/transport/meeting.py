@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where two distributions would meet half way: displacements by unbalanced plans, debiased."""
+"""Where two distributions meet half way: displacements from debiased unbalanced plans."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .domain import Domain
 from .maps import transport_map
 from .sinkhorn import self_balancing
 
-# The step that a registration takes is computed anew in every round: rough plans will do.
+# A registration computes its step anew in every round, so rough plans are enough.
 _TOLERANCE, _MOST_ITERATIONS = 1e-2, 100
 _SELF_TOLERANCE, _MOST_SELF_ITERATIONS = 3e-3, 100
 
@@ -28,9 +28,9 @@ class Meeting:
     Attributes
     ----------
     displacements : (2, *shape, d) float64
-        Of the elements of the domain, for each of the two, in the units of its positions.
+        Of the elements of the domain, for each of the two distributions, in the units of `positions`.
     solved : Barycenter
-        Half way between them; to start a neighboring meeting from.
+        Their barycenter half way; the start for a similar problem.
     """
 
     displacements: NDArray[np.float64]
@@ -47,18 +47,18 @@ def meeting(
 ) -> Meeting:
     """Find how two distributions move to their unbalanced barycenter half way.
 
-    The map of an entropic plan averages over what every element is matched with, so it also contracts. The map of each
-    distribution's plan to itself contracts in the same way; the displacements are the differences of the two, and zero
+    The map of an entropic plan averages over all partners of an element, so it also contracts. The map of each
+    distribution's plan to itself contracts in the same way. The displacements are the differences of the two maps, zero
     between equal distributions (A. Feydy, "Geometric data analysis, beyond convolutions", 2020, section 3.2.3).
 
     Parameters
     ----------
     mu0, mu1 : (*shape,) float64
-        Densities, not negative; each is normalized to mass 1.
+        Nonnegative densities; each is normalized to mass 1.
     domain : Domain
         Owns the area weights and the heat kernel.
     reach : float
-        How far mass goes, in units of the domain, before it rather vanishes in one place and grows in another.
+        Distance, in units of the domain, beyond which mass fades in one place and appears in another.
     control : Control
         Stops the work.
     initial : Barycenter, optional

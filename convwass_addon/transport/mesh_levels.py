@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A ladder of ever coarser meshes of one surface, made when asked for and shared by all kernels on it."""
+"""A hierarchy of ever coarser meshes of one surface, built on demand and shared by all kernels on it."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from ..geometry.mesh import TriangleMesh
 from ..progress import UNINTERRUPTED, Control
 
 FEWEST_VERTICES = 8000
-"""Smaller meshes are solved as fast as coarser ones of them are made: 24 steps take 0.8 CPU seconds on 1000 vertices,
-3 on 10 000 (docs/performance.md, "Meshes")."""
+"""Coarsening a smaller mesh takes as long as solving on it: 24 steps take 0.8 CPU seconds on 1000 vertices, 3 on 10 000
+(docs/performance.md, "Meshes")."""
 
-# The share of the vertices that the next coarser mesh has: of half the resolution, as on grids. What coarser meshes
-# gain is measured in docs/performance.md, "Meshes".
+# Fraction of the vertices that the next coarser mesh keeps: half the resolution, as on grids. The gain of coarser
+# meshes is measured in docs/performance.md, "Meshes".
 _SHARE = 0.25
 
 
 @dataclass(frozen=True)
 class MeshLevel:
-    """One mesh of the ladder.
+    """One mesh of the hierarchy.
 
     Attributes
     ----------
     mesh : TriangleMesh
         The mesh.
     laplacian : Laplacian
-        Its stiffness; its areas are those of the finest mesh, so that lengths are the same on all levels, and heat
-        spreads over a crumpled surface as slowly as its area says.
+        Its stiffness, with the areas of the finest mesh. Lengths are therefore the same on all levels, and heat spreads
+        over a crumpled surface as slowly as its true area demands.
     control : Control
-        Ends long work on the mesh when cancelled.
+        Stops long work on the mesh when cancelled.
     """
 
     mesh: TriangleMesh
@@ -52,13 +52,13 @@ class MeshLevel:
         Raises
         ------
         InputError
-            The mesh has no area, or its size is beyond what can be calculated with.
+            The mesh has no area, or coordinates too large or too small to compute with.
         """
         return cls(mesh, laplacian(mesh, control), control)
 
     @cached_property
     def mean_edge_length(self) -> float:
-        """In units of the vertices; edges of two triangles count twice."""
+        """In units of the vertices; interior edges count twice."""
         faces, points = self.mesh.faces, self.mesh.vertices
         lengths = []
         for tail, head in ((0, 1), (1, 2), (2, 0)):
@@ -68,7 +68,7 @@ class MeshLevel:
 
     @cached_property
     def coarser(self) -> CoarserLevel | None:
-        """The next coarser mesh; None where it would be no gain, or no surface."""
+        """The next coarser mesh; None where it would save nothing or would not be a surface."""
         areas = self.laplacian.areas
         used = int(np.count_nonzero(areas))
         if used < FEWEST_VERTICES:
@@ -79,26 +79,26 @@ class MeshLevel:
         try:
             stiffness = laplacian(coarsening.mesh, self.control)
         except InputError:
-            # Nothing but needles is left.
+            # Only degenerate triangles are left.
             return None
         summed = replace(stiffness, areas=coarsening.sums(areas[None])[0])
         return CoarserLevel(coarsening, MeshLevel(coarsening.mesh, summed, self.control))
 
     @property
     def levels_below(self) -> int:
-        """About how many coarser meshes there are."""
+        """Approximate number of coarser meshes."""
         used = np.count_nonzero(self.laplacian.areas)
         return max(0, math.ceil(math.log(max(used, 1) / FEWEST_VERTICES, 1.0 / _SHARE)))
 
 
 @dataclass(frozen=True)
 class CoarserLevel:
-    """A coarser mesh and the way to it.
+    """A coarser mesh and how it maps to the finer one.
 
     Attributes
     ----------
     coarsening : Coarsening
-        How its vertices belong to those of the finer mesh.
+        Assigns the vertices of the finer mesh to its own.
     level : MeshLevel
         The coarser mesh.
     """
@@ -107,10 +107,10 @@ class CoarserLevel:
     level: MeshLevel
 
     def restrict(self, densities: NDArray[np.float64], areas: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the means of densities, (k, n), over every cluster, (k, c), which keep the mass."""
+        """Return the means of densities, (k, n), over every cluster, (k, c), which preserve the mass."""
         return self.coarsening.sums(densities * areas) / self.level.laplacian.areas
 
     def prolong(self, columns: NDArray[np.float64], index: NDArray[np.int64] | None) -> NDArray[np.float64]:
-        """Interpolate columns, (k, c), at some vertices of the finer mesh, or at all, (k, len)."""
+        """Interpolate columns, (k, c), to some or all vertices of the finer mesh, (k, len)."""
         rows = self.coarsening.prolongation if index is None else self.coarsening.prolongation[index]
         return np.ascontiguousarray((rows @ columns.T).T)

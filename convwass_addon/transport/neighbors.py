@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycenters next to others that have been solved, from their potentials: a few rounds at the finest level."""
+"""Barycenters solved from the potentials of others with similar weights: a few rounds at the finest level."""
 
 from __future__ import annotations
 
@@ -33,28 +33,28 @@ def barycenter_between(
     numerics: Literal["automatic", "scaling"] = "automatic",
     control: Control = UNINTERRUPTED,
 ) -> Barycenter:
-    """Barycenter whose weights lie between those of two neighbors, without solving it from coarse to fine.
+    """Barycenter whose weights lie between those of two others, without solving from coarse to fine.
 
-    The potentials gamma ln v_i are smooth functions of the weights, so the ones in between are nearly right; densities
-    are not, and a mixture of them is a cross-fade. What is left over goes in one or two rounds.
+    The potentials gamma ln v_i are smooth functions of the weights, so interpolated potentials are nearly right (while
+    interpolated densities would be a cross-fade). One or two rounds remove the remaining error.
 
     Parameters
     ----------
     first, second : Barycenter
-        Of the same inputs, with the same of them at weight zero; so near that little moves by more than a few cells.
+        Barycenters of the same inputs, with the same inputs at weight zero, and at most a few cells of motion apart.
     share : float
         0 is `first`, 1 is `second`; weights are interpolated.
     inputs : Inputs
-        Of which they are the barycenters.
+        Their inputs.
     sharpness : float, optional
-        By default interpolated too.
+        By default interpolated as well.
     entropy_limit, reach, tolerance, max_iterations, numerics, control
         As for :func:`barycenter`.
 
     Raises
     ------
     ValueError
-        Barycenters of other inputs, or a share outside of [0, 1].
+        Barycenters of other inputs, or a share outside [0, 1].
     """
     if not 0.0 <= share <= 1.0:
         raise ValueError(f"share must lie between 0 and 1, got {share}")
@@ -91,19 +91,19 @@ def barycenter_from_neighbor(
     numerics: Literal["automatic", "scaling"] = "automatic",
     control: Control = UNINTERRUPTED,
 ) -> Barycenter:
-    """Barycenter with weights near those of another, of which only the finest potentials need to be known.
+    """Barycenter with weights similar to those of another, of which only the finest potentials are needed.
 
-    What mass does between the two is found on coarser domains, where it is cheap, by solving both; from the finest
-    potentials alone it would take a hundred rounds at the finest level.
+    How mass moves between the two is found on coarser domains, where solving both is cheap; from the finest potentials
+    alone it would take a hundred rounds at the finest level.
 
     Parameters
     ----------
     neighbor : Barycenter
-        Of the same inputs, with the same of them at weight zero.
+        A barycenter of the same inputs, with the same inputs at weight zero.
     weights : (k,)
-        Those wanted.
+        The new weights.
     inputs : Inputs
-        Of which it is the barycenter.
+        Its inputs.
     sharpness, entropy_limit, reach, tolerance, max_iterations, numerics, control
         As for :func:`barycenter`.
 
@@ -137,9 +137,9 @@ def _check_inputs(name: str, solved: Barycenter, inputs: Inputs) -> None:
 
 
 def _mixed(first: Potentials, second: Potentials, share: float) -> Potentials:
-    """Interpolate logarithms of scalings; where one has nothing, those of the other.
+    """Interpolate logarithms of scalings; where one is missing, use the other.
 
-    Where both have nothing there are no cells: what stands for nothing would be taken for scalings.
+    The result's region leaves out cells where both are missing, whose placeholders would be taken for scalings.
     """
     region = Region(_known(first) | _known(second))
     one, other = first.on(region).columns, second.on(region).columns

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distributions over several connected pieces of a domain: each piece keeps its mass."""
+"""Distributions on domains of several connected components, each of which keeps its mass."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .log_range import LOG_NOTHING
 
 @dataclass(frozen=True)
 class PieceMasses:
-    """How much mass every piece holds.
+    """The mass of every connected component.
 
     Attributes
     ----------
     labels : (n,) int64
-        The piece of every element.
+        The component of every element.
     masses : (p,) float64
-        The mass of every piece, sum 1.
+        The mass of every component, of sum 1.
     """
 
     labels: NDArray[np.int64]
@@ -30,26 +30,26 @@ class PieceMasses:
 
     @classmethod
     def of(cls, density: NDArray[np.float64], domain: Domain) -> PieceMasses | None:
-        """Return the masses of a distribution; None where all of it is on one piece, which takes no care."""
+        """Return the masses of a distribution, or None where one component holds all mass and needs no balancing."""
         if domain.pieces is None:
             return None
-        # Elements that belong to no piece have no area, and may be counted anywhere.
+        # Elements outside all components have no area, so they may be counted anywhere.
         labels = np.maximum(domain.pieces.ravel(), 0)
         masses = np.bincount(labels, (density * domain.weights).ravel())
         return cls(labels, masses) if np.count_nonzero(masses) > 1 else None
 
     def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the sums of `values`, (n,), over every piece."""
+        """Return the sums of `values`, (n,), over every component."""
         return np.bincount(self.labels, values, len(self.masses))
 
     def tops(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the largest of `values`, (n,), on every piece."""
+        """Return the maximum of `values`, (n,), on every component."""
         tops = np.full(len(self.masses), LOG_NOTHING)
         np.maximum.at(tops, self.labels, values)
         return tops
 
     def balanced(self, log_mu: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return ln mu, (n,), shifted on every piece so that it has its mass there."""
+        """Return ln mu, (n,), shifted on every component so that each has its mass."""
         tops = self.tops(log_mu)
         sums = self.sums(np.exp(log_mu - tops[self.labels]) * weights)
         holds = (self.masses > 0) & (sums > 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solve of a barycenter can start from: the scalings of another, on the same or a coarser domain."""
+"""Starting points of barycenter solves: the scalings of another solve, on the same or a coarser domain."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .region import Region
 
 @dataclass(frozen=True)
 class Potentials:
-    """What a solve can start from.
+    """The state from which a solve can start.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Potentials:
         return np.concatenate([self.log_v, self.log_debias[None]])
 
     def prolonged(self, domain: Multiscale, region: Region) -> Potentials:
-        """Bring the state of the next coarser domain to `domain`.
+        """Interpolate the state from the next coarser domain to `domain`.
 
         The physical potential is gamma ln v, so ln v grows as gamma falls; ln d stays.
         """
@@ -57,15 +57,15 @@ class Potentials:
     def corrected(
         self, domain: Multiscale, region: Region, coarse: Potentials, coarse_before: Potentials
     ) -> Potentials:
-        """Return the state moved as the coarser domain's state has moved.
+        """Return the state, changed by the same amount as the coarser domain's state.
 
-        What is large changes on the coarser domain, what is small is kept: a neighbor's fine state alone is wrong at
-        the scale that fine iterations are slowest to mend. Elements that the neighbor did not have come from the
-        coarser domain.
+        Large-scale changes come from the coarser domain and fine detail is kept: a neighbor's fine state alone would be
+        wrong at the scale that fine iterations correct most slowly. Elements missing from the neighbor are prolonged
+        from the coarser domain.
         """
         before = coarse_before.region.transferred(coarse_before.columns, coarse.region, LOG_NOTHING)
         known = (coarse.columns > LOG_NOTHING / 2) & (before > LOG_NOTHING / 2)
-        # A start: float32 is enough, and half the work.
+        # float32 is accurate enough for a start, and half the work.
         moved = np.where(known, coarse.columns - before, 0.0).astype(np.float32)
         steps = domain.prolong(coarse.region.scatter(moved, 0.0), region)
         columns = self.region.transferred(self.columns, region, LOG_NOTHING)
@@ -78,15 +78,15 @@ class Potentials:
         return Potentials(region, np.maximum(columns[:-1], LOG_NOTHING), columns[-1])
 
     def for_weights(self, alphas: NDArray[np.float64], sharpness: float) -> Potentials:
-        """Return the state changed so that sum_i alphas_i ln v_i = s ln d holds.
+        """Return the state, shifted so that sum_i alphas_i ln v_i = s ln d holds.
 
-        Without this a solve from the potentials of neighboring weights settles on the neighbor's answer.
+        Without this, a solve that starts from the potentials of other weights converges to their barycenter.
         """
         offset = np.tensordot(alphas, self.log_v, 1) - sharpness * self.log_debias
         return Potentials(self.region, np.maximum(self.log_v - offset, LOG_NOTHING), self.log_debias)
 
     def on(self, region: Region) -> Potentials:
-        """Return the state on another region; elements that are new hold nothing until the first round."""
+        """Return the state on another region; new elements are empty until the first round."""
         return Potentials(
             region,
             self.region.transferred(self.log_v, region, LOG_NOTHING),

@@ -20,8 +20,8 @@ from .propagation_sweeps import PropagationIteration
 from .rounds import COARSE_SHARE, RoundReports
 from .sharpening import entropy
 
-# Sweeps after which bounds are raised where that is allowed. What converges at all takes ten to thirty on meshes,
-# and 57 in the worst case that was seen (docs/performance.md, "Meshes").
+# Sweeps after which bounds are raised, where that is allowed. On meshes, converging solves take ten to thirty sweeps
+# and 57 in the worst case seen (docs/performance.md, "Meshes").
 _PATIENCE = 60
 
 
@@ -32,23 +32,23 @@ class Propagation:
     Attributes
     ----------
     densities : (m, *shape) float64
-        One per vertex, mass 1; the given ones where they were given.
+        One per vertex, mass 1; given densities are returned unchanged.
     iterations : int
-        Sweeps over the graph of the part that took longest, on the domain itself.
+        Sweeps over the slowest component of the graph, on the domain itself.
     coarse_iterations : tuple of int
-        The same on coarser domains, coarse to fine, where it was solved on such first.
+        The same on coarser domains, coarse to fine, if any were used.
     marginal_errors : (m,) float64
-        At every vertex the largest sum of a |s H(a s') - mu| over the plans that meet there.
+        At every vertex, the largest sum of a |s H(a s') - mu| over the plans that meet there.
     converged : (m,) bool
-        Whether the part of the graph that the vertex belongs to has reached the tolerance.
+        Whether the vertex's component of the graph reached the tolerance.
     entropies : (m,) float64
         In nats.
     entropy_limits : (m,) float64
-        The bounds in nats, infinite for none; where `relief` was given, as they were in the end.
+        The bounds in nats, infinite for none; with `relief`, the final ones.
     numerics : str
         "scaling" or the domain's far_numerics.
     log_scalings : (2 e, *shape) float64
-        The scalings of both ends of every edge that is not between two fixed vertices; to start a similar solve from.
+        The scalings of both ends of every edge, except those between two fixed vertices; the start for a similar solve.
     areas : float or (*shape) float64
         The area weights of the domain, of sum 1.
     """
@@ -73,7 +73,7 @@ class Propagation:
 
     @property
     def marginal_error(self) -> float:
-        """The largest error of all vertices."""
+        """The largest error over all vertices."""
         return float(self.marginal_errors.max())
 
 
@@ -91,16 +91,16 @@ def propagate(
     max_iterations: int = 500,
     control: Control = UNINTERRUPTED,
 ) -> Propagation:
-    """Spread distributions over a graph so that the weighted sum of squared distances along its edges is least.
+    """Propagate distributions over a graph, minimizing the weighted sum of squared distances along its edges.
 
-    Eq. (17): min sum_e alpha_e W2^2(mu_v, mu_w), the mu of some vertices fixed.
+    Eq. (17): min sum_e alpha_e W2^2(mu_v, mu_w), with the mu of some vertices fixed.
 
     Parameters
     ----------
     edges : (e, 2)
         Pairs of vertices.
     edge_weights : (e,) or float
-        Positive alpha of every edge, or of all.
+        Positive alpha of every edge, or one for all.
     fixed : mapping from vertex to density
         The given distributions; each is normalized to mass 1.
     domain : Domain
@@ -108,18 +108,18 @@ def propagate(
     size : int, optional
         Number of vertices; by default just enough for the edges and the fixed vertices.
     entropy_limit : None, "max", float or (size,)
-        Upper bound of the entropies of the free vertices in nats (Algorithm 3); "max" takes the largest of the given
-        distributions; an array holds one bound per vertex.
+        Upper bound on the entropies of the free vertices in nats (Algorithm 3); "max" takes the largest entropy of the
+        given distributions; an array holds one bound per vertex.
     relief : float
-        Nats by which the bounds are raised, once, in parts of the graph that have not converged after 60 sweeps. A
-        tight bound may jump between two solutions for ever; a part that has not converged 60 sweeps later is left.
+        Nats by which the bounds are raised, once, in components of the graph that have not converged after 60 sweeps: a
+        tight bound may oscillate between two solutions. Components that have not converged 60 sweeps later are left.
     initial : Propagation, optional
-        A solution for the same graph and similar distributions, to start from. Without one, where the domain asks for
-        it, coarser domains give the start.
+        A solution for the same graph and similar distributions, to start from. Without one, domains with fast
+        propagation start from coarser ones.
     tolerance : float
         Largest marginal error at the end.
     max_iterations : int
-        Largest number of sweeps.
+        Largest number of sweeps on every level.
     control : Control
         Ends the solve when cancelled.
 
@@ -131,14 +131,14 @@ def propagate(
     Raises
     ------
     ValueError
-        A graph, distributions or parameters that make no sense; the message names the argument.
+        An invalid graph, distributions or parameters; the message names the argument.
     KernelTooNarrowError
-        gamma is too small for numerics of any kind to get from one distribution to another.
+        gamma is too small for any of the numerics to reach from one distribution to another.
 
     Notes
     -----
-    A line of many edges is not the interpolation of its ends by a barycenter: every edge adds the blur of one kernel,
-    so that without an entropy limit long lines diffuse; :func:`bisect` does not.
+    A path of many edges is not the same as interpolating its ends by barycenters: every edge adds the blur of one
+    kernel, so long paths diffuse unless the entropy is bounded. :func:`bisect` does not diffuse.
     """
     return drained(
         propagation(
@@ -171,12 +171,12 @@ def propagation(
     max_iterations: int = 500,
     control: Control = UNINTERRUPTED,
 ) -> Work[Propagation]:
-    """Do the same as :func:`propagate` sweep by sweep; parameters and errors are the same.
+    """Like :func:`propagate`, but yields progress after every sweep; parameters and errors are the same.
 
     Yields
     ------
     Progress
-        After every sweep, on coarser domains too; the payload is a :class:`.rounds.Round`.
+        After every sweep, also on coarser domains; the payload is a :class:`.rounds.Round`.
 
     Returns
     -------
@@ -230,7 +230,7 @@ def _limits(
 
 @dataclass(frozen=True)
 class _Problem:
-    """What stays the same from level to level."""
+    """The parameters that all levels share."""
 
     graph: PropagationGraph
     vertices: list[int]
@@ -246,7 +246,7 @@ class _Problem:
         limits: NDArray[np.float64],
         start: NDArray[np.float64] | None,
     ) -> Work[tuple[PropagationIteration, tuple[int, ...]]]:
-        """Solve it, from coarser domains where there is no start and the domain asks for it; and count the sweeps."""
+        """Solve, starting from coarser domains where useful; return the state and the sweeps on every level."""
         counts: tuple[int, ...] = ()
         begin = 0.0
         if start is None and domain.has_fast_propagation and (coarser := domain.coarser()) is not None:
@@ -260,7 +260,7 @@ class _Problem:
         return state, (*counts, iterations)
 
     def _swept(self, state: PropagationIteration) -> Work[int]:
-        """Sweep until the marginals agree, and return how often."""
+        """Sweep until the marginals agree, and return the number of sweeps."""
         reports = RoundReports(int(np.prod(state.domain.shape)), self.tolerance)
         sweeps = min(self.max_iterations, 2 * _PATIENCE) if self.relief else self.max_iterations
         for iteration in range(1, sweeps + 1):

@@ -16,22 +16,22 @@ from .relaxation import AdaptiveRelaxation
 from .sharpening import BOUNDED_STEP, sharpening_exponent
 from .sinkhorn import KernelInLogarithms, log_density, marginal_errors
 
-# How much wider the range of the waves is than the exponent: with less, densities of two peaks do not converge
-# (docs/performance.md, "Meshes").
+# Factor by which the momentum's eigenvalue range is wider than the exponent. With a smaller one, densities with two
+# peaks do not converge (docs/performance.md, "Meshes").
 _RANGE = 2.0
 
 
 class PropagationIteration:
-    """Sweeps over a graph, a color at a time; parts of the graph that have converged take no further part.
+    """Sweeps over a graph, one color at a time; components that have converged are skipped.
 
-    The scalings of a free vertex satisfy prod_e s_e^(alpha_e / omega) = 1 after every update of Algorithm 4, so its
-    distribution is prod_e H(a s'_e)^(alpha_e / omega) with s' at the other ends, and the new scalings are
-    s_e = mu / H(a s'_e): nothing accumulates.
+    The scalings of a free vertex satisfy prod_e s_e^(alpha_e / omega) = 1 after every update of Algorithm 4. Its
+    distribution is therefore prod_e H(a s'_e)^(alpha_e / omega), with s' at the other ends, and the new scalings are
+    s_e = mu / H(a s'_e), so that no error accumulates.
 
     Parameters
     ----------
     domain : Domain
-        Where the distributions live.
+        The domain of the distributions.
     graph : PropagationGraph
         Its fixed vertices are those of `given`.
     given : dict from vertex to density of mass 1
@@ -39,7 +39,7 @@ class PropagationIteration:
     limits : (graph.size,) float64
         Entropy bounds of the free vertices, infinite for none.
     log_scalings : (2 e, *shape) float64, optional
-        Where to start from; scalings of one otherwise.
+        The start; by default scalings of one.
     """
 
     def __init__(
@@ -68,25 +68,25 @@ class PropagationIteration:
 
     @property
     def error(self) -> float:
-        """The largest error of all vertices."""
+        """The largest error over all vertices."""
         return float(self._part_errors.max(initial=0.0))
 
     def vertex_errors(self) -> NDArray[np.float64]:
-        """Return the largest error of the part that every vertex belongs to; zero at fixed vertices."""
+        """Return for every vertex the largest error in its component; zero at fixed vertices."""
         if not len(self._part_errors):
             return np.zeros(self.graph.size)
         return np.where(self.graph.fixed, 0.0, self._part_errors[self.graph.parts])
 
     def relieve(self, amount: float, tolerance: float) -> None:
-        """Raise the bounds of the vertices in parts whose error is not below `tolerance`."""
+        """Raise the bounds in components whose error is not below `tolerance`."""
         self.limits[self.vertex_errors() >= tolerance] += amount
         self._earlier_means.clear()
 
     def lifted(self, domain: Multiscale) -> NDArray[np.float64]:
-        """Return scalings to start from on `domain`, of which this one is the coarser: those at the free vertices.
+        """Prolong the scalings at free vertices to `domain`, whose coarser domain is this one, as a start.
 
-        Theirs are smooth, and the first sweep makes those at the fixed ones from them. The physical potential is
-        gamma ln s, so ln s grows as gamma falls.
+        Scalings at free vertices are smooth; the first sweep computes those at fixed vertices from them. The physical
+        potential is gamma ln s, so ln s grows as gamma falls.
         """
         free = ~self.graph.fixed[self.graph.vertex_of_end]
         finer = domain.prolong(self.log_scalings[free], Region.whole(domain.shape)).reshape(-1, *domain.shape)
@@ -95,7 +95,7 @@ class PropagationIteration:
         return lifted
 
     def sweep(self, tolerance: float) -> None:
-        """Update the scalings at every vertex once, except in parts whose error is below `tolerance`."""
+        """Update the scalings at every vertex once, except in components whose error is below `tolerance`."""
         live = ~(self._part_errors < tolerance)
         found = np.zeros_like(self._part_errors)
         for color in self.graph.colors:
@@ -107,7 +107,7 @@ class PropagationIteration:
         self._relaxation.learn(found, live)
 
     def _update(self, vertices: NDArray[np.int64], ends: list[NDArray[np.int64]], found: NDArray[np.float64]) -> None:
-        """Update the scalings of the `ends` at every one of `vertices`, which no edge joins."""
+        """Update the scalings of the `ends` at each of `vertices`, no two of which share an edge."""
         every = np.concatenate(ends)
         is_given = self.graph.fixed[self.graph.vertex_of_end[every]]
         needed = is_given.reshape(-1, *[1] * len(self.domain.shape)) & (
@@ -129,7 +129,7 @@ class PropagationIteration:
                 np.broadcast_to(self.densities[vertex], log_hs.shape),
                 self.domain.weights,
             )
-            # What held nothing yet, at fixed vertices after a start from a coarser domain, is not wrong but unknown.
+            # At fixed vertices, a start from a coarser domain is empty: the error is then unknown, not large.
             known = ~(self.log_scalings[own] <= LOG_NOTHING / 2).reshape(len(own), -1).all(axis=1)
             errors *= known
             self.errors[vertex] = errors.max()
@@ -144,7 +144,7 @@ class PropagationIteration:
         full: NDArray[np.float64],
         exponent: float,
     ) -> None:
-        """Move the scalings of the `ends` at a vertex toward `full`."""
+        """Move the scalings of the `ends` at a vertex towards `full`."""
         is_bounded = not self.graph.fixed[vertex] and np.isfinite(self.limits[vertex])
         if is_bounded and self.domain.has_fast_propagation:
             self._move_with_momentum(vertex, ends, log_mu, full, exponent)
@@ -159,7 +159,7 @@ class PropagationIteration:
         full: NDArray[np.float64],
         factors: NDArray[np.float64],
     ) -> None:
-        """Move scalings toward `full` by the factor of each; all the way from where there was nothing."""
+        """Move scalings towards `full` by their factors, and all the way where they were empty."""
         before = self.log_scalings[ends]
         steps = factors.reshape(-1, *[1] * (full.ndim - 1)) * (full - before)
         moved = np.where(before <= LOG_NOTHING / 2, full, before + steps)
@@ -173,12 +173,12 @@ class PropagationIteration:
         full: NDArray[np.float64],
         exponent: float,
     ) -> None:
-        """Move the mean of the scalings' logarithms by a heavy ball, and what they are beside it all the way.
+        """Update the mean of the scalings' logarithms with momentum and the deviations from it in full.
 
-        Only the mean, (1 - 1 / beta) ln mu in the end, depends on the exponent beta: what a full step would add to it
-        is, for each of its waves, the wave times -1 where it is short against the kernel and times -beta where it is
-        long, or up to twice that where several peaks share the mass. For such a range from 1 to b this is the fastest
-        step with momentum (Polyak 1964): the error falls by (sqrt(b) - 1) / (sqrt(b) + 1) a sweep.
+        Only the mean, which converges to (1 - 1 / beta) ln mu, depends on the exponent beta. A full step multiplies
+        every Fourier mode of its error by -1 where the mode is short compared with the kernel and by -beta where it is
+        long, or by up to twice that where several peaks share the mass. For eigenvalues between 1 and b this is the
+        fastest step with momentum (Polyak 1964): the error falls by (sqrt(b) - 1) / (sqrt(b) + 1) per sweep.
         """
         root = np.sqrt(_RANGE * exponent)
         step, momentum = (2.0 / (root + 1.0)) ** 2, ((root - 1.0) / (root + 1.0)) ** 2
@@ -212,5 +212,5 @@ class PropagationIteration:
         self.densities[vertex] = density / mass
         if not np.isfinite(self.limits[vertex]):
             return log_mu, 1.0
-        # The exponent would raise a mass other than 1 to its power in every sweep.
+        # Otherwise the exponent would raise a mass other than 1 to its power in every sweep.
         return log_mu - (top + np.log(mass)), exponent

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of a domain: solvers keep values only where a distribution can have mass."""
+"""Subsets of a domain: solvers keep values only where a distribution can have mass."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Region:
     Parameters
     ----------
     inside : ndarray of bool, the domain's shape
-        True at the elements that belong to it; at least one.
+        True at the elements of the region; at least one.
     """
 
     def __init__(self, inside: NDArray[np.bool_]) -> None:
@@ -44,7 +44,7 @@ class Region:
 
     @cached_property
     def is_whole(self) -> bool:
-        """True where no element is left out."""
+        """Whether the region has all elements."""
         return len(self.index) == self.inside.size
 
     @cached_property
@@ -59,7 +59,7 @@ class Region:
 
     @property
     def box_cells(self) -> int:
-        """How many elements the box has, those between the region's own included."""
+        """Number of elements in the box, including those outside the region."""
         return prod(span.stop - span.start for span in self.box)
 
     @cached_property
@@ -90,11 +90,11 @@ class Region:
         return result
 
     def grown(self, cells: int) -> Region:
-        """Return the region and all elements within so many cells of it, along the axes, of a grid."""
+        """Return the region and all elements of the grid within this many cells of it along each axis."""
         return Region(dilated(self.inside, cells))
 
     def refined(self) -> Region:
-        """Return the same part of the grid of twice the resolution."""
+        """Return the same subset of the grid of twice the resolution."""
         inside = self.inside
         for axis in range(inside.ndim):
             inside = np.repeat(inside, 2, axis)
@@ -102,12 +102,12 @@ class Region:
 
     @cached_property
     def interior(self) -> NDArray[np.bool_]:
-        """Mask, of the grid's shape, of elements whose neighbors, diagonal ones too, all belong to the region."""
+        """Mask, of the grid's shape, of elements whose neighbors, including diagonal ones, all lie in the region."""
         if self.is_whole:
             return self.inside
         interior = self.inside
         for axis in range(interior.ndim):
-            # The three cells of a line one axis after the other; beyond the grid nothing is missing.
+            # Erode by three cells along one axis after the other; the border of the grid does not erode.
             around = np.moveaxis(interior, axis, 0)
             eroded = around.copy()
             eroded[1:] &= around[:-1]
@@ -117,14 +117,14 @@ class Region:
 
 
 class ThroughWholeArrays:
-    """A domain whose kernel is applied to all elements at once, for the values at some of them."""
+    """A domain that applies its kernel to all elements even if only some are needed."""
 
     def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
         """Write log H (a * exp(column)) of every column, (k, *shape), to `out`; see :class:`.domain.Domain`."""
         raise NotImplementedError
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write the same by numerics that reach further."""
+        """Like :meth:`log_apply`, slower but with a longer range."""
         raise NotImplementedError
 
     def log_transfer(
@@ -137,19 +137,19 @@ class ThroughWholeArrays:
         columns : sequence of (len(source),) float64
             Logarithms of scalings.
         sources, targets : sequence of Region
-            Where every column lives and where its result is wanted.
+            The elements on which every column is given and its result returned.
 
         Returns
         -------
         list of (len(target),) float64
-            log H (a * exp(column)), right or `LOG_NOTHING`.
+            log H (a * exp(column)), accurate or `LOG_NOTHING`.
         """
         return _through_whole_arrays(self.log_apply, columns, sources, targets)
 
     def log_transfer_far(
         self, columns: Sequence[NDArray[np.float64]], sources: Sequence[Region], targets: Sequence[Region]
     ) -> list[NDArray[np.float64]]:
-        """Do the same by :meth:`log_apply_far`."""
+        """Like :meth:`log_transfer`, by :meth:`log_apply_far`."""
         return _through_whole_arrays(self.log_apply_far, columns, sources, targets)
 
 
@@ -159,7 +159,7 @@ def _through_whole_arrays(
     sources: Sequence[Region],
     targets: Sequence[Region],
 ) -> list[NDArray[np.float64]]:
-    """Apply a domain's kernel in logarithms to all elements, for the values at some of them."""
+    """Apply a domain's kernel to all elements, in logarithms, and return the values on the targets."""
     dense = np.stack([source.scatter(logs, LOG_NOTHING) for logs, source in zip(columns, sources, strict=True)])
     log_apply(dense, dense)
     return [target.gather(logs) for logs, target in zip(dense, targets, strict=True)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How solvers report their rounds, and how far they are by the error that is left."""
+"""Progress reports of solvers, estimated from the remaining error."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ..progress import Progress
 from ..sentence import Sentence
 
 COARSE_SHARE = 0.15
-"""The share of a solve from coarse to fine that all coarser levels together take."""
-# A solve that has not ended is reported as done up to this share.
+"""Fraction of a coarse-to-fine solve that all coarser levels together take."""
+# Upper limit of the progress of a solve that has not ended.
 _LARGEST_SHARE = 0.95
 
 
@@ -23,11 +23,11 @@ class Round:
     Attributes
     ----------
     elements : int
-        Elements of the domain it was on.
+        Number of elements of the domain.
     iteration : int
-        Its number on this domain, from 1.
+        Number of the round on this domain, from 1.
     error : float
-        What is left after it; the iteration ends when this is below its tolerance.
+        The remaining error; the iteration ends when it is below the tolerance.
     """
 
     elements: int
@@ -36,7 +36,7 @@ class Round:
 
 
 class RoundReports:
-    """Reports rounds; errors fall about geometrically, so that the share done is that of their logarithms.
+    """Reports rounds. Errors fall about geometrically, so progress is measured in their logarithm.
 
     Parameters
     ----------

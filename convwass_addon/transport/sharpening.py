@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Entropic sharpening: keep a distribution's entropy below a bound (Solomon et al. 2015, Algorithm 3)."""
+"""Entropic sharpening: bound a distribution's entropy (Solomon et al. 2015, Algorithm 3)."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from .pieces import PieceMasses
 
-# Densities below e^-60 = 9e-27 of the largest carry no entropy that float64 could show, which is exact to 1e-16.
+# Densities below e^-60 = 9e-27 of the largest do not change an entropy in float64, which is accurate to 1e-16.
 _DEPTH = 60.0
 _STEPS = 50
-# The share of a solver's step under a bound, over the exponent, which amplifies every step; full steps would jump
-# between two solutions for ever.
+# Fraction of a solver's step under a bound, to be divided by the exponent, which amplifies every step. Full steps
+# would oscillate between two solutions.
 BOUNDED_STEP = 0.7
-# Less is the rounding of an even density, and a step over it would leave the range of float64.
+# A smaller variance is rounding error of a uniform density; dividing by it would overflow float64.
 _LEAST_VARIANCE = 1e-200
 
 
@@ -35,7 +35,7 @@ class _Moments:
 
 
 class _PieceMoments:
-    """The same where every piece keeps its mass."""
+    """Like `_Moments`, where every component keeps its mass."""
 
     def __init__(self, log_density: NDArray[np.float64], weights: NDArray[np.float64], pieces: PieceMasses) -> None:
         logs = log_density - pieces.tops(log_density)[pieces.labels]
@@ -60,19 +60,19 @@ def entropy(density: NDArray[np.float64], weights: float | NDArray[np.float64]) 
 
 
 def entropy_between(entropies: ArrayLike, weights: ArrayLike, dimension: int) -> NDArray[np.float64] | np.float64:
-    """Entropy on the way between distributions: the sizes of what is spread evenly go from one to the other.
+    """Entropy of an interpolation between distributions whose effective radii are interpolated linearly.
 
-    The even distribution on a ball of radius r in d dimensions has the entropy d ln r and a constant; that of a ball
-    that grows steadily is d ln(sum_i weights_i e^(H_i / d)).
+    The uniform distribution on a ball of radius r in d dimensions has entropy d ln r plus a constant; a ball whose
+    radius is the weighted mean has entropy d ln(sum_i weights_i e^(H_i / d)).
 
     Parameters
     ----------
     entropies : (k, ...)
         In nats.
     weights : (k, ...)
-        Not negative, of sum one over the first axis.
+        Nonnegative, of sum one over the first axis.
     dimension : int
-        Of the domain.
+        Dimension of the domain.
     """
     own = np.asarray(entropies, dtype=np.float64)
     top = own.max(axis=0)
@@ -96,18 +96,18 @@ def sharpening_exponent(
     weights : float or ndarray
         Area weights of the domain.
     pieces : PieceMasses, optional
-        The masses that connected pieces keep; by default all mass may go anywhere.
+        The masses that connected components keep; by default mass may go anywhere.
 
     Returns
     -------
     float
-        1 where the entropy is below the limit already; the largest exponent tried where no exponent reaches it.
+        1 where the entropy is already below the limit; the largest exponent tried where no exponent reaches it.
 
     Notes
     -----
     With p the normalized mu^beta and q = ln mu, dH/dbeta = -beta Var_p(q): Newton's method on a monotone function,
-    kept inside a bracket. On pieces that keep their masses M, H = sum M (ln Z - beta mean(q) - ln M) over the pieces,
-    and their variances add up with the weights M.
+    safeguarded by a bracket. With components that keep their masses M, H = sum M (ln Z - beta mean(q) - ln M) over the
+    components, and the variances are summed with the weights M.
     """
     moments = _Moments(log_density, weights) if pieces is None else _PieceMoments(log_density, weights, pieces)
     low, high, beta = 1.0, np.inf, 1.0

@@ -15,7 +15,7 @@ from .log_range import LOG_NOTHING
 from .relaxation import AdaptiveRelaxation
 from .rounds import RoundReports
 
-# Exponents of what is only compared with a density.
+# Upper limit of exponents whose exponentials are only compared with densities.
 _LARGEST = 50.0
 
 
@@ -26,13 +26,13 @@ class Scalings:
     Attributes
     ----------
     log_v, log_w : (p, *shape) float64
-        Logarithms of the scalings on the side of the first and of the second distribution.
+        Logarithms of the scalings of the first and of the second distribution.
     log_kw : (p, *shape) float64
-        log H (a w): minus the potential of the first distribution over gamma; finite beyond its support too.
+        log H (a w): minus the potential of the first distribution over gamma; also finite beyond its support.
     errors : (p,) float64
         Sum of a |v H(a w) - mu| before the last update of v.
     iterations : int
-        Of the pair that took longest.
+        Iterations of the slowest pair.
     numerics : str
         "scaling" or the domain's far_numerics.
     """
@@ -46,19 +46,19 @@ class Scalings:
 
 
 class KernelInLogarithms:
-    """The kernel of a domain by scalings of float64 and, once they have not reached, by what reaches further."""
+    """Applies a domain's kernel with float64 scalings until they underflow, then with the far numerics."""
 
     def __init__(self, domain: Domain) -> None:
         self.domain = domain
         self.far = False
 
     def apply(self, logs: NDArray[np.float64], needed: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Return log H (a * exp(column)), which has to be finite where `needed`.
+        """Return log H (a * exp(column)); it must be finite where `needed`.
 
         Raises
         ------
         KernelTooNarrowError
-            Not even the domain's far numerics reach.
+            Even the domain's far numerics underflow.
         """
         out = np.empty(logs.shape)
         if not self.far:
@@ -76,7 +76,7 @@ class KernelInLogarithms:
 
     @property
     def numerics(self) -> str:
-        """What records call the numerics in use."""
+        """The name of the numerics in use, for records."""
         return self.domain.far_numerics if self.far else "scaling"
 
 
@@ -107,18 +107,18 @@ def balancing(
 ) -> Work[Scalings]:
     """Find the scalings of the pairs (mus[p], nus[p]): v = mu / H(a w), w = nu / H(a v).
 
-    Pairs that have converged take no further part.
+    Pairs that have converged are not iterated further.
 
     Parameters
     ----------
     mus, nus : (p, *shape) float64
         Densities of mass 1.
     domain : Domain
-        Where they live.
+        The domain of the densities.
     tolerance : float
-        Largest sum of a |v H(a w) - mu| of a pair that has converged.
+        Largest sum of a |v H(a w) - mu| at which a pair counts as converged.
     max_iterations : int
-        Then the errors are as they are.
+        Largest number of rounds.
     log_kw : (p, *shape), optional
         Where to start from.
     control : Control
@@ -132,12 +132,12 @@ def balancing(
     Returns
     -------
     Scalings
-        Of all pairs, in their order.
+        The scalings of all pairs, in order.
     """
     kernel = KernelInLogarithms(domain)
     log_mus, log_nus = log_density(mus), log_density(nus)
     log_kw = np.zeros_like(mus) if log_kw is None else log_kw.copy()
-    # Where there is no mass, a start from beyond the reach of a coarser kernel would turn nothing into very much.
+    # Without mass v must be zero; a start from beyond the reach of a coarser kernel would make it huge.
     log_v, log_w = np.where(mus > 0, log_mus - log_kw, LOG_NOTHING), np.full_like(mus, LOG_NOTHING)
     errors = np.full(len(mus), np.inf)
     relaxation = AdaptiveRelaxation(len(mus))
@@ -154,7 +154,7 @@ def balancing(
             found = np.maximum(found, marginal_errors(log_w[live] + log_kv, nus[live], domain.weights))
         errors[live] = found
         relaxation.learn(errors, np.isin(np.arange(len(mus)), live))
-        # The last update is a full one: the plans then have their first marginals exactly.
+        # The last update is a full one, so that the first marginals of the plans are exact.
         done = (found < tolerance) | (iteration == max_iterations)
         log_v[live] = _relaxed(log_v[live], log_mus[live] - log_kw[live], np.where(done, 1.0, factors), first)
         control.check()
@@ -175,10 +175,10 @@ def self_balancing(
 ) -> Work[Scalings]:
     """Find the scaling of every distribution's plan to itself, v H(a v) = mu, by v = sqrt(v mu / H(a v)).
 
-    The square root makes both sides of the plan one; it takes about a dozen rounds at any gamma (Feydy et al. 2019,
-    "Interpolating between optimal transport and MMD using Sinkhorn divergences", section 3).
+    The square root makes both scalings of the plan equal; about a dozen rounds suffice for any gamma (Feydy et al.
+    2019, "Interpolating between optimal transport and MMD using Sinkhorn divergences", section 3).
 
-    Parameters, reports and results are those of :func:`balancing`.
+    Parameters, progress and results are those of :func:`balancing`.
     """
     kernel = KernelInLogarithms(domain)
     log_mus = log_density(mus)
@@ -199,7 +199,7 @@ def self_balancing(
 def _relaxed(
     before: NDArray[np.float64], full: NDArray[np.float64], factors: NDArray[np.float64], inside: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """Return steps beyond the full ones by the factor of each column; nothing outside the support."""
+    """Return over-relaxed steps with the factor of each column; LOG_NOTHING outside the support."""
     if (factors == 1.0).all():
         return np.where(inside, full, LOG_NOTHING)
     steps = factors.reshape(-1, *[1] * (full.ndim - 1)) * (full - before)

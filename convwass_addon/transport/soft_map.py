@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Soft maps: to every vertex of a source a distribution over a target (Solomon et al. 2015, section 7)."""
+"""Soft maps: for every vertex of a source, a distribution over a target (Solomon et al. 2015, section 7)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .checks import check_solver
 from .soft_map_problem import SoftMapProblem
 from .surface import Surface
 
-# gamma over the squared mean edge length of the target, which the whole map depends little on: chosen by eye,
+# gamma over the squared mean edge length of the target. Chosen by eye: the whole map depends little on it, and
 # annealing it is as good or worse (docs/performance.md, "Soft maps").
 GAMMA_PER_SQUARED_EDGE = 1.7
 
@@ -29,17 +29,17 @@ class SoftMap:
     Attributes
     ----------
     densities : (n0, n1) float32
-        With respect to the target's areas, each row of mass 1; even where nothing is known, at vertices without edges.
+        With respect to the target's areas, each row of mass 1; uniform where nothing is known, at isolated vertices.
     areas : (n1,) float64
         The target's area weights, of sum 1.
     changes : (sweeps,) float64
-        For every sweep the mean, over the vertices, of the mass that it has moved: 0 to 2.
+        For every sweep the mean, over the vertices, of the mass that it moved: 0 to 2.
     converged : bool
-        Whether the last of them is below the tolerance.
+        Whether the last change is below the tolerance.
     coarse_iterations : tuple of int
-        Sweeps between coarser meshes, coarse to fine, where it was solved on such first.
+        Sweeps between coarser meshes, coarse to fine, if any were used.
     numerics : str
-        How it was calculated.
+        Name of the numerics used.
     """
 
     densities: NDArray[np.float32]
@@ -58,13 +58,13 @@ class SoftMap:
 
     @cached_property
     def entropies(self) -> NDArray[np.float64]:
-        """Entropy of every row in nats, (n0,): 0 where it is even, the more negative the sharper."""
+        """Entropy of every row in nats, (n0,): 0 for uniform rows, negative for concentrated ones."""
         logs = np.log(np.maximum(self.densities, np.float32(1e-30)))
         return -np.einsum("xy,xy,y->x", self.densities, logs, self.areas)
 
 
 def soft_map_domain(surface: Surface, gamma_scale: float = GAMMA_PER_SQUARED_EDGE) -> Surface:
-    """Return the same surface with a kernel for soft maps: gamma is this multiple of its squared mean edge length.
+    """Return the surface with a kernel for soft maps: gamma is this multiple of its squared mean edge length.
 
     Raises
     ------
@@ -92,36 +92,36 @@ def soft_map(
     initial: ArrayLike | SoftMap | None = None,
     control: Control = UNINTERRUPTED,
 ) -> SoftMap:
-    """Find the map of least Dirichlet energy and cost (Solomon et al. 2015, section 7), by Algorithm 4.
+    """Find the map that minimizes Dirichlet energy plus cost (Solomon et al. 2015, section 7), by Algorithm 4.
 
     Eq. (18): min sum_e alpha_e W2^2(mu_v, mu_w) + tau sum_v omega_v <mu_v, c_v>.
 
     Parameters
     ----------
     compatibility : (n0, n1)
-        c(x, y), any numbers: small where the source at x looks like the target at y.
+        c(x, y), any finite numbers: small where the source at x looks like the target at y.
     edges : (e, 2)
         Pairs of vertices of the source; see :class:`SourceEdges`.
     edge_weights : (e,) or float
-        Positive alpha of every edge, or of all.
+        Positive alpha of every edge, or one for all.
     source_areas : (n0,)
         omega; normalized to sum 1.
     domain : Surface
-        The target, with its kernel: see :func:`soft_map_domain`.
+        The target with its kernel; see :func:`soft_map_domain`.
     pairs : (k, 2) int
-        A vertex of the source and one of the target that belong together. Of several with the same vertex of the
-        source each gets an equal share.
+        Corresponding vertices of the source and the target. If a source vertex has several partners, each gets an equal
+        share of its mass.
     fixed : mapping from vertex to density
-        Vertices of the source whose distributions are given.
+        Vertices of the source whose distributions are given, with their densities.
     tau : float
         Weight of the compatibility. 10 to 100 give nearly the same.
     sharpness : float
-        0 for the paper's map, where every edge adds the blur of a kernel; 1 for the debiased one.
+        0 for the paper's map, to which every edge adds the blur of a kernel; 1 for the debiased one.
     sweeps : int
-        Largest number of sweeps over the source. A map is right long before it has converged; more sweeps only make
-        its distributions sharper.
+        Largest number of sweeps over the source. A map is accurate long before it has converged; more sweeps mainly
+        make its distributions sharper.
     tolerance : float
-        Mean mass moved by a sweep, below which it ends.
+        The solve ends when the mean mass moved by a sweep is below this.
     initial : (n0, n1) or SoftMap, optional
         Densities to start from.
     control : Control
@@ -134,7 +134,7 @@ def soft_map(
     Raises
     ------
     ValueError
-        Arrays that do not fit together, or parameters that make no sense; the message names the argument.
+        Shapes that do not match or invalid parameters; the message names the argument.
     """
     problem = SoftMapProblem.of(
         compatibility, edges, edge_weights, source_areas, domain, pairs=pairs, fixed=fixed, tau=tau, sharpness=sharpness

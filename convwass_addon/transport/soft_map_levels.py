@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Soft maps between two surfaces, from coarse meshes to fine ones, in one direction or in both together."""
+"""Coarse-to-fine solution of soft maps between two surfaces, in one direction or in both together."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .soft_map import GAMMA_PER_SQUARED_EDGE, SoftMap, soft_map_domain
 from .soft_map_problem import SoftMapProblem, SourceEdges, check_pairs
 from .surface import Surface
 
-# The coarse meshes have this share of the vertices: a map between them takes a thirtieth of the time, since a
-# sweep is a product of matrices (0.3^3 = 1/37), and is as right (docs/performance.md, "Soft maps").
+# Fraction of the vertices that the coarse meshes keep. A map between them takes a thirtieth of the time, since a sweep
+# is a matrix product (0.3^3 = 1/37), and is as accurate (docs/performance.md, "Soft maps").
 _SHARE = 0.3
-# Between smaller meshes maps are solved as fast as coarser ones are made. Chosen by eye: a sweep grows with the cube of
-# the vertices.
+# Coarsening smaller meshes takes as long as solving on them. Chosen by eye: a sweep's cost grows with the cube of the
+# vertices.
 _FEWEST_VERTICES = 250
-# What one direction is told of the other reaches down to exp(-20) of the largest density.
+# Densities below exp(-20) of the largest are equal when one direction is compared with the other.
 _DEPTH = np.float32(20.0)
 
 
 @dataclass(frozen=True)
 class SymmetricSoftMap:
-    """Both directions, which agree as far as they were asked to.
+    """The maps of both directions, which agree to the extent requested.
 
     Attributes
     ----------
@@ -46,23 +46,23 @@ class SymmetricSoftMap:
 
 @dataclass(frozen=True)
 class SoftMapSweeps:
-    """How a soft map between two surfaces is solved.
+    """Parameters for solving a soft map between two surfaces.
 
     Attributes
     ----------
     tau : float
         Weight of the compatibility. 10 to 100 give nearly the same.
     sharpness : float
-        0 for the paper's map, where every edge adds the blur of a kernel; 1 for the debiased one.
+        0 for the paper's map, to which every edge adds the blur of a kernel; 1 for the debiased one.
     gamma_scale : float
-        gamma over the squared mean edge length of the mesh that is mapped to.
+        gamma over the squared mean edge length of the target mesh.
     coarse : int
-        Largest number of sweeps between coarse meshes, on every level of them. The coarsest take as many more, and so
-        do the given meshes where there are no coarser ones.
+        Largest number of sweeps on every coarse level. The coarsest level adds this to its own limit, and so do the
+        given meshes if there are no coarser ones.
     fine : int
-        Largest number of sweeps between the given meshes. More only make the distributions sharper.
+        Largest number of sweeps between the given meshes. More mainly make the distributions sharper.
     tolerance : float
-        Mean mass moved by a sweep, below which a level ends.
+        A level ends when the mean mass moved by a sweep is below this.
     """
 
     tau: float = 30.0
@@ -82,18 +82,18 @@ def soft_map_between(
     sweeps: SoftMapSweeps | None = None,
     control: Control = UNINTERRUPTED,
 ) -> SoftMap:
-    """Find the soft map from one surface to another; see :func:`.soft_map.soft_map`, whose sweeps this saves.
+    """Find the soft map between two surfaces from coarse to fine, which needs fewer sweeps than `soft_map`.
 
     Parameters
     ----------
     compatibility : (n0, n1)
-        c(x, y), any numbers: small where the source at x looks like the target at y.
+        c(x, y), any finite numbers: small where the source at x looks like the target at y.
     source, target : Surface
-        Their kernels do not matter.
+        Their kernels are ignored.
     pairs : (k, 2) int
-        A vertex of the source and one of the target that belong together.
+        Corresponding vertices of the source and the target.
     sweeps : SoftMapSweeps, optional
-        How.
+        Parameters of the solve.
     control : Control
         Ends the solve when cancelled.
 
@@ -104,11 +104,11 @@ def soft_map_between(
     Raises
     ------
     ValueError
-        Arrays that do not fit together, or parameters that make no sense; the message names the argument.
+        Shapes that do not match or invalid parameters; the message names the argument.
     """
-    way = _Way.of(compatibility, source, target, pairs)
+    direction = _Direction.of(compatibility, source, target, pairs)
     sweeps = sweeps or SoftMapSweeps()
-    return _solved([way], sweeps, sweeps.fine, 0.0, control)[0]
+    return _solved([direction], sweeps, sweeps.fine, 0.0, control)[0]
 
 
 def symmetric_soft_map(
@@ -123,14 +123,14 @@ def symmetric_soft_map(
 ) -> SymmetricSoftMap:
     """Find the soft maps of both directions together.
 
-    Every distribution is drawn to what the other direction says of its vertex, as if by one more edge.
+    Every distribution is attracted to what the other direction says about its vertex, as if by one more edge.
 
     Parameters
     ----------
     compatibility, source, target, pairs, sweeps, control
         As in :func:`soft_map_between`.
     agreement : float
-        The share that the other direction has in every distribution, at least 0 and below 1.
+        The weight of the other direction in every distribution, at least 0 and below 1.
 
     Returns
     -------
@@ -143,16 +143,16 @@ def symmetric_soft_map(
     """
     if not 0.0 <= agreement < 1.0:
         raise ValueError(f"agreement must be at least 0 and below 1, got {agreement}")
-    way = _Way.of(compatibility, source, target, pairs)
-    # A vertex without area can be mapped, but nothing can be mapped to it.
-    pairs_back = way.pairs[source.weights[way.pairs[:, 0]] > 0][:, ::-1]
-    back = _Way(target, source, np.ascontiguousarray(way.costs.T), pairs_back)
+    direction = _Direction.of(compatibility, source, target, pairs)
+    # A vertex without area can be mapped, but cannot be a target.
+    pairs_back = direction.pairs[source.weights[direction.pairs[:, 0]] > 0][:, ::-1]
+    back = _Direction(target, source, np.ascontiguousarray(direction.costs.T), pairs_back)
     sweeps = sweeps or SoftMapSweeps()
-    return SymmetricSoftMap(*_solved([way, back], sweeps, sweeps.fine, agreement, control))
+    return SymmetricSoftMap(*_solved([direction, back], sweeps, sweeps.fine, agreement, control))
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Direction:
     """One direction on one level."""
 
     source: Surface
@@ -161,7 +161,7 @@ class _Way:
     pairs: NDArray[np.int64]
 
     @classmethod
-    def of(cls, compatibility: ArrayLike, source: Surface, target: Surface, pairs: ArrayLike) -> _Way:
+    def of(cls, compatibility: ArrayLike, source: Surface, target: Surface, pairs: ArrayLike) -> _Direction:
         costs = np.asarray(compatibility, dtype=np.float32)
         if costs.shape != (*source.shape, *target.shape):
             raise ValueError(f"compatibility must have the shape {(*source.shape, *target.shape)}, got {costs.shape}")
@@ -201,37 +201,39 @@ class _CoarseSide:
         try:
             return cls(coarsening, surface, Surface(coarsening.mesh.vertices, coarsening.mesh.faces))
         except InputError:
-            # Nothing but needles is left.
+            # Only degenerate triangles are left.
             return None
 
     def means(self, rows: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Return the means over every cluster of vertices, (k, c), of values at the vertices, (k, n)."""
+        """Return the means over every cluster, (k, c), of values at the vertices, (k, n)."""
         masses = self.coarsening.sums(self.fine.weights[None])
         return self.coarsening.sums(rows * self.fine.weights) / masses
 
 
 def _solved(
-    ways: Sequence[_Way], sweeps: SoftMapSweeps, count: int, agreement: float, control: Control
+    directions: Sequence[_Direction], sweeps: SoftMapSweeps, count: int, agreement: float, control: Control
 ) -> list[SoftMap]:
-    """Solve in `count` sweeps, after coarser meshes where there are any."""
+    """Solve in `count` sweeps, after solving on coarser meshes if there are any."""
     for number in (sweeps.coarse, count):
         check_solver(sweeps.tolerance, number, "sweeps")
-    sides = [_CoarseSide.of(surface) for surface in (ways[0].source, ways[0].target)]
+    sides = [_CoarseSide.of(surface) for surface in (directions[0].source, directions[0].target)]
     if None in sides:
-        return _swept(ways, [None] * len(ways), sweeps, sweeps.coarse + count, agreement, control)
-    ends = list(zip(sides, sides[::-1], strict=True))[: len(ways)]
-    coarse = [_coarse_way(way, *two) for way, two in zip(ways, ends, strict=True)]
+        return _swept(directions, [None] * len(directions), sweeps, sweeps.coarse + count, agreement, control)
+    ends = list(zip(sides, sides[::-1], strict=True))[: len(directions)]
+    coarse = [_coarse_direction(direction, *two) for direction, two in zip(directions, ends, strict=True)]
     maps = _solved(coarse, sweeps, sweeps.coarse, agreement, control)
     starts = [_prolonged(found.densities, *two) for found, two in zip(maps, ends, strict=True)]
     counts = (*maps[0].coarse_iterations, maps[0].iterations)
-    return _swept(ways, starts, sweeps, count, agreement, control, counts)
+    return _swept(directions, starts, sweeps, count, agreement, control, counts)
 
 
-def _coarse_way(way: _Way, source: _CoarseSide, target: _CoarseSide) -> _Way:
-    places = [side.coarsening.clusters[column] for side, column in zip((source, target), way.pairs.T, strict=True)]
+def _coarse_direction(direction: _Direction, source: _CoarseSide, target: _CoarseSide) -> _Direction:
+    places = [
+        side.coarsening.clusters[column] for side, column in zip((source, target), direction.pairs.T, strict=True)
+    ]
     pairs = np.stack(places, axis=1)
-    costs = source.means(target.means(way.costs).T).T
-    return _Way(source.surface, target.surface, costs.astype(np.float32), pairs[(pairs >= 0).all(axis=1)])
+    costs = source.means(target.means(direction.costs).T).T
+    return _Direction(source.surface, target.surface, costs.astype(np.float32), pairs[(pairs >= 0).all(axis=1)])
 
 
 def _prolonged(densities: NDArray[np.float32], source: _CoarseSide, target: _CoarseSide) -> NDArray[np.float32]:
@@ -240,7 +242,7 @@ def _prolonged(densities: NDArray[np.float32], source: _CoarseSide, target: _Coa
 
 
 def _swept(
-    ways: Sequence[_Way],
+    directions: Sequence[_Direction],
     starts: Sequence[NDArray[np.float32] | None],
     sweeps: SoftMapSweeps,
     count: int,
@@ -248,14 +250,14 @@ def _swept(
     control: Control,
     coarse_iterations: tuple[int, ...] = (),
 ) -> list[SoftMap]:
-    """Solve one level, all directions in turn."""
-    problems = [way.problem(sweeps) for way in ways]
+    """Solve one level, alternating between the directions."""
+    problems = [direction.problem(sweeps) for direction in directions]
     iterations = [problem.iteration(start) for problem, start in zip(problems, starts, strict=True)]
     changes: list[list[float]] = []
     while len(changes) < count and not (changes and max(changes[-1]) < sweeps.tolerance):
         moved = []
         for index, (problem, iteration) in enumerate(zip(problems, iterations, strict=True)):
-            # Where nothing was there to start from, the first sweep of all has no other direction to agree with.
+            # Without a start, the very first sweep has no other direction to agree with.
             if agreement and (changes or index or starts[0] is not None):
                 other = problems[1 - index].whole(iterations[1 - index].densities)
                 iteration.attract(_log_depth(other.T[np.ix_(problem.sources, problem.targets)]), agreement)
@@ -271,7 +273,7 @@ def _swept(
 
 
 def _log_depth(densities: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the logarithms of rows over their largest value, down to a floor; all the same in rows of nothing."""
+    """Return the logarithms of rows over their maximum, with a floor; constant for rows without mass."""
     top = np.maximum(densities.max(axis=1, keepdims=True), np.float32(1e-20))
     logs = np.log(np.maximum(densities / top, np.exp(-_DEPTH)))
     return np.ascontiguousarray(logs, np.float32)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The problem that a soft map solves, eq. (18), checked and prepared."""
+"""The optimization problem of a soft map, eq. (18), validated and prepared."""
 
 from __future__ import annotations
 
@@ -17,22 +17,23 @@ from .graph import PropagationGraph
 from .soft_map_sweeps import SoftMapIteration, SweepOrder
 from .surface import Surface
 
-# Pairs are held by what the kernel of this share of gamma makes of a point in so many steps.
+# A pair fixes its source vertex to a blurred point of its target: the kernel of this fraction of gamma, in this many
+# steps.
 _SHARE_OF_GAMMA_IN_A_POINT, _STEPS_OF_A_POINT = 1.0 / 10.0, 5
-# Edges that conduct less than this, next to obtuse angles, would let neighbors drift apart.
+# Lower limit of edge weights: with the small weights next to obtuse angles, neighbors would drift apart.
 _LEAST_WEIGHT = 0.05
 
 
 @dataclass(frozen=True)
 class SourceEdges:
-    """A source as a graph.
+    """The graph of a source.
 
     Attributes
     ----------
     edges : (e, 2) int64
         Pairs of vertices.
     weights : (e,) float64
-        How much it costs where their distributions differ.
+        Cost of a difference between the distributions of each pair.
     """
 
     edges: NDArray[np.int64]
@@ -40,7 +41,7 @@ class SourceEdges:
 
     @classmethod
     def of(cls, laplacian: Laplacian) -> SourceEdges:
-        """Return the edges that conduct heat, with their cotangent weights, which do not depend on the resolution."""
+        """Return the edges of a Laplacian with their cotangent weights, which do not depend on the resolution."""
         entries = laplacian.matrix.tocoo()
         rows, columns = entries.coords
         once = rows < columns
@@ -50,20 +51,20 @@ class SourceEdges:
 
 @dataclass(frozen=True)
 class SoftMapProblem:
-    """Eq. (18) on the vertices of the source that have edges and those of the target that have area.
+    """Eq. (18), restricted to source vertices that have edges and target vertices that have area.
 
     Attributes
     ----------
     domain : Surface
         The target.
     size : int
-        Vertices of the source.
+        Number of all vertices of the source.
     sources, targets : (n0,), (n1,) int64
-        The vertices that take part.
+        The vertices of the problem.
     order : SweepOrder
-        These sources as a graph.
+        The graph of these sources.
     log_prior : (n0, n1) float32
-        The compatibility as it enters the logarithms of the densities.
+        The compatibility as it is added to the logarithms of the densities.
     given : dict from vertex of the source to (all targets,) float64
         Fixed densities, of mass 1.
     sharpness : float
@@ -93,12 +94,12 @@ class SoftMapProblem:
         tau: float,
         sharpness: float,
     ) -> SoftMapProblem:
-        """Check and convert the arguments of :func:`soft_map`.
+        """Validate and convert the arguments of :func:`soft_map`.
 
         Raises
         ------
         ValueError
-            As :func:`soft_map` says.
+            As for :func:`soft_map`.
         """
         costs = np.asarray(compatibility, dtype=np.float32)
         areas = _areas(source_areas)
@@ -130,7 +131,7 @@ class SoftMapProblem:
         )
 
     def iteration(self, initial: ArrayLike | None) -> SoftMapIteration:
-        """Return the iteration that solves it, from the densities `initial`, (size, all targets), if there are any."""
+        """Return the iteration that solves this, started from densities `initial`, (size, all targets), if given."""
         place = {int(source): index for index, source in enumerate(self.sources)}
         iteration = SoftMapIteration(
             self.order,
@@ -145,7 +146,7 @@ class SoftMapProblem:
         return iteration
 
     def whole(self, densities: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Put the densities of the vertices that take part, (n0, n1), where these are: (size, all targets)."""
+        """Expand densities of the problem's vertices, (n0, n1), to (size, all targets)."""
         found = np.zeros((self.size, len(self.domain.weights)), np.float32)
         found[:, self.targets] = 1.0
         for vertex, density in self.given.items():
@@ -154,12 +155,12 @@ class SoftMapProblem:
         return found
 
     def part(self, initial: ArrayLike) -> NDArray[np.float32]:
-        """Return the rows and columns of densities, (size, all targets), that take part, each of mass 1.
+        """Return the rows and columns of densities, (size, all targets), that belong to the problem, each of mass 1.
 
         Raises
         ------
         ValueError
-            Another shape, negative values or rows without mass.
+            A wrong shape, negative values or rows without mass.
         """
         shape = (self.size, len(self.domain.weights))
         densities = np.asarray(initial, dtype=np.float32)
@@ -183,7 +184,7 @@ def _areas(source_areas: ArrayLike) -> NDArray[np.float64]:
 def _edges(
     edges: ArrayLike, edge_weights: ArrayLike | float, size: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Check them."""
+    """Validate edges and weights."""
     pairs = np.asarray(edges)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu" or not len(pairs):
         raise ValueError(f"edges must be pairs of vertices, (e, 2), got {pairs.dtype} of shape {pairs.shape}")
@@ -200,21 +201,21 @@ def _edges(
 
 
 def check_pairs(pairs: ArrayLike, size: int, areas: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return pairs of a vertex of the source and one of the target, (k, 2).
+    """Return validated pairs of a source and a target vertex, (k, 2).
 
     Parameters
     ----------
     pairs : (k, 2)
-        To be checked.
+        The pairs.
     size : int
-        Vertices of the source.
+        Number of vertices of the source.
     areas : (n1,)
         Area weights of the target.
 
     Raises
     ------
     ValueError
-        Another shape, vertices that are not there, or vertices of the target without any area.
+        A wrong shape, vertices out of range, or vertices of the target without area.
     """
     known = np.asarray(pairs if np.size(pairs) else np.empty((0, 2), int))
     if known.ndim != 2 or known.shape[1] != 2 or known.dtype.kind not in "iu":
@@ -231,7 +232,7 @@ def check_pairs(pairs: ArrayLike, size: int, areas: NDArray[np.float64]) -> NDAr
 def _given(
     pairs: ArrayLike, fixed: Mapping[int, ArrayLike], size: int, domain: Surface
 ) -> dict[int, NDArray[np.float64]]:
-    """Return the densities of all vertices of the source that have any."""
+    """Return the densities of all source vertices for which they are given."""
     sources, targets = check_pairs(pairs, size, domain.weights).T
     if min(fixed, default=0) < 0 or max(fixed, default=0) >= size:
         raise ValueError(f"fixed must name vertices of the source between 0 and {size - 1}")

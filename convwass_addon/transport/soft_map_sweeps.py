@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The iteration of soft maps: Algorithm 4 on a graph of about a thousand vertices, in products of large matrices."""
+"""The iteration of soft maps: Algorithm 4 on a graph of about a thousand vertices, as large matrix products."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from ..geometry.products import multiply
 from .graph import PropagationGraph
 
-# Densities below this are nothing: a shorter tail would end in the subnormal numbers of float32, which are many times
-# slower. Scalings and messages between their bounds leave products with the smallest entries of a kernel above them.
+# Densities below this are set to zero: they would underflow to subnormal float32 numbers, which are many times slower.
+# The bounds of scalings and messages keep their products with the smallest kernel entries in the normal range.
 NEGLIGIBLE = np.float32(1e-12)
 _SMALLEST, _LARGEST = np.float32(1e-15), np.float32(1e10)
-# Steps in which the debiasing density gets near that of densities to start from.
+# Steps in which the debiasing density approaches that of the initial densities.
 _STARTING_STEPS = 2
-# Ends of edges that are handled at once: few enough for the processor's cache, enough for fast products.
+# Edge ends processed together: few enough for the processor's cache, enough for fast products.
 _ENDS_AT_ONCE = 256
 
 
@@ -30,9 +30,9 @@ class Block:
     Attributes
     ----------
     vertices, ends : slice
-        The vertices, and all ends of edges there.
+        The vertices, and all edge ends at them.
     owner : (len(ends),) int64
-        Which of the block's vertices each end is at.
+        Index within the block of the vertex of each end.
     shares : (len(vertices), len(ends)) float32
         The weight of every end's edge over the sum of weights at its vertex, zero at other vertices' ends.
     """
@@ -45,7 +45,7 @@ class Block:
 
 @dataclass(frozen=True)
 class SweepOrder:
-    """Vertices and ends of edges of a graph, sorted by color, so that a sweep goes through memory once.
+    """Vertices and edge ends of a graph sorted by color, so that a sweep reads memory sequentially.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class SweepOrder:
 
     @cached_property
     def opposite(self) -> NDArray[np.int64]:
-        """Where in this order the other end of every end's edge is, (2 e,)."""
+        """Index in this order of the other end of every end's edge, (2 e,)."""
         place = np.empty_like(self.ends)
         place[self.ends] = np.arange(len(self.ends))
         return place[self.ends ^ 1]
@@ -81,7 +81,7 @@ class SweepOrder:
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        """What is updated at once; no edge joins two vertices of a block."""
+        """Groups of vertices to update together; no edge joins two vertices of a block."""
         degrees = np.array([len(self.graph.ends_at[vertex]) for vertex in self.vertices])
         last_ends = np.cumsum(degrees)
         found, start = [], 0
@@ -105,27 +105,28 @@ class SweepOrder:
 
 
 class SoftMapIteration:
-    """Sweeps over the source, a color at a time.
+    """Sweeps over the source, one color at a time.
 
-    With the diagonals of eq. (18)'s kernels moved into the scalings, every edge uses the plain kernel, and the
-    compatibility is one factor of the geometric mean at its vertex, as the debiasing density d is (Janati et al. 2020),
-    d_v H(a d_v) = mu_v. The scalings at a free vertex are those of Algorithm 4 after its update, mu / H(a s'), with s'
-    at the other end of the edge, so nothing accumulates and any start ends in the same map.
+    The diagonal factors of eq. (18)'s kernels are moved into the scalings, so that every edge uses the plain kernel.
+    The compatibility then is one more factor of the geometric mean at its vertex, like the debiasing density d (Janati
+    et al. 2020), for which d_v H(a d_v) = mu_v. The scalings at a free vertex are those of Algorithm 4 after its
+    update, mu / H(a s'), with s' at the other end of the edge. No error accumulates, and any start converges to the
+    same map.
 
     Parameters
     ----------
     order : SweepOrder
         The source as a graph of n0 vertices.
     kernel : (n1, n1) float32
-        Rows times it are rows diffused: H(x, y) a(x).
+        Diffuses rows by ``rows @ kernel``; its entries are H(x, y) a(x).
     areas : (n1,) float32
         Area weights of the target, of sum 1.
     log_prior : (n0, n1) float32
-        What the compatibility adds to the logarithms of the densities, in the order of the graph's vertices.
+        Added to the logarithms of the densities for the compatibility, in the order of the graph's vertices.
     fixed : dict from vertex to (n1,) density
-        Given distributions, of mass 1.
+        Given densities, of mass 1.
     sharpness : float
-        Power of the debiasing density.
+        Exponent of the debiasing density.
     """
 
     def __init__(
@@ -160,7 +161,7 @@ class SoftMapIteration:
         return found
 
     def start(self, densities: NDArray[np.float32]) -> None:
-        """Begin with these densities, (n0, n1): with the scalings that take each to itself."""
+        """Start from these densities, (n0, n1), with the scalings of their plans to themselves."""
         self._densities = np.ascontiguousarray(densities[self._order.vertices], np.float32)
         self._debias = np.clip(self._densities, _SMALLEST, None)
         for _ in range(_STARTING_STEPS):
@@ -169,12 +170,12 @@ class SoftMapIteration:
             np.take(self._debias[block.vertices], block.owner, axis=0, out=self._scalings[block.ends], mode="clip")
 
     def attract(self, log_densities: NDArray[np.float32], share: float) -> None:
-        """Have every row agree with another one, (n0, n1), known up to a factor, to which this share is given."""
+        """Attract every row to another one, (n0, n1), known up to a factor, with weight `share`."""
         self._other = log_densities[self._order.vertices]
         self._share = np.float32(share)
 
     def sweep(self) -> float:
-        """Update every vertex once; return the mean, over the vertices, of the mass that has moved, in 0 to 2."""
+        """Update every vertex once; return the mean, over the vertices, of the mass moved: 0 to 2."""
         moved = sum(self._update(block) for block in self._order.blocks)
         if self._sharpness:
             self._update_debias()
@@ -185,7 +186,7 @@ class SoftMapIteration:
         messages, spare = self._messages[:count], self._spare[:count]
         np.take(self._scalings, self._order.opposite[block.ends], axis=0, out=spare, mode="clip")
         multiply(spare, self._kernel, messages)
-        # Nothing would end the geometric mean for good: with a floor a point can come back, and its cost is bounded.
+        # A zero would make the geometric mean zero for good. The floor lets mass come back and bounds its cost.
         np.clip(messages, _SMALLEST, _LARGEST, out=messages)
         np.log(messages, out=spare)
         found = self._density(block, spare)
@@ -197,7 +198,7 @@ class SoftMapIteration:
         return moved
 
     def _density(self, block: Block, log_messages: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the weighted geometric mean of the messages and of what else counts, of mass 1."""
+        """Return the weighted geometric mean of the messages, the prior and the other factors, of mass 1."""
         found = np.empty((len(block.shares), len(self._areas)), np.float32)
         multiply(block.shares, log_messages, found)
         found += self._log_prior[block.vertices]
@@ -208,7 +209,7 @@ class SoftMapIteration:
             found += self._share * self._other[block.vertices]
         found -= found.max(axis=1, keepdims=True)
         np.exp(found, out=found)
-        # Masses would settle only over many sweeps; a factor is a constant in the compatibility and changes nothing.
+        # Normalize, because masses converge only over many sweeps; a factor is a constant in the compatibility.
         found /= (found @ self._areas)[:, None]
         for vertex in range(block.vertices.start, block.vertices.stop):
             if vertex in self._fixed:
@@ -217,7 +218,7 @@ class SoftMapIteration:
         return found
 
     def _update_debias(self) -> None:
-        """Take d half the way, in logarithms, to d H(a d) = mu."""
+        """Take half a step, in logarithms, towards d H(a d) = mu."""
         rows = len(self._messages)
         for start in range(0, len(self._debias), rows):
             debias = self._debias[start : start + rows]

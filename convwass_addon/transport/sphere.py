@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sphere, or its upper half, as a domain of transport: a grid of latitudes and longitudes."""
+"""The sphere, or its upper half, as a domain of transport: a latitude-longitude grid."""
 
 from __future__ import annotations
 
@@ -19,21 +19,20 @@ from .sphere_filter import SphereFilter
 from .zonal_kernel import ZonalKernel, log_zonal
 
 _FEWEST_COLUMNS = 32
-# Above these the tables take gigabytes, and the log domain minutes for every round.
+# Above these limits, tables take gigabytes, and a round in the log domain takes minutes.
 _MOST_ROWS = 512
 _FAR_CELLS = 1 << 13
-# What is smaller than a sum by more than this does not change it: e^-45 is 3e-20, and sums of float64 are exact to
-# 1e-16.
+# A term further below the sum than this does not change it: e^-45 is 3e-20, and float64 sums are accurate to 1e-16.
 _DEPTH = 45.0
 
 
 class Sphere(GaussianKernel, ThroughWholeArrays):
-    """Latitudes and longitudes on the unit sphere, or on its upper half.
+    """A latitude-longitude grid on the unit sphere or its upper half.
 
-    Row i has the angle (i + 1/2) pi / rows from the north pole, +Z, column j the longitude (j + 1/2) 2 pi / columns
-    from +X towards +Y; the upper half has the rows down to the equator and ends there, as if nothing but empty space
-    were below. Lengths of the domain are those of the sphere rescaled to unit area. The kernel is
-    exp(-d^2 / gamma) of the geodesic distance, gamma = 2 sigma^2, times a constant.
+    Row i has the angle (i + 1/2) pi / rows from the north pole, +Z, and column j the longitude (j + 1/2) 2 pi / columns
+    from +X towards +Y. The upper half ends at the equator, with empty space below. Lengths are those of the sphere
+    rescaled to unit area. The kernel is a constant times exp(-d^2 / gamma), with d the geodesic distance and
+    gamma = 2 sigma^2.
 
     Parameters
     ----------
@@ -42,12 +41,12 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
     sigma : float
         Standard deviation of the kernel in rows.
     columns : int, optional
-        An even number; by default cells are square at the equator.
+        An even number; by default such that cells are square at the equator.
     part : "whole" or "upper"
-        Of the sphere.
+        Which part of the sphere to use.
     kernel : "exact" or "filter"
-        "filter" is the separable blur that the paper uses, :class:`.sphere_filter.SphereFilter`: up to twice as fast on
-        256 x 128 cells, but distances are off by up to 10 %, midpoints by up to 0.2 sigma.
+        "filter" is the separable blur of the paper, :class:`.sphere_filter.SphereFilter`: up to twice as fast on
+        256 x 128 cells, but distances are off by up to 10 % and midpoints by up to 0.2 sigma.
 
     Attributes
     ----------
@@ -59,7 +58,7 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
     Raises
     ------
     ValueError
-        Numbers that make no sense; the message names the argument.
+        Invalid numbers; the message names the argument.
     """
 
     dimension = 2
@@ -109,12 +108,12 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
 
     @cached_property
     def positions(self) -> NDArray[np.float64]:
-        """Unit vectors to the middles of the cells, (*shape, 3); lengths are radians."""
+        """Unit vectors to the centers of the cells, (*shape, 3); lengths are radians."""
         return directions(self.whole_rows, self.shape[1])[: self.shape[0]]
 
     @cached_property
     def _applied(self) -> ZonalKernel | SphereFilter:
-        """Made when the kernel is applied for the first time: solid angles do without it."""
+        """The kernel, built on first use, because solid angles do not need it."""
         kind = ZonalKernel if self.kernel == "exact" else SphereFilter
         return kind(self.whole_rows, self.shape[1], self.shape[0], self.sigma * self.radians, self.weights[:, 0])
 
@@ -129,7 +128,7 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         Returns
         -------
         ndarray
-            The same shape, blurred; constants stay constant but for a rounding of the cells, and near the edge of an
+            The same shape, blurred. Constants are preserved up to discretization error, except near the edge of an
             upper half, where they fall.
         """
         values = np.ascontiguousarray(columns, dtype=np.float64)
@@ -140,9 +139,9 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         return result
 
     def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write log H (a * exp(column)) of every column to `out`, by scalings of float64.
+        """Write log H (a * exp(column)) of every column to `out`, by float64 scalings.
 
-        Right or `LOG_NOTHING`, up to 36 sigma from a column's largest value. `logs` and `out` may be the same array.
+        Accurate or `LOG_NOTHING` within 36 sigma of a column's largest value. `logs` and `out` may be the same array.
         """
         columns, results = logs.reshape(-1, *self.shape), out.reshape(-1, *self.shape)
         shifts = columns.max(axis=(1, 2), keepdims=True) - HEADROOM
@@ -152,12 +151,12 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         floored_log(results, shifts)
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write the same with the exact kernel in the log domain, row by row: any range, a hundred times slower.
+        """Like :meth:`log_apply`, with the exact kernel in the log domain, row by row: any range, 100 times slower.
 
         Raises
         ------
         KernelTooNarrowError
-            The grid is too large for it.
+            The grid is too large for this.
         """
         if self.shape[0] * self.shape[1] > _FAR_CELLS:
             raise KernelTooNarrowError(
@@ -168,7 +167,7 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         out.reshape(-1, *self.shape)[...] = results
 
     def _log_blur(self, logs: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Sum up one column, for every row over the rows that matter to it, the likeliest first."""
+        """Blur one column: for every target row, sum over the source rows in order of their upper bounds."""
         logs = np.where(logs > LOG_NOTHING / 2, logs + np.log(self.weights), -np.inf)
         tops = logs.max(axis=1)
         there = [np.flatnonzero(np.isfinite(row)) for row in logs]
@@ -210,33 +209,33 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         return Sphere(rows // 2, self.coarser_sigma, columns // 2, self.part, self.kernel)
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Densities on the coarser sphere, (k, rows / 2, columns / 2): means of 2 x 2 cells by their solid angles."""
+        """Densities on the coarser sphere, (k, rows / 2, columns / 2): means of 2 x 2 cells by solid angle."""
         rows, width = self.shape
         masses = (columns * self.weights).reshape(len(columns), rows // 2, 2, width // 2, 2).sum(axis=(2, 4))
         return masses / self.coarser().weights
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
-        """Interpolate columns of the coarser sphere linearly, across the poles too, to a region, (k, len)."""
+        """Interpolate columns of the coarser sphere linearly, also across the poles, to a region, (k, len)."""
         result = np.empty((len(columns), len(region)), columns.dtype)
         for values, target in zip(columns, result, strict=True):
             target[...] = region.gather(_doubled(_padded(values, self.part)))
         return result
 
     def refined(self, support: Region, region: Region) -> Region:
-        """Return all of the sphere: it is blurred as a whole."""
+        """Return the whole sphere, which is always blurred at once."""
         return Region.whole(self.shape)
 
 
 def solid_angles(rows: int, columns: int) -> NDArray[np.float64]:
     """Solid angles of the cells of a whole sphere in steradians, (rows, columns)."""
     edges = np.linspace(0.0, np.pi, rows + 1)
-    # cos a - cos b, without the digits that the difference loses at the poles.
+    # cos a - cos b, without the cancellation at the poles.
     bands = 2.0 * np.sin((edges[:-1] + edges[1:]) / 2.0) * np.sin(np.pi / (2 * rows))
     return np.repeat((bands * (2.0 * np.pi / columns))[:, None], columns, axis=1)
 
 
 def directions(rows: int, columns: int) -> NDArray[np.float64]:
-    """Return unit vectors to the middles of the cells of a whole sphere, (rows, columns, 3)."""
+    """Return unit vectors to the centers of the cells of a whole sphere, (rows, columns, 3)."""
     theta = ((np.arange(rows) + 0.5) * (np.pi / rows))[:, None]
     phi = (np.arange(columns) + 0.5) * (2.0 * np.pi / columns)
     parts = (np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta) + 0.0 * phi)
@@ -244,7 +243,7 @@ def directions(rows: int, columns: int) -> NDArray[np.float64]:
 
 
 def _padded(values: NDArray, part: Literal["whole", "upper"]) -> NDArray:
-    """Add a cell on every side: beyond a pole lie the cells half a turn away, beyond an edge the same again."""
+    """Pad by one cell on every side: beyond a pole are the cells half a turn away, beyond the equator copies."""
     half = values.shape[1] // 2
     south = np.roll(values[-1:], half, axis=1) if part == "whole" else values[-1:]
     rows = np.concatenate([np.roll(values[:1], half, axis=1), values, south])

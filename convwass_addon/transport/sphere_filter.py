@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's filter on the sphere: a blur along meridians and one along parallels, in place of the exact kernel."""
+"""The paper's filter on the sphere: separable blurs along meridians and parallels that approximate the kernel."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from numpy.typing import NDArray
 from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
-# Chosen by eye; how right the filter is and how fast is measured in docs/performance.md, "Sphere".
+# Chosen by eye; accuracy and speed of the filter are measured in docs/performance.md, "Sphere".
 # Azimuths over which the blur along meridians is averaged.
 _AZIMUTHS = 512
-# Turns around a parallel that its Gaussian is wrapped over.
+# Turns over which a parallel's Gaussian is wrapped.
 _WRAPS = 2
 
 
 class SphereFilter:
-    """A Gaussian blur along parallels, along meridians, and along parallels again, so many times.
+    """A Gaussian blur along parallels, along meridians, and along parallels again, repeated `steps` times.
 
     Along parallels its width is sigma / sin(theta) in longitude (Solomon et al. 2015, section 7, after Deriche 1993);
-    along meridians it is the exact kernel averaged over all azimuths, by which mass crosses a pole. It is positive and
-    symmetric, but an approximation that no resolution makes better: with two steps distances are off by up to 10 %,
-    and a midpoint that is not on the equator by a tenth to a third of sigma.
+    along meridians it is the exact kernel averaged over all azimuths, which lets mass cross a pole. The filter is
+    positive and symmetric, but its error does not vanish at any resolution: with two steps distances are off by up to
+    10 %, and a midpoint away from the equator by a tenth to a third of sigma.
 
     Parameters
     ----------
     rows, columns, used, sigma, weights
         As for :class:`.zonal_kernel.ZonalKernel`.
     steps : int
-        How often; each has its share of the variance.
+        Number of repetitions, which share the variance equally.
     """
 
     def __init__(
@@ -45,9 +45,9 @@ class SphereFilter:
         self._parallels = np.stack([_parallel(columns, along / np.sqrt(2.0) / np.sin(angle)) for angle in theta])
 
     def apply(self, values: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write H (a * values), (k, used, columns) each; they may not be the same array."""
+        """Write H (a * values), (k, used, columns) each, to `out`, which must be another array."""
         used = self.shape[0]
-        # Rows first: each has a kernel of its own along it. As the matrices are small, NumPy's product is as good.
+        # Rows first, because each has a kernel of its own. The matrices are small, so NumPy's product is fast enough.
         current = np.ascontiguousarray(values.transpose(1, 0, 2))
         for _ in range(self.steps):
             turned = np.ascontiguousarray((current @ self._parallels).reshape(used, -1).T)
@@ -58,7 +58,7 @@ class SphereFilter:
 
 
 def _meridians(theta: NDArray[np.float64], sigma: float, bands: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Exact kernel between rows, averaged over azimuths, with the weights of the whole rows."""
+    """Exact kernel between rows, averaged over azimuths, multiplied by the weights of the rows."""
     kernel = np.zeros((len(theta), len(theta)))
     sines = np.sin(theta)[:, None] * np.sin(theta)
     across = np.sin((theta[:, None] - theta) / 2.0) ** 2

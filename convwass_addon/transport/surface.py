@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangle meshes as a domain of transport: heat flows along the surface, by implicit Euler steps."""
+"""Triangle meshes as domains of transport: heat flows along the surface, by implicit Euler steps."""
 
 from __future__ import annotations
 
@@ -21,50 +21,50 @@ from .matern import cost_slope, kernel_distance, squared_distance
 from .mesh_levels import MeshLevel
 from .region import Region, ThroughWholeArrays
 
-# Below this gamma the blur of a large shape is finer than an artist would ask for, and long distances suffer.
+# A smaller gamma blurs a large shape less than is ever needed, and makes long distances less accurate.
 _SMALLEST_DEFAULT_GAMMA = 0.01
-# The kernel of the default number of steps is right up to distances of about gamma over the mean edge length.
+# With the default number of steps, the kernel is accurate up to distances of about gamma over the mean edge length.
 _GAMMA_PER_EDGE_LENGTH = 0.7
-# On coarser meshes, which only give a start, it may be narrower: chosen by eye.
+# Coarser meshes, which only provide a start, may have a narrower kernel: chosen by eye.
 _COARSE_GAMMA_PER_EDGE_LENGTH = 0.2
-# A dense kernel of 2500 vertices takes 2500^2 x 8 bytes = 50 MB; its rows are handled in blocks of this many values.
+# A dense kernel of 2500 vertices takes 2500^2 x 8 bytes = 50 MB; its rows are processed in blocks of this many values.
 _DENSE_VERTICES = 2500
 _BLOCK = 1 << 22
-# Columns that are solved at once: CHOLMOD handles four in one pass over the factor, and more only take memory.
+# Columns solved together: CHOLMOD handles four in one pass over the factor, and more only take memory.
 _COLUMNS = 4
 
 
 class Surface(ThroughWholeArrays):
-    """A triangle mesh, of any topology, with or without boundary, in one piece or several.
+    """A triangle mesh of any topology, with or without boundary, with one or several connected components.
 
-    Lengths of the domain are those of the mesh rescaled to unit area. The heat kernel at time t = gamma / 4, for which
-    -gamma ln H goes to the squared geodesic distance (Varadhan), is applied by `steps` implicit Euler steps, each the
-    solution of (D_a + t / steps L) x = a * y over one sparse Cholesky factorization (Solomon et al. 2015, section 5,
-    with the corrected time). L is positive semi-definite and has no positive off-diagonal, so no heat is ever negative
-    and its tail is right to many digits.
+    Lengths are those of the mesh rescaled to unit area. The heat kernel at time t = gamma / 4, for which -gamma ln H
+    tends to the squared geodesic distance (Varadhan), is applied by `steps` implicit Euler steps. Each step solves
+    (D_a + t / steps L) x = a * y with one sparse Cholesky factorization (Solomon et al. 2015, section 5, with the
+    corrected time). L is positive semi-definite and has no positive off-diagonal entry, so heat is never negative and
+    its tail is accurate to many digits.
 
     Parameters
     ----------
     vertices : (n, 3)
         Positions, in any unit.
     faces : (m, 3)
-        Vertex indices. Degenerate triangles, edges of more than two triangles, and vertices that no triangle uses are
-        fine; the latter hold no mass.
+        Vertex indices. Degenerate triangles, non-manifold edges and unused vertices are allowed; unused vertices hold
+        no mass.
     gamma : float, optional
-        Entropic regularization in units of the mesh rescaled to unit area; the blur has a standard deviation of
-        sqrt(gamma / 2) per axis. By default proportional to the edge length, as the paper's rule is:
+        Entropic regularization, in units of the mesh rescaled to unit area; the blur has a standard deviation of
+        sqrt(gamma / 2) per axis. By default proportional to the edge length, following the paper:
         max(0.01, 0.7 x mean edge length).
     steps : int
-        Implicit Euler steps per application of the kernel. More steps make long distances truer: the relative
-        shortfall at distance d is about d^2 / (11 gamma steps).
+        Implicit Euler steps per application of the kernel. More steps make long distances more accurate: the relative
+        error (too short) at distance d is about d^2 / (11 gamma steps).
     control : Control
-        Ends long work on the surface when cancelled, such as Euler steps on many vertices. It stays with the surface
-        and the coarser ones.
+        Stops long work on the surface when cancelled, such as Euler steps on many vertices. The surface and its coarser
+        levels keep it.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        As given.
+        The mesh as given.
     laplacian : Laplacian
         Stiffness and vertex areas in the units of the vertices.
     area : float
@@ -75,9 +75,9 @@ class Surface(ThroughWholeArrays):
     Raises
     ------
     InputError
-        Arrays that are no mesh, or a mesh without any area.
+        Arrays that are not a mesh, or a mesh without area.
     ValueError
-        `gamma` is not a positive number or `steps` not a positive whole number.
+        `gamma` is not a positive number or `steps` not a positive integer.
     """
 
     dimension = 2
@@ -132,20 +132,20 @@ class Surface(ThroughWholeArrays):
 
     @cached_property
     def _factor(self) -> Factorization:
-        """Made when the kernel is applied for the first time: areas and lengths do without it."""
-        # L does not change when lengths are rescaled, areas do.
+        """The factorization, built when the kernel is first applied, because areas and lengths do not need it."""
+        # Rescaling lengths changes the areas but not L.
         part = self.laplacian.matrix[self._used][:, self._used]
         system = diags_array(self._area_weights) + (self.gamma / 4.0 / self.steps) * part
         return factorize(system.tocsc())
 
     def factorize(self) -> None:
-        """Prepare the kernel now rather than where it is applied for the first time, as that may take a while."""
+        """Factorize now rather than on first use, as it may take a while."""
         self._level.control.check()
         _ = self._factor
 
     @property
     def levels_below(self) -> int:
-        """About how many coarser surfaces there are."""
+        """Approximate number of coarser surfaces."""
         return self._level.levels_below
 
     @property
@@ -155,7 +155,7 @@ class Surface(ThroughWholeArrays):
 
     @property
     def factor_bytes(self) -> int | None:
-        """What it holds; None where that is not known."""
+        """Memory used by the factorization, in bytes; None where unknown."""
         return self._factor.factor_bytes
 
     @property
@@ -165,7 +165,7 @@ class Surface(ThroughWholeArrays):
 
     @cached_property
     def pieces(self) -> NDArray[np.int64] | None:
-        """The connected piece of every vertex, -1 for unused ones; None where there is only one piece."""
+        """The connected component of every vertex, -1 for unused ones; None if there is only one."""
         labels = vertex_components(self.mesh)
         return labels if labels.max() > 0 else None
 
@@ -180,7 +180,7 @@ class Surface(ThroughWholeArrays):
         Returns
         -------
         ndarray
-            The same shape, diffused; constants stay constant. Zero at vertices that no triangle uses.
+            The same shape, diffused; constants are preserved. Zero at vertices that no triangle uses.
         """
         values = np.asarray(columns, dtype=np.float64)
         result = np.zeros_like(values)
@@ -188,10 +188,10 @@ class Surface(ThroughWholeArrays):
         return result
 
     def log_apply(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write log H (a * exp(column)) of every column, (k, n) or (n,), to `out`, by scalings of float64.
+        """Write log H (a * exp(column)) of every column, (k, n) or (n,), to `out`, by float64 scalings.
 
-        A result is either right or `LOG_NOTHING`: sums of positive terms lose their largest one last. `logs` and `out`
-        may be the same array.
+        A result is either accurate or `LOG_NOTHING`: in a sum of positive terms the largest one underflows last. `logs`
+        and `out` may be the same array.
         """
         columns = logs.reshape(-1, *self.shape)[:, self._used]
         shift = columns.max(axis=1, keepdims=True) - HEADROOM
@@ -205,7 +205,7 @@ class Surface(ThroughWholeArrays):
         target[:, self._used] = columns
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write the same by a dense kernel in the log domain: any range of scalings, on small meshes.
+        """Like :meth:`log_apply`, by a dense kernel in the log domain: any range of scalings, on small meshes.
 
         Raises
         ------
@@ -218,7 +218,7 @@ class Surface(ThroughWholeArrays):
                 f"try {2 * self.gamma:.3g}"
             )
         values = logs.reshape(-1, *self.shape)[:, self._used]
-        # Nothing stays nothing: not even the whole mass of a column may lift it to where it looks like a result.
+        # Empty elements become -inf; otherwise adding a large column could lift LOG_NOTHING to a plausible value.
         columns = np.where(values > LOG_NOTHING / 2, values + np.log(self._area_weights), -np.inf)
         target = out.reshape(-1, *self.shape)
         target[...] = LOG_NOTHING
@@ -230,42 +230,42 @@ class Surface(ThroughWholeArrays):
     def kernel_distance(
         self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Distances in units of the domain at which the kernel of these Euler steps in the plane has these values."""
+        """Distances, in units of the domain, at which the kernel of these steps in the plane has these values."""
         return kernel_distance(log_values, log_at_source, self.gamma, self.steps)
 
     def squared_distance(self, divergence: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Squared distance, in units of the domain, of transport that costs `divergence` by these Euler steps."""
+        """Convert the debiased cost of transport with these Euler steps to a squared distance, in domain units."""
         return squared_distance(divergence, self.gamma, self.steps)
 
     def cost_slope(self, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Slope, by the distance in units of the domain, of what transport by these Euler steps costs."""
+        """Return the derivative of the transport cost of these Euler steps by the distance (in domain units)."""
         return cost_slope(distance, self.gamma, self.steps)
 
     def coarser(self) -> Surface | None:
-        """Return the same surface with fewer vertices; None where that would be no gain, or no surface any more.
+        """Return the surface with fewer vertices; None where that would save nothing or leave no surface.
 
-        The kernel is the same where the coarser mesh can carry it, otherwise wider (:attr:`fall_of_gamma`).
+        The kernel is the same if the coarser mesh can resolve it, otherwise wider (:attr:`fall_of_gamma`).
         """
         return self._coarser
 
     @cached_property
     def _coarser(self) -> Surface | None:
-        way = self._level.coarser
-        if way is None:
+        below = self._level.coarser
+        if below is None:
             return None
-        # Potentials of another kernel are a worse start than those of one that the mesh is rather coarse for, but
-        # heat has to get from vertex to vertex.
-        edge_length = way.level.mean_edge_length / self.unit_length
+        # A kernel narrow for the mesh gives a better start than a kernel of another width, but heat must still be able
+        # to cross the edges.
+        edge_length = below.level.mean_edge_length / self.unit_length
         narrowest = min(_COARSE_GAMMA_PER_EDGE_LENGTH, self.gamma / self.mean_edge_length) * edge_length
-        return self._on(way.level, max(self.gamma, narrowest), self.steps)
+        return self._on(below.level, max(self.gamma, narrowest), self.steps)
 
     @property
     def fall_of_gamma(self) -> float:
-        """How many times larger gamma is on the coarser mesh."""
+        """Ratio of gamma on the coarser mesh to gamma here."""
         return self.coarser().gamma / self.gamma
 
     def restrict(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Densities on the coarser mesh, (k, c): the means over clusters of vertices, which keep the mass."""
+        """Densities on the coarser mesh, (k, c): means over clusters of vertices, which preserve the mass."""
         return self._level.coarser.restrict(columns, self.laplacian.areas)
 
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
@@ -273,14 +273,14 @@ class Surface(ThroughWholeArrays):
         return self._level.coarser.prolong(columns, None if region.is_whole else region.index)
 
     def refined(self, support: Region, region: Region) -> Region:
-        """Return all of the mesh: it is solved as a whole."""
+        """Return the whole mesh, which is always solved at once."""
         return Region.whole(self.shape)
 
     @cached_property
     def _log_kernel(self) -> NDArray[np.float64]:
-        """Logarithm of H between all vertices in use, minus infinity where float64 ends."""
+        """Logarithm of H between all vertices in use; minus infinity where float64 underflows."""
         count = len(self._used)
-        # A unit mass at every vertex in turn, as large as float64 allows.
+        # A unit mass at each vertex in turn, scaled as far as float64 allows.
         peaks = np.diag(np.exp(HEADROOM) / self._area_weights)
         kernel = np.empty((count, count))
         for start in range(0, count, 64):
@@ -301,7 +301,7 @@ class Surface(ThroughWholeArrays):
 
 
 def _log_sums(logs: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Logarithms of the sums of exp over every row; LOG_NOTHING where there is nothing. `logs` is used up."""
+    """Log-sum-exp of every row; LOG_NOTHING where a row is empty. Overwrites `logs`."""
     top = np.maximum(logs.max(axis=1, keepdims=True), LOG_NOTHING)
     logs -= top
     np.exp(logs, out=logs)

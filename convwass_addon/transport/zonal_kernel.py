@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Gaussian of the geodesic distance on a grid of latitudes and longitudes, exact at the poles too."""
+"""The Gaussian of the geodesic distance on a latitude-longitude grid, exact even at the poles."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from numpy.typing import NDArray
 from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
-# Chosen by eye; what the kernel takes is measured in docs/performance.md, "Sphere".
-# Offsets in longitude that share a matrix product, whose result is then added once.
+# Chosen by eye; the costs of the kernel are measured in docs/performance.md, "Sphere".
+# Number of longitude offsets that share a matrix product, whose result is then added once.
 _OFFSETS = 8
-# Where the polar caps that are left have fewer rows than this share of all, they are multiplied by themselves.
+# If the nonzero rows are polar caps of less than this fraction of all rows, the caps are multiplied separately.
 _CAP = 0.45
 
 
 def log_zonal(rows: int, columns: int, used: int, offset: int, sigma: float) -> NDArray[np.float64]:
-    """Logarithm of exp(-d^2 / 2 sigma^2) between the first `used` of all rows, at an offset in longitude.
+    """Logarithm of exp(-d^2 / 2 sigma^2) between the first `used` rows, at an offset in longitude.
 
     Parameters
     ----------
     rows, columns : int
-        Of the whole sphere.
+        Size of the whole sphere.
     used : int
-        Rows from the north pole on.
+        Number of rows, from the north pole.
     offset : int
         In columns.
     sigma : float
@@ -36,7 +36,7 @@ def log_zonal(rows: int, columns: int, used: int, offset: int, sigma: float) -> 
     Returns
     -------
     (used, used) float64
-        By the haversine, which is right at small distances, where the arc cosine is not.
+        Computed from the haversine, which is accurate at small distances, unlike the arc cosine.
     """
     theta = (np.arange(used) + 0.5) * (np.pi / rows)
     sines = np.sin(theta)
@@ -48,7 +48,7 @@ def log_zonal(rows: int, columns: int, used: int, offset: int, sigma: float) -> 
 
 @dataclass(frozen=True)
 class _Block:
-    """Neighboring offsets and the kernel between some rows: those of the offsets stand one below the other."""
+    """Adjacent offsets and their kernels between some rows, stacked vertically."""
 
     offsets: range
     rows: slice
@@ -58,25 +58,25 @@ class _Block:
 class ZonalKernel:
     """The kernel on a grid of latitudes and longitudes.
 
-    Between two rows it depends on the offset in longitude alone: each offset has one matrix, applied to the sum of the
-    columns so far to the left and to the right. All entries are positive and right to the last digits, which a
-    transform to frequencies would lose: scalings span hundreds of orders of magnitude.
+    Between two rows it depends only on the offset in longitude. Each offset has one matrix, which is applied to the sum
+    of the columns at this offset to the left and to the right. All entries are positive and accurate to the last
+    digits; a Fourier transform would lose these, since scalings span hundreds of orders of magnitude.
 
     Parameters
     ----------
     rows, columns : int
-        Of the whole sphere; `columns` even.
+        Size of the whole sphere; `columns` even.
     used : int
-        Rows from the north pole on: all, or half of them.
+        Number of rows, from the north pole: all, or half of them.
     sigma : float
         In radians.
     weights : (used,) float64
-        Of the cells of every row.
+        Area weight of the cells of every row.
 
     Attributes
     ----------
     scale : float
-        What the Gaussian is multiplied by, so that no row sums to more than one.
+        Factor of the Gaussian, such that no row sums to more than one.
     """
 
     def __init__(self, rows: int, columns: int, used: int, sigma: float, weights: NDArray[np.float64]) -> None:
@@ -100,7 +100,7 @@ class ZonalKernel:
                 self._blocks.append(_Block(offsets, span, np.asfortranarray(part.reshape(-1, size))))
 
     def apply(self, values: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        """Write H (a * values), (k, used, columns) each; they may not be the same array."""
+        """Write H (a * values), (k, used, columns) each, to `out`, which must be another array."""
         for source, target in zip(values, out, strict=True):
             self._apply_to(source, target)
 
@@ -124,7 +124,7 @@ class ZonalKernel:
 
 
 def _spans(matrices: NDArray[np.float64], both_poles: bool) -> list[slice]:
-    """Rows that are not all zero, as one span or as two caps; none where nothing is left."""
+    """Nonzero rows as one span or as two caps; no span if all are zero."""
     used = matrices.shape[1]
     there = matrices.any(axis=(0, 2))
     if not there.any():
@@ -133,6 +133,6 @@ def _spans(matrices: NDArray[np.float64], both_poles: bool) -> list[slice]:
         return [slice(0, int(np.flatnonzero(there)[-1]) + 1)]
     north = int(np.flatnonzero(there[: used // 2])[-1]) + 1 if there[: used // 2].any() else 0
     if north < _CAP * used:
-        # Rows lie evenly to both sides of the equator.
+        # Rows are symmetric about the equator.
         return [slice(0, north), slice(used - north, used)]
     return [slice(0, used)]
