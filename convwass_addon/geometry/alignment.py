@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lay shapes onto each other: move, turn and scale them so that a morph changes their form and nothing else."""
+"""Align shapes: translate, rotate and scale them so that a morph between them only changes their form."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from .solid_volume import solid_volume
 Alignment = Literal["PLACED", "CENTERED", "PRINCIPAL_AXES"]
 Scaling = Literal["PLACED", "EQUAL_VOLUME"]
 
-# Spreads along two axes that differ by less than this share are equal: any directions between them would do.
+# If the spreads along two axes differ by less than this fraction, the axes are interchangeable.
 _EQUAL = 0.02
-# Turns that match the third moments as well as this share of the best one count as equally good.
-_AS_GOOD = 0.05
-# A mesh encloses something clear from this share of the cube of its size on.
+# Rotations whose match of the third moments is within this fraction of the best one count as equally good.
+_EQUALLY_GOOD = 0.05
+# A mesh has a volume if it encloses more than this fraction of its area to the power of 3/2.
 _CLEAR = 1e-5
-# The areas of an open shape's faces, with their directions, add up to that of its holes: the most of the whole area
-# with which there still is an inside. A bowl that is half of a ball has 0.5.
+# The directed areas of an open shape's faces sum up to the directed area of its holes: the largest fraction of the
+# total area at which the shape still counts as having an inside. An open hemisphere has 0.5.
 _OPEN = 0.4
 _SIGNS = np.array([signs for signs in itertools.product((1.0, -1.0), repeat=3)])
 
 
 @dataclass(frozen=True)
 class RigidMove:
-    """A turn and a scale about a point, and where that point goes.
+    """A rotation and scaling about a point, followed by a translation of that point.
 
     Attributes
     ----------
     rotation : (3, 3) float64
-        Without reflection.
+        Rotation matrix, without reflection.
     scale : float
-        Larger than 0.
+        Positive.
     center : (3,) float64
-        The point, in the space of the shape.
+        The fixed point, in the space of the shape.
     target : (3,) float64
-        Where it goes.
+        Where the fixed point is moved to.
     """
 
     rotation: NDArray[np.float64]
@@ -55,14 +55,14 @@ class RigidMove:
 
     @property
     def matrix(self) -> NDArray[np.float64]:
-        """The same as a (4, 4) matrix for column vectors."""
+        """The transformation as a (4, 4) matrix for column vectors."""
         result = np.eye(4)
         result[:3, :3] = self.scale * self.rotation
         result[:3, 3] = self.target - result[:3, :3] @ self.center
         return result
 
     def moved(self, mesh: TriangleMesh) -> TriangleMesh:
-        """Return the mesh at its new place."""
+        """Return the transformed mesh."""
         return TriangleMesh(
             (mesh.vertices - self.center) @ (self.scale * self.rotation).T + self.target,
             mesh.faces,
@@ -75,21 +75,21 @@ def aligned(
     scaling: Scaling,
     names: Sequence[str] = (),
 ) -> tuple[RigidMove, ...]:
-    """Find out how to lay shapes onto the first one, which stays as it is.
+    """Align shapes to the first one, which stays unchanged.
 
     Parameters
     ----------
     meshes : sequence of TriangleMesh
-        In one space. What is compared is the solid that they enclose, or the surface of those that enclose nothing.
+        In one space. The enclosed solids are compared, or the surfaces of meshes that enclose nothing.
     alignment : "PLACED", "CENTERED" or "PRINCIPAL_AXES"
-        Leave all where they are; bring the centers of mass together; also turn the axes of inertia onto those of the
-        first shape. Which way round an axis goes is decided by the third moments: the side with the longer tail comes
-        to lie on the side with the longer tail. Where shapes are symmetric and all ways are as good, the smallest turn
-        is taken. Nothing is ever mirrored.
+        Leave all shapes where they are; move the centers of mass together; or also rotate the axes of inertia onto
+        those of the first shape. The third moments determine the directions of the axes, such that longer tails point
+        the same way. Where shapes are symmetric and several rotations are equally good, the smallest one is taken.
+        Shapes are never mirrored.
     scaling : "PLACED" or "EQUAL_VOLUME"
-        Leave sizes, or give all the volume of the first shape, as :func:`.solid_volume.solid_volume` measures it.
+        Leave the sizes, or give all shapes the volume of the first, as measured by :func:`.solid_volume.solid_volume`.
     names : sequence of str
-        What messages call the shapes.
+        Names of the shapes for messages.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def aligned(
     Raises
     ------
     InputError
-        A shape without volume where all are to have equal volumes.
+        A shape has no volume although equal volumes are requested.
     """
     outward = [orient_outward(mesh) for mesh in meshes]
     solids = [SolidMoments.of(mesh) for mesh in outward]
@@ -108,7 +108,7 @@ def aligned(
     moves = []
     for index, (solid, scale) in enumerate(zip(solids, scales, strict=True)):
         turns = alignment == "PRINCIPAL_AXES" and index > 0
-        rotation = _turn(solid, first) if turns else np.eye(3)
+        rotation = _rotation_onto(solid, first) if turns else np.eye(3)
         target = solid.center if alignment == "PLACED" else first.center
         moves.append(RigidMove(rotation, scale, solid.center, target))
     return tuple(moves)
@@ -116,9 +116,9 @@ def aligned(
 
 @dataclass(frozen=True)
 class SolidMoments:
-    """Moments of a shape about its center: of the volume, or of the surface where it encloses nothing clear.
+    """Moments of a shape about its center: of its volume, or of its surface if it has no volume.
 
-    The second and third ones, (3, 3) and (3, 3, 3), are those of mass 1.
+    The second and third moments, (3, 3) and (3, 3, 3), are normalized to mass 1.
     """
 
     has_volume: bool
@@ -128,11 +128,11 @@ class SolidMoments:
 
     @classmethod
     def of(cls, outward: TriangleMesh) -> SolidMoments:
-        """Return those of a mesh whose faces look outward."""
+        """Compute the moments of a mesh whose faces point outward."""
         corners = outward.corners
         directed = _directed_areas(corners)
         areas = np.linalg.norm(directed, axis=1)
-        # About the middle of the surface, the volume of an open shape does not depend on how it is turned.
+        # Relative to the center of the surface, the volume of an open shape does not depend on its orientation.
         middle = areas @ corners.mean(axis=1) / areas.sum()
         corners = corners - middle
         volumes = np.einsum("mi,mi->m", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
@@ -155,7 +155,7 @@ class SolidMoments:
 
 
 def _directed_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the normals of triangles, (m, 3), as long as their areas."""
+    """Return the normals of triangles, (m, 3), with their areas as lengths."""
     a, b, c = np.moveaxis(corners, 1, 0)
     return 0.5 * np.cross(b - a, c - a)
 
@@ -165,7 +165,7 @@ def _moments(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the second and third moments about the origin of simplices, (m, corners, 3), of signed sizes (m,).
 
-    The mean of a monomial over a simplex is that of the complete homogeneous polynomials of its corners.
+    The mean of a monomial over a simplex follows from the complete homogeneous polynomials of its corners.
     """
     corners = simplices.shape[1]
     total = simplices.sum(axis=1)
@@ -193,30 +193,30 @@ def _equal_volume_scales(
     return [float(np.cbrt(volumes[0] / volume)) for volume in volumes]
 
 
-def _turn(solid: SolidMoments, first: SolidMoments) -> NDArray[np.float64]:
-    """Return the rotation, (3, 3), that turns the axes of one solid onto those of another."""
+def _rotation_onto(solid: SolidMoments, first: SolidMoments) -> NDArray[np.float64]:
+    """Return the rotation, (3, 3), of the axes of one solid onto those of another."""
     own, goal = _axes(solid.second), _axes(first.second)
-    goal_axes = _settled(goal, own.directions)
-    own_axes = _settled(own, goal_axes)
+    goal_axes = _resolved_axes(goal, own.directions)
+    own_axes = _resolved_axes(own, goal_axes)
     turns = np.array([(goal_axes * signs) @ own_axes.T for signs in _SIGNS])
     turns = turns[np.linalg.det(turns) > 0.0]
     moved = np.einsum("tai,tbj,tck,ijk->tabc", turns, turns, turns, solid.third, optimize=True)
     size = np.linalg.norm(solid.third) * np.linalg.norm(first.third)
     match = np.einsum("tabc,abc->t", moved, first.third) / max(size, np.finfo(float).tiny)
-    as_good = match >= match.max() - _AS_GOOD * np.ptp(match) - _negligible(solid, first)
+    as_good = match >= match.max() - _EQUALLY_GOOD * np.ptp(match) - _negligible(solid, first)
     angles = np.einsum("taa->t", turns)
     return turns[np.argmax(np.where(as_good, angles, -np.inf))]
 
 
 def _negligible(solid: SolidMoments, first: SolidMoments) -> float:
-    """Difference of matches that means nothing: all of them where a shape is symmetric about its center."""
+    """Difference of matches that is insignificant: any difference if a shape is symmetric about its center."""
     skews = [np.linalg.norm(one.third) / np.trace(one.second) ** 1.5 for one in (solid, first)]
     return np.inf if min(skews) < 1e-4 else 1e-9
 
 
 @dataclass(frozen=True)
 class _Axes:
-    """Columns of directions, (3, 3), by falling spread, and in which of them the spread is as good as equal."""
+    """Principal directions as columns, (3, 3), by decreasing spread, in groups of nearly equal spread."""
 
     directions: NDArray[np.float64]
     groups: tuple[tuple[int, ...], ...]
@@ -234,8 +234,8 @@ def _axes(second: NDArray[np.float64]) -> _Axes:
     return _Axes(directions, tuple(map(tuple, groups)))
 
 
-def _settled(axes: _Axes, near: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Choose directions, where any would do, as close as can be to those that they will be compared with."""
+def _resolved_axes(axes: _Axes, near: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Within groups of equal spread, choose the directions that are closest to those they are compared with."""
     directions = axes.directions.copy()
     for group in axes.groups:
         if len(group) > 1:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cubic pieces for dense rings by Schneider's least squares (Graphics Gems, 1990), all pieces of a round at once."""
+"""Cubic Bezier pieces for dense rings by Schneider's least squares (Graphics Gems, 1990), in vectorized rounds."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# How often the places of points on a curve are corrected.
+# How often the curve parameters of the points are corrected.
 _CORRECTED = 4
-# What is farther away than so many errors is not mended by moving places along.
+# Above this multiple of the error, correcting parameters does not help, so the piece is split.
 _HOPELESS = 16.0
 _TINY = np.finfo(np.float64).tiny
 
 
 @dataclass(frozen=True)
 class BezierPieces:
-    """Pieces of one ring in their order.
+    """Consecutive pieces of one ring.
 
     Attributes
     ----------
     starts : (n,) int64
-        Numbers of the points of the ring at which they begin.
+        Indices of the ring's points at which pieces begin.
     controls : (n, 4, 2) float64
-        The points and handles of each.
+        Control points of each piece.
     errors : (n,) float64
-        Largest distance of each from its points.
+        Largest distance of each piece from its points.
     """
 
     starts: NDArray[np.int64]
@@ -43,20 +43,20 @@ def fitted_pieces(
     arc: float,
     error: float,
 ) -> list[BezierPieces]:
-    """Fit a piece between two breaks each; cut it where it is farthest away, and go on, until all are near enough.
+    """Fit one piece between every two breaks, and split each at its worst point until all are accurate enough.
 
     Parameters
     ----------
     rings : sequence of (n, 2)
-        Closed polygons, the first point not repeated.
+        Closed polygons, without repeating the first point.
     breaks : sequence of (b,) int64
-        Points of every ring between which pieces begin, rising, at least two.
+        Ascending indices of the points of every ring at which pieces begin, at least two.
     corners : sequence of (n,) bool
-        Points at which pieces do not share their tangent.
+        Points where the tangents of adjacent pieces are independent.
     arc : float
-        Length over which tangents are taken, in the rings' units.
+        Arc length over which tangents are estimated, in the rings' units.
     error : float
-        How far a curve may be from a point.
+        Largest allowed distance of a point from its curve.
     """
     points = _RingPoints.of(rings, corners, arc)
     owner = np.repeat(np.arange(len(rings)), [len(own) for own in breaks])
@@ -86,21 +86,21 @@ def fitted_pieces(
 
 
 def basis(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Bernstein's four polynomials at places from 0 to 1, (..., 4)."""
+    """Cubic Bernstein polynomials at parameters from 0 to 1, (..., 4)."""
     t, s = places, 1.0 - places
     return np.stack([s**3, 3 * s * s * t, 3 * s * t * t, t**3], axis=-1)
 
 
 @dataclass(frozen=True)
 class _RingPoints:
-    """The points of all rings, one after the other."""
+    """The points of all rings, concatenated."""
 
     points: NDArray[np.float64]
     is_corner: NDArray[np.bool_]
     offsets: NDArray[np.int64]
     counts: NDArray[np.int64]
     reaches: NDArray[np.int64]
-    """Points over which tangents are taken."""
+    """Number of points over which tangents are estimated."""
 
     @classmethod
     def of(cls, rings: Sequence[NDArray[np.float64]], corners: Sequence[NDArray[np.bool_]], arc: float) -> _RingPoints:
@@ -114,11 +114,11 @@ class _RingPoints:
         return cls(np.concatenate(rings), np.concatenate(corners), offsets, counts, np.array(reaches))
 
     def numbers(self, owner: NDArray[np.int64], place: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Numbers of points of rings, counted around as often as need be."""
+        """Return indices of the points of rings, modulo the length of each ring."""
         return self.offsets[owner] + place % self.counts[owner]
 
     def tangents(self, owner: NDArray[np.int64], place: NDArray[np.int64], side: int) -> NDArray[np.float64]:
-        """Directions at points: over both sides, at corners only before (-1) or behind (1) it."""
+        """Tangents at points: central differences; at corners, backward (side -1) or forward (1) differences."""
         one_sided = self.is_corner[self.numbers(owner, place)]
         reach = self.reaches[owner]
         back = np.where(one_sided & (side > 0), 0, reach)
@@ -129,7 +129,7 @@ class _RingPoints:
 
 @dataclass(frozen=True)
 class _Batch:
-    """Points of many pieces, one piece after the other, both ends of each among them."""
+    """The points of many pieces, concatenated, each with both of its ends."""
 
     points: NDArray[np.float64]
     piece: NDArray[np.int64]
@@ -147,14 +147,14 @@ class _Batch:
         return cls(points.points[numbers], piece, firsts, firsts + sizes - 1)
 
     def part(self, chosen: NDArray[np.bool_]) -> _Batch:
-        """Return some of the pieces."""
+        """Return a subset of the pieces."""
         sizes = (self.lasts - self.firsts + 1)[chosen]
         firsts = np.cumsum(sizes) - sizes
         piece = np.repeat(np.arange(len(sizes)), sizes)
         return _Batch(self.points[chosen[self.piece]], piece, firsts, firsts + sizes - 1)
 
     def first_of(self, wanted: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Return the number within every piece of the first point that is wanted; there is one in each."""
+        """Return the index within every piece of its first wanted point; each piece must have one."""
         numbers = np.flatnonzero(wanted)
         _, first = np.unique(self.piece[numbers], return_index=True)
         return numbers[first] - self.firsts
@@ -180,7 +180,7 @@ class _Batch:
         return controls, away
 
     def _along(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Places of points by the ways to them, from 0 to 1 in every piece, and the lengths of the pieces."""
+        """Parameters of the points by chord length, from 0 to 1 in every piece, and the lengths of the pieces."""
         steps = np.append(0.0, np.linalg.norm(np.diff(self.points, axis=0), axis=1))
         steps[self.firsts] = 0.0
         ways = np.cumsum(steps)
@@ -189,7 +189,7 @@ class _Batch:
         return ways / np.maximum(lengths, _TINY)[self.piece], lengths
 
     def curve(self, places: NDArray[np.float64], controls: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points of the curves at places, (n, 2)."""
+        """Points of the curves at the given parameters, (n, 2)."""
         return np.einsum("nc,ncd->nd", basis(places), controls[self.piece])
 
     def least_squares(
@@ -199,7 +199,7 @@ class _Batch:
         arriving: NDArray[np.float64],
         lengths: NDArray[np.float64],
     ) -> NDArray[np.float64]:
-        """Lengths of the two handles of every piece for which it is nearest to its points, as controls, (p, 4, 2)."""
+        """Fit the lengths of the two handles of every piece by least squares; return the controls, (p, 4, 2)."""
         weights = basis(places)
         first, last = self.points[self.firsts], self.points[self.lasts]
         near, far = weights[:, :2].sum(axis=1)[:, None], weights[:, 2:].sum(axis=1)[:, None]
@@ -214,13 +214,13 @@ class _Batch:
         sound = determinant > 1e-12 * aa * bb
         safe = np.where(sound, determinant, 1.0)
         sizes = np.stack([bb * x - ab * y, aa * y - ab * x], axis=1) / safe[:, None]
-        # Handles that point back, or that are longer than the way, make loops.
+        # Handles that point backward, or are longer than twice the piece, would make loops.
         sound &= (sizes > 1e-3 * lengths[:, None]).all(axis=1) & (sizes < 2.0 * lengths[:, None]).all(axis=1)
         sizes = np.where(sound[:, None], sizes, lengths[:, None] / 3.0)
         return np.stack([first, first + sizes[:, :1] * leaving, last + sizes[:, 1:] * arriving, last], axis=1)
 
     def corrected(self, places: NDArray[np.float64], controls: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Move every place one step of Newton's method nearer to its point."""
+        """Improve every parameter by one Newton step towards the closest point of the curve."""
         first = 3.0 * np.diff(controls, axis=1)
         second = 2.0 * np.diff(first, axis=1)
         t, s = places, 1.0 - places
@@ -232,5 +232,5 @@ class _Batch:
         step = np.where(certain, (away * slope).sum(axis=1) / np.where(certain, lower, 1.0), 0.0)
         moved = np.clip(places - step, 0.0, 1.0)
         moved[self.firsts], moved[self.lasts] = 0.0, 1.0
-        # Places never go back; those of the next piece are all larger.
+        # Keep parameters ascending; the offset keeps the pieces apart.
         return np.maximum.accumulate(moved + 2.0 * self.piece) - 2.0 * self.piece

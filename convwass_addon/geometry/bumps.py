@@ -9,20 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# How far a change reaches, in radii.
+# Extent of a bump, in radii.
 _REACH = 4.0
 
 
 @dataclass(frozen=True)
 class Bump:
-    """A change of a density around a cell.
+    """A local change of a density around a cell.
 
     Attributes
     ----------
     spans : tuple of slice
-        The box that it reaches.
+        The box that it affects.
     factor : (mx, my, mz)
-        By what to multiply the density there.
+        Factor of the density in the box.
     """
 
     spans: tuple[slice, ...]
@@ -30,7 +30,7 @@ class Bump:
 
     @classmethod
     def to(cls, density: NDArray[np.floating], place: tuple[int, ...], wanted: float, radius: float) -> Bump:
-        """Return the change, of so many cells' radius, after which a density has the value `wanted` at a cell."""
+        """Return the bump of this radius (in cells) that changes the density of a cell to `wanted`."""
         spans = around(density.shape, place, _REACH * radius)
         share = wanted / float(density[place]) - 1.0
         for axis, at in zip(np.ogrid[spans], place, strict=True):
@@ -38,11 +38,11 @@ class Bump:
         return cls(spans, (1.0 + share).astype(density.dtype))
 
     def apply(self, density: NDArray[np.floating]) -> None:
-        """Change a density in place."""
+        """Apply the bump to a density in place."""
         density[self.spans] *= self.factor
 
 
 def around(shape: tuple[int, ...], place: tuple[int, ...], reach: float) -> tuple[slice, ...]:
-    """Return the box of a grid's cells that are within reach of one along every axis."""
+    """Return the box of cells within `reach` of a cell along every axis, clipped to the grid."""
     cells = int(np.ceil(reach))
     return tuple(slice(max(at - cells, 0), min(at + cells + 1, n)) for at, n in zip(place, shape, strict=True))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points of a surface that are closest to others, exactly and many at once."""
+"""Exact nearest-point queries on a triangle surface, for many points at once."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from scipy.spatial import cKDTree
 
 from ..progress import UNINTERRUPTED, Control
 
-# Samples that a surface gets at least, so that large triangles have some all over, and per triangle.
+# Least number of samples of a surface, such that large triangles have many, and number of samples per triangle.
 _SAMPLES, _SAMPLES_PER_TRIANGLE = 20_000, 1
-# No triangle gets more than the square of this.
+# A triangle edge is cut into at most this many parts, which gives their square as samples.
 _MOST_CUTS = 250
-# Samples about a point whose triangles are looked at first.
+# Nearest samples of a point whose triangles are measured first.
 _NEIGHBORS = 4
-# Points that are looked up at once: what they need is some hundred bytes for every neighbor.
+# Points processed together; each needs a few hundred bytes per neighbor.
 _AT_ONCE = 20_000
 
 
 @dataclass(frozen=True)
 class ClosestPoints:
-    """Where on a surface the closest points lie.
+    """The closest points on a surface.
 
     Attributes
     ----------
     triangles : (n,) int64
-        The triangle of each; where several are equally close, any of them.
+        The triangle of each point; if several are equally close, any of them.
     shares : (n, 3) float64
-        Barycentric coordinates in it: not negative, of sum 1.
+        Barycentric coordinates in the triangle: nonnegative, of sum 1.
     distances : (n,) float64
-        How far away they are.
+        Distances to the closest points.
     """
 
     triangles: NDArray[np.int64]
@@ -43,27 +43,27 @@ class ClosestPoints:
     distances: NDArray[np.float64]
 
     def interpolated(self, corners: NDArray) -> NDArray[np.float64]:
-        """Interpolate values of all corners, (m, 3, d), at the points, (n, d)."""
+        """Interpolate values given at all corners, (m, 3, d), at the points, (n, d)."""
         return np.einsum("nc,ncd->nd", self.shares, corners[self.triangles])
 
     def replaced(self, chosen: NDArray[np.int64], other: ClosestPoints) -> ClosestPoints:
-        """Return these points with some of them, by their numbers, replaced by others of the same surface."""
+        """Return these points with those at the indices `chosen` replaced by others on the same surface."""
         found = ClosestPoints(*(values.copy() for values in vars(self).values()))
         for name, values in vars(found).items():
             values[chosen] = vars(other)[name]
         return found
 
     def followed_by(self, other: ClosestPoints) -> ClosestPoints:
-        """Return these points and then others of the same surface."""
+        """Concatenate these points and others on the same surface."""
         return ClosestPoints(*(np.concatenate([own, vars(other)[name]]) for name, own in vars(self).items()))
 
 
 class ClosestPointFinder:
     """Finds closest points on one surface.
 
-    Every triangle is sampled so that none of its points is farther than a radius r from one of its samples. A triangle
-    whose samples are all farther than d + r is farther than d; so those with a sample within d + r of a point, d being
-    the distance to any triangle, are all that need to be measured.
+    Every triangle is sampled so that each of its points is within a radius r of one of its samples. If d is the
+    distance of a query to any triangle, a triangle can only be closer if it has a sample within d + r. Only those
+    triangles are measured.
 
     Parameters
     ----------
@@ -86,35 +86,35 @@ class ClosestPointFinder:
         self._tree = cKDTree(samples, leafsize=32)
 
     def find(self, points: ArrayLike, control: Control = UNINTERRUPTED) -> ClosestPoints:
-        """Find the point of the surface that is closest to each of `points`, (n, 3) finite numbers.
+        """Find the closest point of the surface for each of `points`, (n, 3), which must be finite.
 
-        Cancelling `control` ends the search.
+        Cancelling `control` stops the search.
         """
-        wanted, found = _begun(points)
+        wanted, found = _prepared(points)
         for some in _chunks(len(wanted)):
             control.check()
-            reached = self._look_about(wanted[some], some.start, found)
-            self._look_further(wanted[some], some.start, found, reached)
+            reached = self._measure_nearest(wanted[some], some.start, found)
+            self._measure_remaining(wanted[some], some.start, found, reached)
         return found
 
     def find_about(self, points: ArrayLike, control: Control = UNINTERRUPTED) -> ClosestPoints:
-        """Find the closest points of the triangles whose samples are nearest, (n, 3): a fifth of the work.
+        """Find the closest points on the triangles of the nearest samples, (n, 3), in a fifth of the time.
 
-        They are farther away than the closest of all by r at the most, and hardly ever farther at all.
+        Their distances exceed the true ones by at most r, and hardly ever at all.
         """
-        wanted, found = _begun(points)
+        wanted, found = _prepared(points)
         for some in _chunks(len(wanted)):
             control.check()
-            self._look_about(wanted[some], some.start, found)
+            self._measure_nearest(wanted[some], some.start, found)
         return found
 
-    def _look_about(self, points: NDArray[np.float64], start: int, found: ClosestPoints) -> NDArray[np.float64]:
-        """Measure the triangles of the nearest samples; return how far away the others are at least, (n,)."""
+    def _measure_nearest(self, points: NDArray[np.float64], start: int, found: ClosestPoints) -> NDArray[np.float64]:
+        """Measure the triangles of the nearest samples; return a lower bound on the distances of the others, (n,)."""
         count = min(_NEIGHBORS, len(self._owners))
         distances, samples = self._tree.query(points, count)
         distances, owners = distances.reshape(-1, count), self._owners[samples.reshape(-1, count)]
         first = closest_in_triangles(self._corners[owners[:, 0]], points)
-        # Of neighboring samples many are of the same triangle, and some too far away.
+        # Skip repeated triangles, and those that are too far away.
         promising = distances - self._radius < first.distances[:, None]
         promising[:, 0] = False
         for column in range(1, count):
@@ -124,10 +124,10 @@ class ClosestPointFinder:
         self._measure(points, queries, owners[queries, columns], start, found)
         return distances[:, -1] - self._radius if count < len(self._owners) else np.full(len(points), np.inf)
 
-    def _look_further(
+    def _measure_remaining(
         self, points: NDArray[np.float64], start: int, found: ClosestPoints, reached: NDArray[np.float64]
     ) -> None:
-        """Measure all other triangles that may be closer, for points that have such."""
+        """Measure all other triangles that may be closer, for the points that have any."""
         best = found.distances[start : start + len(points)]
         unsure = np.flatnonzero(reached < best)
         if not len(unsure):
@@ -135,7 +135,7 @@ class ClosestPointFinder:
         balls = self._tree.query_ball_point(points[unsure], best[unsure] + self._radius)
         queries = np.repeat(unsure, [len(ball) for ball in balls])
         owners = self._owners[np.fromiter(chain.from_iterable(balls), np.int64, len(queries))]
-        # Pairs as single numbers, which are sorted much faster.
+        # Encode pairs as single numbers, which sort much faster.
         pairs = np.unique(queries * len(self._corners) + owners)
         for some in _chunks(len(pairs), _AT_ONCE * _NEIGHBORS):
             self._measure(points, *np.divmod(pairs[some], len(self._corners)), start, found)
@@ -148,7 +148,7 @@ class ClosestPointFinder:
         start: int,
         found: ClosestPoints,
     ) -> None:
-        """Measure pairs of a point and a triangle, and keep the best of each point if it is better than what it has."""
+        """Measure pairs of points and triangles, and keep the best pair of each point if it improves the result."""
         if not len(queries):
             return
         own = closest_in_triangles(self._corners[triangles], points[queries])
@@ -172,22 +172,22 @@ class ClosestPointFinder:
 
 @dataclass(frozen=True)
 class InTriangle:
-    """Closest points of one triangle each.
+    """Closest points, each in one given triangle.
 
     Attributes
     ----------
     shares : (n, 3) float64
-        Barycentric coordinates: not negative, of sum 1.
+        Barycentric coordinates: nonnegative, of sum 1.
     distances : (n,) float64
-        How far away they are.
+        Distances to the closest points.
     """
 
     shares: NDArray[np.float64]
     distances: NDArray[np.float64]
 
 
-def _begun(points: ArrayLike) -> tuple[NDArray[np.float64], ClosestPoints]:
-    """Return points as an array and answers to be filled in."""
+def _prepared(points: ArrayLike) -> tuple[NDArray[np.float64], ClosestPoints]:
+    """Return the points as an array, and a result to be filled in."""
     wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     count = len(wanted)
     return wanted, ClosestPoints(np.zeros(count, np.int64), np.zeros((count, 3)), np.full(count, np.inf))
@@ -198,9 +198,9 @@ def _chunks(count: int, size: int = _AT_ONCE) -> Iterator[slice]:
 
 
 def _samples(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64], float]:
-    """Sample triangles: points (s, 3), the triangle of each (s,), and the radius in which every point has a sample.
+    """Sample triangles: points (s, 3), their triangles (s,), and the radius within which every point has a sample.
 
-    A triangle is cut into n^2 similar ones, n along each edge, and sampled at their centers.
+    A triangle is divided into n^2 similar ones, n along each edge, and sampled at their centers.
     """
     centers = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
@@ -219,7 +219,7 @@ def _samples(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
 
 
 def _cut_centers(count: int) -> NDArray[np.float64]:
-    """Barycentric coordinates of the centers of the count^2 triangles that a triangle is cut into, (count^2, 3)."""
+    """Barycentric coordinates of the centers of the count^2 parts of a triangle, (count^2, 3)."""
     i, j = (axis.ravel() for axis in np.meshgrid(np.arange(count), np.arange(count), indexing="ij"))
     upright = i + j < count
     turned = i + j < count - 1
@@ -229,9 +229,9 @@ def _cut_centers(count: int) -> NDArray[np.float64]:
 
 
 def closest_in_triangles(corners: NDArray[np.float64], points: NDArray[np.float64]) -> InTriangle:
-    """Closest points of one triangle each, (n, 3, 3), to points (n, 3).
+    """Closest point of each triangle, (n, 3, 3), to its query point, (n, 3).
 
-    That is the foot of the perpendicular where it lies inside, or else the closest point of the three edges.
+    This is the foot of the perpendicular if it lies inside, otherwise the closest point on the three edges.
     """
     a, b, c = np.moveaxis(corners, 1, 0)
     best = np.full(len(points), np.inf)

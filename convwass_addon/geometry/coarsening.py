@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Coarser meshes by clusters of vertices that grow along the surface, never through the air.
+"""Coarser meshes from clusters of vertices that grow along the surface, never through space.
 
 Every cluster becomes a vertex, and every triangle whose corners lie in three clusters becomes a triangle between them:
 the dual of the Voronoi diagram of the clusters' seeds, with distances along edges. It has the topology of the fine mesh
-where every cluster is a disc and every two neighbors meet along one line (the closed ball property; H. Edelsbrunner and
-N. Shah, "Triangulating topological spaces", International Journal of Computational Geometry and Applications 7, 1997).
-Where that fails, as on thin legs, clusters are made smaller.
+if every cluster is a disc and every two adjacent clusters meet along one line (the closed ball property; H.
+Edelsbrunner and N. Shah, "Triangulating topological spaces", International Journal of Computational Geometry and
+Applications 7, 1997). Where this fails, as on thin legs, clusters are divided.
 """
 
 from __future__ import annotations
@@ -25,35 +25,35 @@ from .closest_points import closest_in_triangles
 from .edges import distinct_corners, vertex_components
 from .mesh import TriangleMesh
 
-# Rounds in which seeds move to the middle of their clusters.
+# Rounds of Lloyd's algorithm, in which seeds move to the centers of their clusters.
 _LLOYD_ROUNDS = 3
-# Rounds in which clusters that are no discs, or do not meet as they should, are divided.
+# Largest number of rounds in which clusters that violate the closed ball property are divided.
 _DIVIDING_ROUNDS = 16
-# Seeds that every connected component gets at least, if it has so many vertices.
+# Least number of seeds of a connected component, if it has that many vertices.
 _FEWEST_SEEDS = 24
-# A coarser mesh with more than this share of the vertices is none.
+# A coarser mesh with more than this fraction of the vertices is rejected.
 _LARGEST_SHARE = 0.5
-# Pairs of a vertex and a triangle that are measured at once.
+# Pairs of a vertex and a triangle processed together.
 _PAIRS_AT_ONCE = 1 << 18
-# Cells along an axis of the space-filling curve, as a power of two.
+# Bits per axis of the cells of the space-filling curve.
 _CURVE_BITS = 16
 
 
 @dataclass(frozen=True)
 class Coarsening:
-    """A coarser mesh and how it belongs to the finer one.
+    """A coarser mesh and its relation to the finer one.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        The coarser mesh; all its vertices are used, and they are vertices of the finer one.
+        The coarser mesh. It uses all of its vertices, which are vertices of the finer mesh.
     seeds : (c,) int64
-        The vertex of the finer mesh that each of its vertices is.
+        Index in the finer mesh of every coarser vertex.
     clusters : (n,) int64
-        The vertex of the coarser mesh that every vertex of the finer one belongs to; -1 where no triangle uses it.
+        Index of the coarser vertex that every finer vertex belongs to; -1 for vertices without triangles.
     prolongation : (n, c) csr_array
-        Takes values at the coarser vertices to the finer ones, linearly, each from the closest point of the coarser
-        triangles around its own cluster's seed. Not negative; rows sum to one, or to zero for unused vertices.
+        Interpolates values linearly from coarser vertices to finer ones, each at its closest point on the coarser
+        triangles around its cluster's seed. Nonnegative; rows sum to one, or to zero for unused vertices.
     """
 
     mesh: TriangleMesh
@@ -63,7 +63,7 @@ class Coarsening:
 
     def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the sums over every cluster, (k, c), of values at the finer vertices, (k, n)."""
-        # Unused vertices go to a cluster of their own, which is dropped.
+        # Unused vertices are put into an extra cluster, which is dropped.
         count = len(self.seeds)
         labels = np.where(self.clusters < 0, count, self.clusters)
         return np.stack([np.bincount(labels, column, count + 1)[:count] for column in values])
@@ -76,26 +76,26 @@ def coarsened(
     kept: NDArray[np.int64] | None = None,
     control: Control = UNINTERRUPTED,
 ) -> Coarsening | None:
-    """Return a mesh of about `count` vertices that follows the surface of `mesh`; None where there is none.
+    """Return a mesh of about `count` vertices that follows the surface of `mesh`, or None if there is no useful one.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Of any topology, open or closed, in any number of pieces.
+        Of any topology, open or closed, with any number of connected components.
     areas : (n,) float64
-        Area of every vertex; coarse vertices are spread evenly over it.
+        Area of every vertex; coarse vertices are distributed evenly by area.
     count : int
-        Wanted number of vertices. There may be more: every piece keeps enough of them to stay a surface of its
-        topology, and thin parts need small triangles.
+        Desired number of vertices. There may be more: every component keeps enough of them to preserve its topology,
+        and thin parts need small triangles.
     kept : (k,) int64, optional
-        Vertices that are to be among the coarser mesh's; those that no triangle uses are not.
+        Vertices that the coarser mesh must contain; vertices without triangles are ignored.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Returns
     -------
     Coarsening or None
-        None where even the coarser mesh would have more than half of the vertices, or would fall apart.
+        None if the coarser mesh would keep more than half of the vertices or change the connected components.
     """
     fine = _Fine.of(mesh, areas, control)
     if fine is None:
@@ -145,7 +145,7 @@ class _Clusters:
     labels : (n,) int64
         The cluster of every vertex.
     distances : (n,) float64
-        To the cluster's seed, along edges.
+        Distance along edges to the cluster's seed.
     """
 
     seeds: NDArray[np.int64]
@@ -153,33 +153,33 @@ class _Clusters:
     distances: NDArray[np.float64]
 
     def farthest(self, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the vertex farthest from its seed in each chosen cluster that has more than the seed."""
+        """Return the vertex farthest from its seed in each chosen cluster that has more than its seed."""
         most = np.zeros(len(self.seeds))
         np.maximum.at(most, self.labels, self.distances)
         last = np.flatnonzero(self.distances == most[self.labels])
         farthest = np.empty(len(self.seeds), np.int64)
-        # Of equally far ones the last stays.
+        # Among equally distant vertices, the last one wins.
         farthest[self.labels[last]] = last
         return np.setdiff1d(farthest[chosen], self.seeds)
 
 
 @dataclass(frozen=True)
 class _Fine:
-    """The part of a mesh that triangles with three different corners use, every triangle once.
+    """The part of a mesh that non-degenerate triangles use, without duplicate triangles.
 
     Attributes
     ----------
     used : (n,) int64
-        Index of every vertex in the mesh.
+        Index in the mesh of every vertex.
     points : (n, 3) float64
     areas : (n,) float64
     faces : (m, 3) int64
     edges : (e, 2) int64
-        Every edge once.
+        Undirected edges.
     graph : (n, n) csr_array
-        Lengths of the edges, in one direction.
+        Lengths of the edges, stored in one direction.
     pieces : (n,) int64
-        The connected piece of every vertex.
+        The connected component of every vertex.
     """
 
     used: NDArray[np.int64]
@@ -192,30 +192,30 @@ class _Fine:
 
     @classmethod
     def of(cls, mesh: TriangleMesh, areas: NDArray[np.float64], control: Control) -> _Fine | None:
-        """Strip a mesh; None where nothing is left."""
+        """Extract this part of a mesh; None if it is empty."""
         proper = mesh.faces[distinct_corners(mesh.faces)]
         is_used = np.zeros(len(mesh.vertices), bool)
         is_used[proper] = True
         used = np.flatnonzero(is_used)
         if not len(used):
             return None
-        faces = _without_doubles((np.cumsum(is_used) - 1)[proper], len(used))
+        faces = _without_duplicates((np.cumsum(is_used) - 1)[proper], len(used))
         points = mesh.vertices[used]
         control.check()
         ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-        # Sorted by hand: NumPy's unique takes several times as long for millions of numbers.
+        # Sorting directly: NumPy's unique takes several times as long for millions of numbers.
         keys = np.sort(ends[:, 0] * len(used) + ends[:, 1])
         edges = np.stack(np.divmod(keys[np.diff(keys, prepend=-1) > 0], len(used)), axis=1)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
         control.check()
-        # An edge without length is still an edge.
+        # An edge of length zero must remain an edge of the sparse graph.
         lengths = np.maximum(lengths, np.finfo(float).tiny)
         graph = coo_array((lengths, edges.T), shape=(len(used), len(used))).tocsr()
         pieces = vertex_components(TriangleMesh(points, faces))
         return cls(used, points, areas[used], faces, edges, graph, pieces)
 
     def spread(self, count: int) -> NDArray[np.int64]:
-        """Choose about `count` seeds, evenly by area: at even steps along a curve that fills space, piece by piece."""
+        """Choose about `count` seeds, evenly by area along a space-filling curve, for each component separately."""
         order = np.lexsort((_along_curve(self.points), self.pieces))
         sizes = np.bincount(self.pieces)
         by_piece = np.bincount(self.pieces, self.areas)
@@ -232,7 +232,7 @@ class _Fine:
         return np.concatenate(seeds)
 
     def grown(self, seeds: NDArray[np.int64]) -> _Clusters:
-        """Give every vertex to the seed that is nearest along edges."""
+        """Assign every vertex to the seed that is nearest along edges."""
         distances, _, sources = dijkstra(
             self.graph, directed=False, indices=seeds, min_only=True, return_predecessors=True
         )
@@ -241,7 +241,7 @@ class _Fine:
         return _Clusters(seeds, index[sources], distances)
 
     def centered(self, clusters: _Clusters) -> NDArray[np.int64]:
-        """Return for every cluster its vertex that is closest to its center of mass."""
+        """Return for every cluster the vertex closest to its center of mass."""
         mass = np.bincount(clusters.labels, self.areas)
         centers = np.stack([np.bincount(clusters.labels, self.areas * x) / mass for x in self.points.T], axis=1)
         away = np.square(self.points - centers[clusters.labels]).sum(axis=1)
@@ -249,12 +249,12 @@ class _Fine:
         np.minimum.at(least, clusters.labels, away)
         closest = np.flatnonzero(away == least[clusters.labels])[::-1]
         found = np.empty(len(mass), np.int64)
-        # The first of equally close ones is written last, and stays.
+        # The order is reversed, so among equally close vertices the first one wins.
         found[clusters.labels[closest]] = closest
         return found
 
     def with_kept(self, clusters: _Clusters, kept: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return seeds with vertices of the mesh among them; one of each cluster takes the place of its seed."""
+        """Return the seeds with the vertices to keep; one of them replaces the seed of its cluster."""
         ours = np.flatnonzero(np.isin(self.used, kept))
         labels, first = np.unique(clusters.labels[ours], return_index=True)
         seeds = clusters.seeds.copy()
@@ -262,11 +262,11 @@ class _Fine:
         return np.union1d(seeds, ours)
 
     def dividing(self, clusters: _Clusters) -> NDArray[np.int64]:
-        """Return more seeds, for clusters that are no discs and for neighbors that do not meet along one line.
+        """Return more seeds, for clusters that are not discs and for adjacent clusters that do not meet in one line.
 
-        By Euler numbers: vertices - edges + triangles is one for a disc. Edges that cross from one cluster to another,
-        less the triangles that two of them bound, is one for a line between them; and at one end of it at least a third
-        cluster has to meet them, or they would have no triangle in common.
+        Both are tested by Euler characteristics. A disc has vertices - edges + triangles = 1. For a line between two
+        clusters, the edges that cross from one to the other minus the triangles that lie in these two clusters only is
+        1; and a third cluster must meet the line at one of its ends, or the two would have no triangle in common.
         """
         count = len(clusters.seeds)
         ends, corners = clusters.labels[self.edges], clusters.labels[self.faces]
@@ -287,15 +287,15 @@ class _Fine:
         return clusters.farthest(np.union1d(np.flatnonzero(euler != 1), bad_pairs.ravel()))
 
     def is_whole(self, coarse: TriangleMesh, seeds: NDArray[np.int64]) -> bool:
-        """Tell whether triangles hold all vertices of a coarser mesh together as they are held together here."""
+        """Return whether the coarser mesh uses all its vertices and has the same connected components."""
         if not len(coarse.faces):
             return False
         found = vertex_components(coarse)
         return bool(found.min() >= 0) and found.max() == self.pieces.max() == len(np.unique(self.pieces[seeds])) - 1
 
 
-def _without_doubles(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Keep of triangles with the same corners the first."""
+def _without_duplicates(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Keep the first of all triangles with the same corners."""
     low, middle, high = np.sort(faces, axis=1).T
     order = np.lexsort((high, low * count + middle))
     keys = np.stack([low, middle, high], axis=1)[order]
@@ -305,17 +305,17 @@ def _without_doubles(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
 
 
 def _pair_keys(pairs: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """One number for every pair of clusters, (k, 2), in either order."""
+    """Encode pairs of clusters, (k, 2), in either order, as single numbers."""
     return pairs.min(axis=1) * count + pairs.max(axis=1)
 
 
 def _counted(keys: NDArray[np.int64], found: NDArray[np.int64]) -> NDArray[np.int64]:
-    """How often each of sorted `keys` is among `found`, all of which are keys."""
+    """Count how often each of the sorted `keys` occurs in `found`, all of which are keys."""
     return np.bincount(np.searchsorted(keys, found), minlength=len(keys))
 
 
 def _along_curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Places of points along a Z-order curve (Morton 1966), (n,)."""
+    """Positions of points along a Z-order curve (Morton 1966), (n,)."""
     low, extent = points.min(axis=0), float(np.ptp(points, axis=0).max())
     cells = ((points - low) / extent * ((1 << _CURVE_BITS) - 1)).astype(np.int64) if extent > 0 else points * 0
     place = np.zeros(len(points), np.int64)
@@ -326,9 +326,9 @@ def _along_curve(points: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: TriangleMesh, control: Control) -> csr_array:
-    """Interpolate at the closest points of the triangles around every vertex's own seed."""
+    """Interpolation at the closest points on the triangles around every vertex's own seed."""
     vertices = np.flatnonzero(clusters >= 0)
-    # Triangles by the vertex that they lie around.
+    # Triangles grouped by vertex.
     around = np.argsort(coarse.faces.ravel(), kind="stable") // 3
     counts = np.bincount(coarse.faces.ravel(), minlength=len(coarse.vertices))
     starts = np.cumsum(counts) - counts
@@ -342,12 +342,12 @@ def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: Trian
         candidates = around[np.arange(number.sum()) + np.repeat(starts[own] - first, number)]
         points = np.repeat(mesh.vertices[vertices[some]], number, axis=0)
         found = closest_in_triangles(coarse.corners[candidates], points)
-        # The first of the closest ones of every vertex.
+        # The first of the closest triangles of every vertex.
         least = np.repeat(np.minimum.reduceat(found.distances, first), number)
         places = np.flatnonzero(found.distances == least)
         best = places[np.searchsorted(places, first)]
         columns[some], shares[some] = coarse.faces[candidates[best]], found.shares[best]
-    # Rounding leaves shares a little below zero.
+    # Rounding may leave shares slightly negative.
     np.maximum(shares, 0.0, out=shares)
     shares /= shares.sum(axis=1, keepdims=True)
     rows = np.repeat(vertices, 3)
@@ -358,7 +358,7 @@ def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: Trian
 
 
 def _chunks(numbers: NDArray[np.int64]) -> Iterator[slice]:
-    """Slices of `numbers` whose sums are about as many as are handled at once."""
+    """Split `numbers` into slices whose sums are about the number of pairs processed together."""
     blocks = np.cumsum(numbers) // _PAIRS_AT_ONCE
     bounds = [0, *(np.flatnonzero(np.diff(blocks)) + 1), len(numbers)]
     return (slice(start, end) for start, end in pairwise(bounds))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Links between components of a mesh that lie close to each other, such as eyes and a head, to move them as one."""
+"""Links between nearby connected components of a mesh, such as eyes and a head, to move them as one."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from .edges import vertex_components
 from .mesh import TriangleMesh
 from .poisson_deformation import Links
 
-# Components get at most so many links each.
+# Largest number of links per component.
 _LINKS = 8
-# Links are as long as the shortest one of their component, times this, at most.
+# Largest length of a link, as a multiple of the shortest one of its component.
 _LONGER = 1.5
-# The weight of a link without length, and the length at which it has fallen by e, in sizes of the surface (the square
-# root of its area).
+# Weight of a link of length zero, and the length at which the weight has fallen by a factor of e, relative to the size
+# of the surface (the square root of its area).
 _WEIGHT, _REACH = 0.5, 0.05
-# Lighter links are none.
+# Links with less weight are dropped.
 _LEAST_WEIGHT = 1e-3
-# Components of up to so many vertices are looked around in the tree of all vertices.
+# Up to this many vertices, a component queries the tree of all vertices.
 _SMALL = 64
 
 
 def component_links(mesh: TriangleMesh, control: Control) -> Links:
-    """Link every component with the closest vertices of other components, where those are near.
+    """Link every component to the closest vertices of other components, if those are near.
 
-    Vertices without triangles are components of their own.
+    Vertices without triangles count as components.
     """
     labels = vertex_components(mesh)
     loose = labels < 0
@@ -44,7 +44,7 @@ def component_links(mesh: TriangleMesh, control: Control) -> Links:
     for own, found in _closest_outside(mesh.vertices, labels, sizes, control):
         nearest = np.argsort(found[0], kind="stable")
         near = nearest[found[0][nearest] <= _LONGER * found[0][nearest[0]] + 1e-3 * size]
-        # Some of all lengths, for the shortest ones lie side by side.
+        # Choose links over the whole range of lengths, since the shortest ones are adjacent.
         chosen = near[np.unique(np.linspace(0, len(near) - 1, _LINKS).astype(np.int64))]
         ends.append(np.stack([own[chosen], found[1][chosen]], axis=1))
         lengths.append(found[0][chosen])
@@ -56,7 +56,7 @@ def component_links(mesh: TriangleMesh, control: Control) -> Links:
 def _closest_outside(
     points: NDArray[np.float64], labels: NDArray[np.int64], sizes: NDArray[np.int64], control: Control
 ) -> Iterator[tuple[NDArray[np.int64], tuple[NDArray[np.float64], NDArray[np.int64]]]]:
-    """Yield the vertices of every component but the largest, and the nearest of other components for each."""
+    """Yield the vertices of every component but the largest, and for each its nearest vertex in other components."""
     tree = cKDTree(points)
     members = np.split(np.argsort(labels, kind="stable"), np.cumsum(sizes)[:-1])
     largest = int(sizes.argmax())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a solid hangs together, counted on its closed surface."""
+"""Betti numbers of a solid, computed from its closed surface."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .mesh import TriangleMesh
 
 @dataclass(frozen=True, order=True)
 class Connectivity:
-    """How a solid hangs together.
+    """The topology of a solid.
 
     Attributes
     ----------
     pieces, handles, bubbles : int
-        Parts apart from each other, holes through them, and hollows inside them.
+        Numbers of connected components, of holes through them, and of hollows inside them.
     """
 
     pieces: int
@@ -31,37 +31,37 @@ class Connectivity:
 
     @classmethod
     def of(cls, surface: LevelSurface) -> Connectivity:
-        """Count what a closed surface has; every vertex belongs to triangles, every edge to two of them."""
+        """Count from a closed manifold surface: every vertex is used, every edge has two triangles."""
         mesh = surface.mesh
         volumes = np.bincount(_face_pieces(mesh), weights=mesh.face_volumes)
-        # Edges are three halves of the triangles.
+        # A closed surface has three edges for every two triangles.
         euler = len(mesh.vertices) - len(mesh.faces) // 2
         bubbles = int((volumes < 0).sum())
         return cls(len(volumes) - bubbles, len(volumes) - euler // 2, bubbles)
 
     def or_more(self, other: Connectivity) -> Connectivity:
-        """Return the larger number of each kind."""
+        """Return the larger of each pair of numbers."""
         return Connectivity(
             max(self.pieces, other.pieces), max(self.handles, other.handles), max(self.bubbles, other.bubbles)
         )
 
     def or_less(self, other: Connectivity) -> Connectivity:
-        """Return the smaller number of each kind."""
+        """Return the smaller of each pair of numbers."""
         return Connectivity(
             min(self.pieces, other.pieces), min(self.handles, other.handles), min(self.bubbles, other.bubbles)
         )
 
     def beyond(self, most: Connectivity) -> Connectivity:
-        """Return by how much each number is larger than another."""
+        """Return by how much each number exceeds that of another."""
         return Connectivity(
             max(self.pieces - most.pieces, 0), max(self.handles - most.handles, 0), max(self.bubbles - most.bubbles, 0)
         )
 
 
 def _face_pieces(mesh: TriangleMesh) -> NDArray[np.int32]:
-    """Label the triangles by the surface they belong to, (m,)."""
+    """Label the triangles by connected component, (m,)."""
     faces, corners = len(mesh.faces), len(mesh.vertices)
-    # A graph of triangles and vertices is in the order of its rows as it stands.
+    # The bipartite graph of triangles and vertices is already in CSR order.
     ends = np.concatenate([np.arange(0, 3 * faces + 1, 3), np.full(corners, 3 * faces)]).astype(np.int32)
     named = (mesh.faces.ravel() + faces).astype(np.int32)
     graph = csr_array((np.ones(len(named), np.int8), named, ends), shape=(faces + corners,) * 2)

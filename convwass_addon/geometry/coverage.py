@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which part of every cell of a plane grid is filled: exact areas, without samples."""
+"""Exact coverage of the cells of a 2D grid by a filled boundary, without sampling."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from .planar_fill import Boundary
 
 
 def coverage(boundary: Boundary, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Area of every cell that is filled.
+    """Covered area of every cell.
 
-    Edges are cut at the lines of the grid. A piece then lies in one cell, where it adds the area to the right of it,
-    and it adds its height to all cells to the right (the accumulation of FreeType's smooth rasterizer, in floats).
+    Edges are cut at grid lines. A piece then lies in one cell, to which it adds the area on its right, and it adds its
+    height to all cells further right (the accumulation of FreeType's smooth rasterizer, in floating point).
 
     Parameters
     ----------
     boundary : Boundary
-        In cells; what lies outside of the grid is left out.
+        In cells; parts outside the grid are ignored.
     shape : (int, int)
         Cells per axis.
 
     Returns
     -------
     (nx, ny) float64
-        In [0, 1]; their sum is the area within the grid.
+        In [0, 1]; the sum is the area within the grid.
     """
-    # A column before the grid takes what lies left of it; rows outside of the grid are dropped.
+    # An extra column collects what lies left of the grid; rows outside the grid are dropped.
     table = np.zeros((shape[0] + 2, shape[1]))
     starts, ends = _cut_at_lines(boundary)
     if not len(starts):
@@ -38,19 +38,19 @@ def coverage(boundary: Boundary, shape: tuple[int, int]) -> NDArray[np.float64]:
     column = np.floor(middle[:, 0]).astype(np.int64)
     inside = (row >= 0) & (row < shape[1]) & (column < shape[0])
     row, column = row[inside], column[inside]
-    # What is filled is right of an edge that runs down.
+    # The filled side is to the right of an edge that runs down.
     height = (starts[:, 1] - ends[:, 1])[inside]
     beyond = np.where(column < 0, 1.0, 1.0 - (middle[inside, 0] - column))
     column = np.maximum(column, -1) + 1
     np.add.at(table, (column, row), height * beyond)
     np.add.at(table, (column + 1, row), height * (1.0 - beyond))
-    # A piece before the grid fills all of its row.
+    # A piece left of the grid covers its whole row.
     np.cumsum(table, axis=0, out=table)
     return np.clip(table[1:-1], 0.0, 1.0)
 
 
 def _cut_at_lines(boundary: Boundary) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Cut edges where a coordinate is a whole number; return the starts and ends of the pieces."""
+    """Cut edges at integer coordinates; return the starts and ends of the pieces."""
     starts, ends = boundary.starts, boundary.ends
     numbers = np.arange(len(starts))
     owners, shares = [numbers, numbers], [np.zeros(len(starts)), np.ones(len(starts))]
@@ -66,7 +66,7 @@ def _cut_at_lines(boundary: Boundary) -> tuple[NDArray[np.float64], NDArray[np.f
     order = np.lexsort((share, owner))
     owner, share = owner[order], share[order]
     points = starts[owner] + share[:, None] * (ends[owner] - starts[owner])
-    # The ends themselves, not what rounding makes of them.
+    # Use the exact ends, without rounding.
     points[share == 1.0] = ends[owner[share == 1.0]]
     same = owner[:-1] == owner[1:]
     return points[:-1][same], points[1:][same]

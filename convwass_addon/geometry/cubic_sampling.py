@@ -3,7 +3,7 @@
 """Values and gradients of a field between its samples, by cubic convolution.
 
 Keys, "Cubic convolution interpolation for digital image processing", IEEE Transactions on Acoustics, Speech, and Signal
-Processing 29 (1981): the samples are met, polynomials of second degree are exact, and gradients are continuous.
+Processing 29 (1981): interpolates the samples, is exact for quadratic polynomials, and has continuous gradients.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Points at once: their 64 samples stay in the cache.
+# Points processed together: their 64 samples fit into the cache.
 _AT_ONCE = 2048
 
 
 @dataclass(frozen=True)
 class CubicSamples:
-    """A field at some points.
+    """Values and gradients of a field at some points.
 
     Attributes
     ----------
     values : (n,) float32
     gradients : (n, 3) float32
-        Per distance between samples.
+        Per unit of sample spacing.
     """
 
     values: NDArray[np.float32]
@@ -38,9 +38,9 @@ def cubic_samples(field: NDArray[np.float32], points: NDArray[np.floating]) -> C
     Parameters
     ----------
     field : (nx, ny, nz) float32
-        At least four samples along each axis, the first at coordinate zero, one apart; C-contiguous.
+        At least four samples along each axis, the first at coordinate zero, with spacing one; C-contiguous.
     points : (n, 3)
-        From the second sample to the last but one along each axis; what is outside is extrapolated.
+        Between the second and the second to last sample along each axis; values outside are extrapolated.
     """
     strides = np.array([field.shape[1] * field.shape[2], field.shape[2], 1])
     offsets = np.add.outer(np.add.outer(np.arange(4) * strides[0], np.arange(4) * strides[1]), np.arange(4)).ravel()
@@ -62,7 +62,7 @@ def cubic_samples(field: NDArray[np.float32], points: NDArray[np.floating]) -> C
 
 
 def _weights(share: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return what the four samples about a place count, by its distance, (n,), from the second: weights and slopes."""
+    """Weights of the four samples around a point at distance `share`, (n,), from the second, and their derivatives."""
     weights = np.stack(
         [
             share * (share * (1.0 - 0.5 * share) - 0.5),

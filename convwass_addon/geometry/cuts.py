@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which of many cuts leave the pieces of a set of cells whole, told from one labelling of what is left by all."""
+"""Decide which of many cuts preserve the topology of a set of cells, from one labelling of what remains after all."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .labelling import Pieces
 
 @dataclass(frozen=True)
 class _Plug:
-    """Cells that hang together and that a cut takes out.
+    """A connected component of the cells that a cut removes.
 
     Attributes
     ----------
     cells, regions : set of int
-        Which, and what they hold together.
+        The cells, and the labels of the regions that they connect.
     is_open : bool
-        Whether what is left in their place joins the rest of what does not belong to the set.
+        Whether the cells touch the outside of the set, so that removing them makes no hollow.
     """
 
     cells: set[int]
@@ -32,14 +32,14 @@ class _Plug:
 
 
 class Cuts:
-    """Cuts that may be taken one after the other.
+    """Cuts that can be applied one after the other.
 
     Parameters
     ----------
     inside : (nx, ny, nz) bool
-        The set. No cut may take cells at the grid's walls.
+        The set. No cut may remove cells at the boundary of the grid.
     removed : mapping of int to (m, 3) int64
-        The cells that each cut takes out, all of them inside.
+        The cells that each cut removes, all of them inside the set.
     """
 
     def __init__(self, inside: NDArray[np.bool_], removed: Mapping[int, NDArray[np.int64]]) -> None:
@@ -54,17 +54,17 @@ class Cuts:
             self._plugs[cut] = _plugs(taken, regions, inside)
 
     def take(self, cut: int) -> bool:
-        """Take a cut unless it parts what nothing else is known to hold together, or makes a hollow; tell if it was."""
+        """Apply a cut unless it would disconnect regions or make a hollow; return whether it was applied."""
         if cut not in self._plugs:
             return False
         own = self._plugs[cut]
         gone = set().union(*(plug.cells for plug in own))
-        # What shares cells with the cut holds nothing together any more.
+        # Plugs that share cells with the cut no longer connect anything.
         others = {
             key: [plug for plug in plugs if not plug.cells & gone] for key, plugs in self._plugs.items() if key != cut
         }
         links = [plug.regions for plugs in others.values() for plug in plugs]
-        if not all(plug.is_open and _hang_together(plug.regions, links) for plug in own):
+        if not all(plug.is_open and _are_connected(plug.regions, links) for plug in own):
             return False
         self._plugs = others
         return True
@@ -76,7 +76,7 @@ def _plugs(taken: NDArray[np.int64], regions: Pieces, inside: NDArray[np.bool_])
     window[tuple((taken - low).T)] = True
     names = label(window)[0][tuple((taken - low).T)]
     places = np.ravel_multi_index(tuple(taken.T), regions.shape)
-    # The surface between cells may also join what touches along an edge.
+    # Include edge neighbors, since the surface between cells may connect these as well.
     steps = np.ravel_multi_index(np.indices((3, 3, 3)).reshape(3, -1), regions.shape)
     steps -= steps[13]
     faces = steps[[4, 10, 12, 14, 16, 22]]
@@ -89,8 +89,8 @@ def _plugs(taken: NDArray[np.int64], regions: Pieces, inside: NDArray[np.bool_])
     return plugs
 
 
-def _hang_together(regions: set[int], links: list[set[int]]) -> bool:
-    """Tell whether regions are joined by links, each of which joins some."""
+def _are_connected(regions: set[int], links: list[set[int]]) -> bool:
+    """Return whether regions are connected by links, each of which connects several regions."""
     if not regions:
         return True
     reached = {next(iter(regions))}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacements of a solid made free of divergence: it keeps its volume, and its surface moves freely."""
+"""Remove the divergence of a solid's displacements, so that its volume is preserved; its surface moves freely."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ _AXES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
 
 def divergence_free(solid: SolidCells, displacements: NDArray[np.float64], control: Control) -> NDArray[np.float64]:
-    """Take the divergence away from displacements of the cells of a solid.
+    """Remove the divergence of displacements of the cells of a solid.
 
-    The gradient of a pressure is subtracted (Helmholtz's decomposition); outside the solid the pressure is zero, so
-    its surface is free. Derivatives are central differences, one-sided where a neighbor is missing.
+    Subtracts the gradient of a pressure (Helmholtz decomposition). The pressure is zero outside the solid, which makes
+    its surface free. Derivatives are central differences, one-sided where a neighbor is missing.
 
     Parameters
     ----------
     solid : SolidCells
-        Where the displacements are.
+        The cells that are displaced.
     displacements : (n, 3) float64
         In cells.
     control : Control
@@ -34,7 +34,7 @@ def divergence_free(solid: SolidCells, displacements: NDArray[np.float64], contr
     Returns
     -------
     (n, 3) float64
-        In cells; displacements without divergence come back as they are.
+        In cells; divergence-free displacements are returned unchanged.
     """
     count = len(solid)
     divergence = np.zeros(count)
@@ -59,7 +59,7 @@ def divergence_free(solid: SolidCells, displacements: NDArray[np.float64], contr
 def _pressure(
     links: list[tuple[NDArray[np.int64], NDArray[np.int64]]], divergence: NDArray[np.float64], control: Control
 ) -> NDArray[np.float64]:
-    """Solve the Poisson equation with seven cells around and zero outside."""
+    """Solve the Poisson equation with the seven-point stencil, and zero outside."""
     count = len(divergence)
     low = np.concatenate([pair[0] for pair in links])
     high = np.concatenate([pair[1] for pair in links])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy by which edges of a mesh want to be what each triangle makes of them, with positive weights."""
+"""As-rigid-as-possible energy per triangle, with positive cotangent weights."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from scipy.sparse import coo_array, csc_array, diags_array
 
 from .mesh import TriangleMesh
 
-# Half cotangents are kept between these: where none is negative, solutions keep to bounds that are given.
+# Limits of half cotangents. Without negative weights, solutions satisfy a maximum principle.
 _LEAST_WEIGHT, _MOST_WEIGHT = 0.02, 20.0
 
 
 @dataclass(frozen=True)
 class EdgeEnergy:
-    """Sum over triangles t and their edges ij of w_tij |(x_i - x_j) - G_t (v_i - v_j)|^2, v being the vertices.
+    """Sum over triangles t and their edges ij of w_tij |(x_i - x_j) - G_t (v_i - v_j)|^2, with v the vertices.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        With the vertices v.
+        The mesh with the vertices v.
     weights : (m, 3) float64
-        Of every triangle's edges, opposite of its corners: half the cotangents there, within bounds.
+        Weights of every triangle's edges, each opposite a corner: half the corner's cotangent, within limits.
     """
 
     mesh: TriangleMesh
@@ -34,7 +34,7 @@ class EdgeEnergy:
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> EdgeEnergy:
-        """Take the weights from the angles."""
+        """Compute the weights from the angles."""
         halves = np.empty((len(mesh.faces), 3))
         for place in range(3):
             apex, one, other = (mesh.corners[:, (place + step) % 3] for step in range(3))
@@ -45,7 +45,7 @@ class EdgeEnergy:
 
     @cached_property
     def stiffness(self) -> csc_array:
-        """The matrix L, (n, n), of the energy: its least is where L x = `pulls`. Empty for vertices without edges."""
+        """The matrix L, (n, n), of the energy, which is minimal where L x = `pulls`; zero for isolated vertices."""
         faces, count = self.mesh.faces, len(self.mesh.vertices)
         ends = [(faces[:, (place + 1) % 3], faces[:, (place + 2) % 3]) for place in range(3)]
         rows, columns = (np.concatenate(part) for part in zip(*ends, strict=True))
@@ -55,7 +55,7 @@ class EdgeEnergy:
         return csc_array(diags_array(np.asarray(both.sum(axis=0)).ravel()) - both)
 
     def pulls(self, gradients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return what the edges want to be, summed over those of every vertex, (n, 3), for matrices G, (m, 3, 3)."""
+        """Return the right-hand side for deformation gradients G, (m, 3, 3): G times the edges, summed per vertex."""
         faces, count = self.mesh.faces, len(self.mesh.vertices)
         pulls = np.zeros((3, count))
         for place in range(3):

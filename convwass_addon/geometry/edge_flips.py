@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edges flipped where that opens narrow angles and leaves the surface where it is."""
+"""Flip edges to open narrow angles where this does not move the surface."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from .edges import edge_use
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 
-# Triangles with a smaller angle than this cosine tells (25 degrees) are worth a flip, and a flip must bring so much.
+# Flip only triangles with an angle below 25 degrees (a cosine above this), and only for at least this gain.
 _NARROW, _GAIN = float(np.cos(np.radians(25.0))), 1e-3
-# Triangles that are made may turn away from those that they replace by this cosine.
+# Lower limit of the cosine between the normals of new triangles and of those that they replace.
 _TURNED = 0.5
 _ROUNDS = 3
 
 
 def with_flipped_edges(mesh: TriangleMesh, most: float) -> TriangleMesh:
-    """Flip edges of narrow triangles where the smallest angle of the two triangles becomes larger.
+    """Flip edges of narrow triangles where this increases the smallest angle of the two triangles.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Edges of one triangle, or of more than two, stay.
+        Boundary and non-manifold edges are not flipped.
     most : float
-        How far the surface may move where an edge is flipped, in the unit of the mesh: creases stay.
+        Largest distance that a flip may move the surface, in the unit of the mesh; this preserves creases.
 
     Returns
     -------
     TriangleMesh
-        The same vertices, and as many triangles; those that are not changed stay where they are.
+        The same vertices and the same number of triangles; unchanged triangles keep their indices.
     """
     faces = mesh.faces
     for _ in range(_ROUNDS):
@@ -47,7 +47,7 @@ def with_flipped_edges(mesh: TriangleMesh, most: float) -> TriangleMesh:
 
 @dataclass(frozen=True)
 class _Flips:
-    """Pairs of triangles, no triangle in two of them, and what replaces them."""
+    """Pairs of triangles to replace, without repeated triangles, and their replacements."""
 
     first: NDArray[np.int64]
     second: NDArray[np.int64]
@@ -56,7 +56,7 @@ class _Flips:
 
     @classmethod
     def of(cls, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> _Flips:
-        """Choose flips that do no harm, the best of every triangle."""
+        """Choose valid flips, at most one per triangle: the best."""
         cosines = _largest_cosines(vertices[faces])
         use = edge_use(faces)
         start = use.start[use.count == 2]
@@ -64,7 +64,7 @@ class _Flips:
         one, other = sides // 3
         worth = (np.maximum(cosines[one], cosines[other]) > _NARROW) & (use.forward[start] != use.forward[start + 1])
         sides, (one, other) = sides[:, worth], (one[worth], other[worth])
-        # The edge runs from a to b in the first triangle; c and d are opposite.
+        # The edge runs from a to b in the first triangle; c and d are the opposite corners.
         flat = faces.ravel()
         a, b = flat[sides[0]], flat[_next(sides[0])]
         c, d = flat[_next(_next(sides[0]))], flat[_next(_next(sides[1]))]
@@ -80,7 +80,7 @@ class _Flips:
 
 
 def _next(sides: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the half-edges that follow in the same triangles."""
+    """Return the next half-edges of the same triangles."""
     return sides - sides % 3 + (sides + 1) % 3
 
 
@@ -94,7 +94,7 @@ def _largest_cosines(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 def _distances(
     a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the distance between the lines a b and c d, (n,): how far the surface moves."""
+    """Return the distances between the lines a b and c d, (n,): how far a flip moves the surface."""
     across = np.cross(b - a, d - c)
     lengths = np.linalg.norm(across, axis=1)
     heights = np.abs(np.einsum("nd,nd->n", c - a, across))
@@ -102,7 +102,7 @@ def _distances(
 
 
 def _agree(vertices: NDArray[np.float64], *triangles: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Tell where the last two of four triangles face as the first two do."""
+    """Return whether the last two of four triangles are not degenerate and face the same way as the first two."""
     first, second, *made = (triangle_normals(vertices[own]) for own in triangles)
     return np.all(
         [np.einsum("nd,nd->n", new, old) > _TURNED for new in made for old in (first, second)], axis=0
@@ -112,7 +112,7 @@ def _agree(vertices: NDArray[np.float64], *triangles: NDArray[np.int64]) -> NDAr
 def _is_edge(
     c: NDArray[np.int64], d: NDArray[np.int64], tails: NDArray[np.int64], heads: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Tell which pairs of vertices are joined by an edge already; edges are sorted by their ends."""
+    """Return which pairs of vertices are already joined by an edge; edges are sorted by their ends."""
     keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
     wanted = (np.minimum(c, d) << 32) | np.maximum(c, d)
     place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
@@ -122,7 +122,7 @@ def _is_edge(
 def _best_of_both(
     one: NDArray[np.int64], other: NDArray[np.int64], gains: NDArray[np.float64], count: int
 ) -> NDArray[np.int64]:
-    """Return the pairs that are the best for both of their triangles; of equal ones the first."""
+    """Return the pairs that are best for both of their triangles; the first one wins ties."""
     order = np.lexsort((np.arange(len(gains)), -gains))
     order = order[gains[order] > 0.0]
     best = np.full(count, len(gains))

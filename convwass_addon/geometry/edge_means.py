@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Means of values over the neighbors of every vertex of a mesh."""
+"""Averages of values over the neighbors of mesh vertices."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .mesh import TriangleMesh
 
 @dataclass(frozen=True)
 class EdgeMeans:
-    """The edges of a mesh, over which values are averaged.
+    """The edges of a mesh, for averaging over neighbors.
 
     Attributes
     ----------
     ends : (e, 2) int64
         The vertices of every edge.
     counts : (n,) int64
-        Neighbors of every vertex, or 1 where it has none.
+        Number of neighbors of every vertex, at least 1 to divide by.
     """
 
     ends: NDArray[np.int64]
@@ -30,22 +30,22 @@ class EdgeMeans:
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> EdgeMeans:
-        """Prepare means over the vertices of a mesh."""
+        """Prepare averages over the neighbors in a mesh."""
         ends = edge_ends(mesh.faces, edge_use(mesh.faces))
         return cls(ends, np.maximum(np.bincount(ends.ravel(), minlength=len(mesh.vertices)), 1))
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Average values of the vertices, (n,), over the neighbors of each; 0 where it has none."""
+        """Average vertex values, (n,), over the neighbors of each vertex; 0 without neighbors."""
         first, second = self.ends.T
         sums = np.bincount(first, values[second], len(self.counts))
         return (sums + np.bincount(second, values[first], len(self.counts))) / self.counts
 
     def mean_points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Average points of the vertices, (n, d), in the same way."""
+        """Average points, (n, d), in the same way."""
         return np.stack([self.mean(part) for part in points.T], axis=1)
 
     def with_neighbors(self, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Add the neighbors of some vertices, (n,)."""
+        """Return a vertex mask, (n,), extended by its neighbors."""
         first, second = self.ends.T
         found = chosen.copy()
         found[second[chosen[first]]] = True
@@ -53,7 +53,7 @@ class EdgeMeans:
         return found
 
     def spread_minimum(self, values: NDArray[np.float64], rounds: int) -> NDArray[np.float64]:
-        """Let values, (n,), fall off smoothly towards smaller ones: they are no more than the means of neighbors."""
+        """Lower values, (n,), repeatedly to at most the mean of their neighbors, so that minima spread smoothly."""
         for _ in range(rounds):
             values = np.minimum(values, self.mean(values))
         return values

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edges of a triangle mesh: who shares them, where it is open, its pieces, its Euler number."""
+"""Edges of a triangle mesh: adjacency, boundary, connected components and Euler characteristic."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .mesh import TriangleMesh
 
 @dataclass(frozen=True)
 class EdgeUse:
-    """The three half-edges of every triangle, sorted so that those of one edge lie together.
+    """The three half-edges of every triangle, sorted by undirected edge.
 
     Attributes
     ----------
@@ -53,23 +53,23 @@ def edge_use(faces: NDArray[np.int64]) -> EdgeUse:
 
 
 def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:
-    """Return the vertices of every undirected edge, (e, 2), as a triangle runs along it; `use` is that of `faces`."""
+    """Return the vertices of every undirected edge, (e, 2), in the direction of a triangle; `use` is from `faces`."""
     sides = use.side[use.start]
     return np.stack([faces.ravel()[sides], np.roll(faces, -1, axis=1).ravel()[sides]], axis=1)
 
 
 @dataclass(frozen=True)
 class Topology:
-    """What a mesh is made of.
+    """Topological properties of a mesh.
 
     Attributes
     ----------
     euler : int
-        Vertices - edges + faces, over the vertices in use. A closed surface of genus g has 2 - 2 g per piece.
+        Vertices - edges + faces, counting used vertices only; a closed surface of genus g has 2 - 2 g per component.
     open_edges : int
-        Edges with one face only.
+        Edges with only one face.
     uneven_edges : int
-        Edges with two faces that run along them the same way, or with more than two faces.
+        Non-manifold edges: with more than two faces, or with two faces of opposite orientation.
     """
 
     euler: int
@@ -78,57 +78,57 @@ class Topology:
 
     @property
     def closed(self) -> bool:
-        """True where every edge has two faces that agree on what is outside."""
+        """Whether every edge has two faces of consistent orientation."""
         return self.open_edges == 0 and self.uneven_edges == 0
 
 
 def topology(mesh: TriangleMesh, use: EdgeUse | None = None) -> Topology:
-    """Count the Euler number and irregular edges of `mesh`; `use` is that of its faces, where it is known."""
+    """Compute the Euler characteristic and count irregular edges; `use` is `edge_use(mesh.faces)` if known."""
     use = edge_use(mesh.faces) if use is None else use
     agree = np.add.reduceat(np.where(use.forward, 1, -1), use.start) == 0 if len(use.start) else np.empty(0, bool)
     return Topology(
-        euler=_different(mesh.faces.ravel()) - len(use.start) + len(mesh.faces),
+        euler=_count_distinct(mesh.faces.ravel()) - len(use.start) + len(mesh.faces),
         open_edges=int((use.count == 1).sum()),
         uneven_edges=int(((use.count > 2) | ((use.count == 2) & ~agree)).sum()),
     )
 
 
-def _different(numbers: NDArray[np.int64]) -> int:
-    """Count different numbers, none of which is negative; NumPy's unique takes seconds for millions of them."""
+def _count_distinct(numbers: NDArray[np.int64]) -> int:
+    """Count distinct nonnegative numbers; NumPy's unique takes seconds for millions of them."""
     return int(np.count_nonzero(np.bincount(numbers)))
 
 
 def face_components(faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Label the triangles by the piece they belong to, (m,); pieces share no vertex."""
+    """Label the triangles by connected component, (m,); components share no vertex."""
     if not len(faces):
         return np.empty(0, np.int64)
     return _joined_vertices(faces, int(faces.max()) + 1)[faces[:, 0]]
 
 
 def vertex_components(mesh: TriangleMesh) -> NDArray[np.int64]:
-    """Label the vertices by the piece they belong to, 0, 1, ..., (n,); -1 where no triangle uses them.
+    """Label the vertices by connected component, 0, 1, ..., (n,); -1 where no triangle uses them.
 
-    Pieces share no vertex. Triangles that name a vertex twice hold nothing together, as no heat flows through them.
+    Components share no vertex. Triangles that repeat a vertex connect nothing, as no heat flows through them.
     """
     faces = mesh.faces[distinct_corners(mesh.faces)]
     labels = np.full(len(mesh.vertices), -1, np.int64)
     used = np.zeros(len(labels), bool)
     used[faces] = True
     found = _joined_vertices(faces, len(labels))[used]
-    # Numbered anew by hand: NumPy's unique takes seconds for millions of labels.
+    # Renumber directly: NumPy's unique takes seconds for millions of labels.
     is_label = np.bincount(found) > 0
     labels[used] = (np.cumsum(is_label) - 1)[found]
     return labels
 
 
 def distinct_corners(faces: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Tell the triangles with three different vertices from those that name one twice, (m,)."""
+    """Return which triangles have three different vertices, (m,)."""
     a, b, c = faces.T
     return (a != b) & (b != c) & (c != a)
 
 
 def _joined_vertices(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Label `count` vertices so that those joined by triangles are alike."""
+    """Label `count` vertices by connected component of the triangles' edges."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
     graph = coo_array((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))
     return connected_components(graph, directed=False)[1].astype(np.int64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small displacements of a solid that keep the distances within it as well as they can."""
+"""Small elastic displacements of a solid, which preserve the distances within it as far as possible."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from scipy.sparse.linalg import LinearOperator, cg
 from ..progress import Control
 from .solid_cells import HALF_OF_THE_NEIGHBORS, SolidCells
 
-# Relative residual at which the conjugate gradients end, and the most iterations: the steps are recomputed in every
-# round of a registration, so the rest is left to the next one.
+# Relative residual at which conjugate gradients stop, and their largest number of iterations. A registration recomputes
+# the step in every round, so the rest is left to the next round.
 _RESIDUAL, _MOST_ITERATIONS = 1e-3, 250
 
 
@@ -26,29 +26,29 @@ def elastic_step(
     start: NDArray[np.float64] | None = None,
     residual: float = _RESIDUAL,
 ) -> NDArray[np.float64]:
-    """Displace the cells of a solid towards their aims, elastically.
+    """Displace the cells of a solid elastically towards their target displacements.
 
     The displacements v minimize
 
         sum_i q_i |v_i - d_i|^2 + width^2 sum_ij min(m_i, m_j) / |e_ij|^2 ((v_i - v_j) . e_ij / |e_ij|)^2
 
-    over the cells i and the pairs ij of cells that are neighbors (26 around a cell), with e_ij from one center to the
-    other: springs that resist being stretched and pressed. Translations and infinitesimal rotations cost nothing.
+    over the cells i and the pairs ij of neighboring cells (26 neighborhood), with e_ij from one center to the other:
+    springs that resist stretching and compression. Translations and infinitesimal rotations have no energy.
 
     Parameters
     ----------
     solid : SolidCells
-        Its filled shares are m.
+        m are its filled fractions.
     aims : (n, 3) float64
         d, in cells.
     trust : (n,) float64
-        q: how far each aim counts. Somewhere in every connected part of the solid it must be positive.
+        q: the weight of each aim. It must be positive somewhere in every connected component of the solid.
     width : float
-        About the size, in cells, of the parts that move together.
+        Approximate size, in cells, of the parts that move together.
     control : Control
         Stops the work.
     start : (n, 3) float64, optional
-        To begin from; the aims themselves by default.
+        Initial displacements; by default the aims.
     residual : float
         Relative residual of the linear system at which to stop.
 
@@ -79,7 +79,7 @@ def elastic_step(
 
 
 def _system(solid: SolidCells, trust: NDArray[np.float64], width: float) -> bsr_array:
-    """Matrix of the normal equations in blocks of three, (3n, 3n)."""
+    """Matrix of the normal equations in 3 x 3 blocks, (3n, 3n)."""
     count = len(solid)
     rows, columns, blocks = [np.arange(count)], [np.arange(count)], [np.zeros((count, 3, 3))]
     blocks[0][:] = trust[:, None, None] * np.eye(3)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A surface that resists being bent and sheared: edges keep to what smooth fields of rotations and scales make of them.
+"""A surface that resists bending and shear: its edges follow smooth fields of rotations and scales.
 
-The rotations and scales are fitted to neighborhoods around every vertex (Z. Levi and C. Gotsman, "Smooth Rotation
-Enhanced As-Rigid-As-Possible Mesh Animation", TVCG 21, 2015).
+Rotations and scales are fitted to a neighborhood of every vertex (Z. Levi and C. Gotsman, "Smooth Rotation Enhanced
+As-Rigid-As-Possible Mesh Animation", TVCG 21, 2015).
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from .factorization import Factorization, factorize
 from .rotations import nearest_rotations
 from .unit_shape import UnitShape
 
-# Relative residual at which conjugate gradients end, and their most iterations: the rest is left to the next round.
+# Relative residual at which conjugate gradients stop, and their largest number of iterations; the next round continues.
 _RESIDUAL, _MOST_ITERATIONS = 1e-4, 60
-# Edges that give way keep this share of their weight; without it, joints crumple.
+# Lower limit of the relative weight of edges that yield; without it, joints crumple.
 _LEAST_SHARE = 0.02
 
 
 class ElasticSurface:
-    """The edges of a surface and what they resist.
+    """The edges of a surface and their elastic energy.
 
     Parameters
     ----------
     shape : UnitShape
-        At rest.
+        The surface at rest.
     """
 
     def __init__(self, shape: UnitShape) -> None:
@@ -40,7 +40,7 @@ class ElasticSurface:
         self._rows, self._columns, self._weights = rows[apart], columns[apart], -entries.data[apart]
         count = len(shape.vertices)
         self._areas = shape.areas
-        # With an entry on every place of the diagonal, to which what pulls is added.
+        # Give every diagonal entry a place in the sparsity pattern, because springs are added there.
         self._matrix = (matrix + diags_array(np.ones(count))).tocsc()
         self._matrix.sort_indices()
         ends = np.repeat(np.arange(count), np.diff(self._matrix.indptr))
@@ -56,9 +56,9 @@ class ElasticSurface:
     def relaxed(
         self, points: NDArray[np.float64], weights: NDArray[np.float64], pulls: NDArray[np.float64], width: float
     ) -> NDArray[np.float64]:
-        """Fit rotations to points, and solve for points that agree with them and with what pulls."""
-        right = self._sums @ (self._weights[:, None] * self._turned(points, width)) + pulls
-        # Vertices without edges stay where they are.
+        """Fit rotations to the points, then solve for points that balance elasticity and the pulls."""
+        right = self._sums @ (self._weights[:, None] * self._rotated_edges(points, width)) + pulls
+        # Vertices without edges stay in place.
         loose = self._areas <= 0
         held = np.where(loose, 1.0, weights)
         right[loose] = points[loose]
@@ -73,27 +73,27 @@ class ElasticSurface:
         width: float,
         give: float,
     ) -> NDArray[np.float64]:
-        """Do the same where little strain is spread and large strain is left where it is.
+        """Like :meth:`relaxed`, but small strain is spread while large strain stays where it is.
 
-        Edges count less, the more their neighborhoods are strained: by the weights of S. Geman and D. McClure,
-        "Statistical Methods for Tomographic Image Reconstruction", Bulletin of the ISI 52, 1987, as Y. Yao et al.,
-        "Quasi-Newton Solver for Robust Non-Rigid Registration", CVPR 2020, register surfaces. Joints can then bend
-        sharply, and what lies between them is not stretched for it.
+        The more the neighborhood of an edge is strained, the smaller its weight: the function of S. Geman and
+        D. McClure, "Statistical Methods for Tomographic Image Reconstruction", Bulletin of the ISI 52, 1987, which
+        Y. Yao et al., "Quasi-Newton Solver for Robust Non-Rigid Registration", CVPR 2020, use to register surfaces.
+        Joints can then bend sharply without stretching the parts between them.
 
         Parameters
         ----------
         points : (n, 3)
-            Where the vertices are.
+            Current vertices.
         springs : (n, 3, 3)
-            Symmetric positive semi-definite stiffness that holds every vertex, different along and across a surface.
+            Symmetric positive semi-definite stiffness of every vertex's spring, in general anisotropic.
         pulls : (n, 3)
-            The springs times where they pull to.
+            The springs times their target points.
         width : float
             Size of the neighborhoods, on the surface of unit area.
         give : float
-            Strain from which on edges give way.
+            Strain at which edges begin to yield.
         """
-        turned = self._turned(points, width)
+        turned = self._rotated_edges(points, width)
         shares = 1.0 / np.square(1.0 + self._strains(points, turned) / give**2)
         weights = self._weights * np.maximum(shares, _LEAST_SHARE)
         count, loose = len(points), self._areas <= 0
@@ -101,7 +101,7 @@ class ElasticSurface:
         matrix = csc_array(diags_array(np.asarray(one_way.sum(axis=1)).ravel()) - one_way)
         springs = np.where(loose[:, None, None], np.eye(3), springs)
         right = np.where(loose[:, None], points, self._sums @ (weights[:, None] * turned) + pulls)
-        # Between the strongest and the weakest direction of every spring.
+        # A scalar between the largest and the smallest stiffness of every spring.
         own = np.linalg.eigvalsh(springs)[:, [0, 2]]
         factor = factorize(
             csc_array(matrix + diags_array(np.sqrt(np.maximum(own[:, 0], 1e-2 * own[:, 1]) * own[:, 1])))
@@ -134,29 +134,29 @@ class ElasticSurface:
         return 0.5 * (means[self._rows] + means[self._columns])
 
     def robust_strain(self, points: NDArray[np.float64], width: float, give: float) -> float:
-        """Return :meth:`strain` where no edge counts more than one that is strained by `give`."""
-        squares = self._strains(points, self._turned(points, width))
+        """Return :meth:`strain` with the contribution of every edge limited to that of a strain of `give`."""
+        squares = self._strains(points, self._rotated_edges(points, width))
         bounded = squares / (1.0 + squares / give**2)
         return float(0.5 * (self._weights * np.square(self._edges).sum(axis=1)) @ bounded)
 
     def strain(self, points: NDArray[np.float64], width: float) -> float:
-        """Return how much edges differ from what their neighborhoods make of them."""
+        """Return the energy of the difference between edges and their rotated and scaled rest edges."""
         moved = points[self._rows] - points[self._columns]
-        rest = np.square(moved - self._turned(points, width)).sum(axis=1)
+        rest = np.square(moved - self._rotated_edges(points, width)).sum(axis=1)
         return float(0.5 * (self._weights * rest).sum())
 
-    def _turned(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Edges turned and scaled as the neighborhoods of their ends are, (e, 3)."""
+    def _rotated_edges(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+        """Rest edges, rotated and scaled by the fits of their ends, (e, 3)."""
         fits = self.fits(points, width)
         return 0.5 * np.einsum("eij,ej->ei", fits[self._rows] + fits[self._columns], self._edges)
 
     def fits(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Return the rotation times scale that takes each neighborhood best from rest to its place, (n, 3, 3).
+        """Return the best rotation times scale from rest to the current pose of each neighborhood, (n, 3, 3).
 
         Parameters
         ----------
         points : (n, 3)
-            Where the vertices are.
+            Current vertices.
         width : float
             Size of the neighborhoods, on the surface of unit area.
         """
@@ -169,14 +169,14 @@ class ElasticSurface:
         return np.ascontiguousarray(np.moveaxis(scales * fitted.rotations, 2, 0))
 
     def _blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Return sums over neighborhoods, (k, n): one implicit step of heat."""
+        """Return sums over neighborhoods, (k, n), by one implicit heat step."""
         if width not in self._blurs:
             held = np.where(self._areas > 0, self._areas, 1.0)
             self._blurs[width] = factorize(self._with_diagonal(width**2, held))
         return self._blurs[width].solve(np.ascontiguousarray(columns))
 
     def _with_diagonal(self, scale: float, values: NDArray[np.float64]) -> csc_array:
-        """Return a multiple of the stiffness with values added to its diagonal."""
+        """Return a multiple of the stiffness matrix with values added to its diagonal."""
         system = scale * self._matrix
         system.data[self._diagonal] += values
         return system

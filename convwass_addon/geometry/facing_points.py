@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closest points of a surface that face the way they should: not on the far side of an ear or a wing.
+"""Nearest-point queries that respect the orientation, to avoid the far side of an ear or a wing.
 
-`FacingPointFinder` takes the closest point of all where that faces the right way. `OrientedSamples` weighs distance
-against direction everywhere and measures one triangle per point only, for iterations that ask again and again.
+`FacingPointFinder` takes the closest point if that faces the right way. `OrientedSamples` always weighs distance
+against direction and measures only one triangle per point, for iterations that query repeatedly.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triang
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
 
-# Points whose triangle faces away by more than this cosine are looked up again.
+# Points are looked up again if the cosine between their normal and the triangle's is below this.
 _AWAY = 0.2
-# A normal turned by a right angle counts as much as this share of the surface's size, its area's square root.
+# Distance that counts as much as a normal turned by 90 degrees, relative to the square root of the surface's area.
 _TURN = 0.05
-# Triangles that are measured for each point.
+# Triangles measured for each point.
 _CANDIDATES = 8
-# Points that are looked up together.
+# Points processed together.
 _AT_ONCE = 1 << 16
-# Normals shorter than this say nothing.
+# Shorter normals are ignored as unreliable.
 _VAGUE = 0.2
 
 
 class FacingPointFinder:
-    """Finds points of one surface that are close and face a given way.
+    """Finds close points on one surface that face a given direction.
 
     Parameters
     ----------
@@ -51,16 +51,16 @@ class FacingPointFinder:
     def find(
         self, points: NDArray[np.float64], normals: NDArray[np.float64], control: Control = UNINTERRUPTED
     ) -> ClosestPoints:
-        """Find the point of the surface for each of `points`, (n, 3).
+        """Find a point on the surface for each of `points`, (n, 3).
 
         Parameters
         ----------
         points : (n, 3)
-            Anywhere.
+            Query points.
         normals : (n, 3)
-            Where the surface should face there; not longer than 1, and the shorter the less is known.
+            Desired surface normals, of length at most 1; the shorter, the less reliable.
         control : Control
-            Ends the search when cancelled.
+            Stops the search when cancelled.
         """
         found = self._closest.find_about(points, control)
         lengths = np.linalg.norm(normals, axis=1)
@@ -76,13 +76,13 @@ class FacingPointFinder:
         return found
 
     def find_closest(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> ClosestPoints:
-        """Find the closest point of the surface for each of `points`, (n, 3), wherever it faces."""
+        """Find the closest point on the surface for each of `points`, (n, 3), regardless of its normal."""
         return self._closest.find_about(points, control)
 
     def _refind(
         self, found: ClosestPoints, again: NDArray[np.int64], points: NDArray[np.float64], normals: NDArray[np.float64]
     ) -> None:
-        """Replace some of what was found by triangles that lie and face nearly as they should."""
+        """Replace some results by triangles that are close in position and normal."""
         if self._tree is None:
             self._tree = cKDTree(np.concatenate([self._corners.mean(axis=1), self._turn * self._normals], axis=1))
         count = min(_CANDIDATES, len(self._corners))
@@ -101,7 +101,7 @@ class FacingPointFinder:
 
 @dataclass(frozen=True)
 class FacingShape:
-    """A surface that is searched for points.
+    """A surface for nearest-point queries.
 
     Attributes
     ----------
@@ -113,26 +113,26 @@ class FacingShape:
 
     @cached_property
     def finder(self) -> FacingPointFinder:
-        """Made when it is first asked for."""
+        """The finder, built on first use."""
         return FacingPointFinder(self.mesh)
 
     def __getstate__(self) -> dict[str, object]:
-        # What is quickly made again is not sent to other processes.
+        # The finder is not pickled, because it is quick to rebuild.
         return {"mesh": self.mesh}
 
 
 class OrientedSamples:
-    """Finds points of one surface that are nearly the closest in position and direction together.
+    """Finds points on one surface that are approximately closest in position and normal together.
 
     Parameters
     ----------
     mesh : TriangleMesh
         At least one triangle, finite coordinates.
     turn : float
-        The distance that a normal turned by a right angle counts like, times the root of two.
+        Distance that counts as much as a normal turned by 90 degrees, divided by the square root of two.
     """
 
-    # The center of a triangle and the middles of the ways from there to its corners.
+    # The center of a triangle and the midpoints between it and the corners.
     _SHARES = np.array([[2, 2, 2], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / 6.0
 
     def __init__(self, mesh: TriangleMesh, turn: float) -> None:
@@ -144,7 +144,7 @@ class OrientedSamples:
         self._tree = cKDTree(np.concatenate([samples, turn * smooth], axis=2).reshape(-1, 6))
 
     def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> ClosestPoints:
-        """Find one for each of `points`, (n, 3), with unit normals, (n, 3): the closest in the triangle found."""
+        """Find a point for each of `points`, (n, 3), with unit normals, (n, 3): the closest on the nearest triangle."""
         nearest = self._tree.query(np.concatenate([points, self._turn * normals], axis=1))[1]
         triangles = nearest // len(self._SHARES)
         found = closest_in_triangles(self._corners[triangles], points)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sparse Cholesky factorization for the equations of heat on meshes, by the best library at hand."""
+"""Sparse Cholesky factorization for heat equations on meshes, with the fastest library available."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 
 class FactorizationError(ArithmeticError):
-    """A matrix is not positive definite, or has entries that are not numbers."""
+    """A matrix is not positive definite, or has entries that are not finite."""
 
 
 class Factorization(Protocol):
@@ -26,7 +26,7 @@ class Factorization(Protocol):
     name : str
         Library and method.
     factor_bytes : int or None
-        Memory of the factor's numbers; None where the library does not tell.
+        Memory of the factor's entries; None where the library does not report it.
     """
 
     name: str
@@ -37,18 +37,18 @@ class Factorization(Protocol):
 
 
 def factorize(matrix: csc_array) -> Factorization:
-    """Factorize a matrix by the first library of `FACTORIZATIONS` that imports.
+    """Factorize a matrix with the first available library of `FACTORIZATIONS`.
 
     Parameters
     ----------
     matrix : (n, n) csc_array
-        Symmetric and positive definite, with no positive off-diagonal. Solutions of such a system (an M-matrix) by
-        factors only ever add numbers of one sign: each value is right to many digits however small it is.
+        Symmetric and positive definite, without positive off-diagonal entries (an M-matrix). Solving such a system only
+        adds numbers of one sign, so every value is accurate to many digits, however small it is.
 
     Raises
     ------
     FactorizationError
-        The matrix is not positive definite or has entries that are not numbers.
+        The matrix is not positive definite or has entries that are not finite.
     ValueError
         The matrix is not square.
     """
@@ -57,7 +57,7 @@ def factorize(matrix: csc_array) -> Factorization:
         raise ValueError(f"only square matrices can be factorized, got {rows} x {columns}")
     if not np.isfinite(matrix.data).all():
         raise FactorizationError("The matrix has entries that are not numbers (NaN or infinite).")
-    # All three take sorted 32-bit indices as they are; other kinds are refused, or converted with a warning.
+    # All three libraries accept sorted 32-bit indices; they refuse other types, or convert them with a warning.
     system = csc_matrix(matrix, dtype=np.float64, copy=True)
     system.sum_duplicates()
     system.indices = system.indices.astype(np.int32, copy=False)
@@ -69,7 +69,7 @@ def factorize(matrix: csc_array) -> Factorization:
 
 
 class CholmodSupernodal:
-    """CHOLMOD in supernodal mode by scikit-sparse, built on the SuiteSparse and the BLAS of the system.
+    """CHOLMOD in supernodal mode via scikit-sparse, built with the SuiteSparse and BLAS of the system.
 
     Y. Chen, T. Davis, W. Hager and S. Rajamanickam, "Algorithm 887: CHOLMOD, Supernodal Sparse Cholesky Factorization
     and Update/Downdate", ACM Transactions on Mathematical Software 35(3), 2008.
@@ -88,12 +88,12 @@ class CholmodSupernodal:
 
     def solve(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return A^-1 of every column, (k, n) in and out, C-contiguous."""
-        # Fortran order on both sides, so nothing is copied.
+        # Fortran order on both sides avoids copies.
         return self._factor(columns.T).T
 
 
 class CholmodSimplicial:
-    """CHOLMOD in simplicial mode by cholespy, which has it inside on every platform."""
+    """CHOLMOD in simplicial mode via cholespy, which bundles it on every platform."""
 
     name = "CHOLMOD simplicial (cholespy)"
     factor_bytes = None
@@ -115,7 +115,7 @@ class CholmodSimplicial:
 
 
 class SuperLU:
-    """SciPy's SuperLU, which is there wherever SciPy is."""
+    """SciPy's SuperLU, always available."""
 
     name = "SuperLU"
 
@@ -127,14 +127,14 @@ class SuperLU:
         except RuntimeError as error:
             raise FactorizationError("The matrix is not positive definite.") from error
         self.factor_bytes = 8 * int(self._factor.nnz)
-        # LU factorizes indefinite matrices too. A symmetric matrix without positive off-diagonals is positive definite
-        # exactly where A x = 1 has a positive solution (Berman and Plemmons 1994, theorem 6.2.3).
+        # LU also factorizes indefinite matrices. A symmetric matrix without positive off-diagonal entries is positive
+        # definite exactly if A x = 1 has a positive solution (Berman and Plemmons 1994, theorem 6.2.3).
         if not (self._factor.solve(np.ones(matrix.shape[0])) > 0).all():
             raise FactorizationError("The matrix is not positive definite.")
 
     def solve(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return A^-1 of every column, (k, n) in and out, C-contiguous."""
-        # One by one: with several BLAS threads SuperLU is many times slower on all columns at once.
+        # Column by column: with several BLAS threads, SuperLU is many times slower on all columns at once.
         solution = np.empty_like(columns)
         for column, target in zip(columns, solution, strict=True):
             target[...] = self._factor.solve(column)
@@ -144,9 +144,9 @@ class SuperLU:
 FACTORIZATIONS: dict[str, Callable[[csc_matrix], Factorization]] = {
     kind.name: kind for kind in (CholmodSimplicial, CholmodSupernodal, SuperLU)
 }
-"""What :func:`factorize` tries, by name, best first. Each raises ImportError where its library is missing.
+"""Implementations that :func:`factorize` tries, by name, best first. Each raises ImportError if its library is missing.
 
-Transport is nearly all solves of a few columns. At 100 000 vertices cholespy does two of them in 15 ms, the supernodal
-CHOLMOD in 26 ms with OpenBLAS and in 39 ms with the reference BLAS that Linux distributions install beside it; it
-factorizes faster (0.6 s to 1.3 s), which pays only once.
+Transport mostly solves for a few columns. At 100 000 vertices cholespy solves two of them in 15 ms, supernodal CHOLMOD
+in 26 ms with OpenBLAS and in 39 ms with the reference BLAS that Linux distributions install by default. Supernodal
+CHOLMOD factorizes faster (0.6 s instead of 1.3 s), which saves time only once.
 """

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed rings with few points: polygons, and smooth curves of cubic Bezier pieces, within a stated distance.
+"""Closed rings with few points, within a given distance: polygons, and smooth curves of cubic Bezier pieces.
 
-Polygons by Ramer's and Douglas and Peucker's subdivision (1972, 1973), all pieces of a round at once. Curves are pieces
-of :mod:`.bezier_pieces`: corners stay corners, and everywhere else tangents are shared.
+Polygons by the Ramer-Douglas-Peucker algorithm (1972, 1973), vectorized over all pieces. Curves consist of the pieces
+of :mod:`.bezier_pieces`: corners are preserved, and everywhere else adjacent pieces share their tangents.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from numpy.typing import NDArray
 from .bezier_pieces import BezierPieces, basis, fitted_pieces
 from .outlines import Outline
 
-# A ring turns at a corner by more than this within a few points; noise of marching squares does not.
+# A corner turns by more than this within a few points; noise of marching squares does not.
 _CORNER = np.radians(50.0)
-# Corners are looked for, and tangents taken, over an arc of so many errors on either side.
+# Arc length on either side over which corners are detected and tangents estimated, in multiples of the error.
 _ARC = 8.0
 
 
 @dataclass(frozen=True)
 class BezierRing:
-    """A closed curve of cubic pieces, each from a point over its right and the next left handle to the next point.
+    """A closed curve of cubic pieces; each runs from a point via its right and the next left handle to the next point.
 
     Attributes
     ----------
     points, left, right : (n, 2) float64
         Points of the curve and their handles, in the order of the ring.
     corners : (n,) bool
-        Where the handles of a point are free of each other.
+        Where the two handles of a point are independent.
     error : float
-        Largest distance found between the curve and the ring.
+        Largest distance between the curve and the ring.
     """
 
     points: NDArray[np.float64]
@@ -43,32 +43,32 @@ class BezierRing:
     error: float
 
     def sampled(self, count: int) -> NDArray[np.float64]:
-        """Return `count` points of every piece, (n * count, 2), the first one at its start."""
+        """Return `count` points per piece, (n * count, 2), beginning at its start."""
         controls = [self.points, self.right, np.roll(self.left, -1, axis=0), np.roll(self.points, -1, axis=0)]
         weights = basis(np.arange(count) / count)
         return np.einsum("tc,cnd->ntd", weights, np.stack(controls)).reshape(-1, 2)
 
 
 def fitted_polygons(outline: Outline, error: float) -> Outline:
-    """Leave out corners of an outline of which the polygon stays within a distance.
+    """Simplify the polygons of an outline within a distance.
 
     Parameters
     ----------
     outline : Outline
-        Dense.
+        A dense outline.
     error : float
-        Largest distance of a left out corner from its edge, in the outline's units.
+        Largest distance of a removed corner from its edge, in the outline's units.
     """
     return outline.with_rings([ring[_kept(ring, error)] for ring in outline.rings])
 
 
 def fitted_beziers(outline: Outline, error: float) -> tuple[BezierRing, ...]:
-    """Fit smooth curves to the rings of an outline, in their order.
+    """Fit smooth curves to the rings of an outline, in order.
 
     Parameters
     ----------
     outline : Outline
-        Dense.
+        A dense outline.
     error : float
         Largest distance between a corner of the outline and its curve, in the outline's units.
     """
@@ -83,7 +83,7 @@ def fitted_beziers(outline: Outline, error: float) -> tuple[BezierRing, ...]:
 
 
 def _kept(ring: NDArray[np.float64], error: float) -> NDArray[np.int64]:
-    """Numbers of the corners that a polygon needs."""
+    """Return the indices of the corners that the simplified polygon keeps."""
     count = len(ring)
     if count <= 3:
         return np.arange(count)
@@ -104,14 +104,14 @@ def _kept(ring: NDArray[np.float64], error: float) -> NDArray[np.int64]:
         _, firsts = np.unique(piece[top], return_index=True)
         kept[top[firsts]] = True
     if len(places) < 4:
-        # A ring is no line.
+        # A ring needs at least three corners.
         kept[int(np.argmax(away))] = True
         places = np.flatnonzero(kept)
     return np.sort((places[:-1] + first) % count)
 
 
 def _distance_to(points: NDArray[np.float64], starts: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray:
-    """Distances of points from segments, each from its own."""
+    """Distances of points from segments, one each."""
     along, away = ends - starts, points - starts
     squared = np.maximum((along**2).sum(axis=1), np.finfo(np.float64).tiny)
     share = np.clip((along * away).sum(axis=1) / squared, 0.0, 1.0)
@@ -119,7 +119,7 @@ def _distance_to(points: NDArray[np.float64], starts: NDArray[np.float64], ends:
 
 
 def _breaks(ring: NDArray[np.float64], corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Where pieces begin: at corners; where there are none, at the two points farthest apart."""
+    """Points where pieces begin: the corners, or the two points farthest apart if there are none."""
     if len(corners) >= 2:
         return corners
     first = int(corners[0]) if len(corners) else int(np.argmax(((ring - ring.mean(axis=0)) ** 2).sum(axis=1)))
@@ -133,12 +133,12 @@ def _ring_of(pieces: BezierPieces, is_corner: NDArray[np.bool_]) -> BezierRing:
 
 
 def _corners(ring: NDArray[np.float64], arc: float) -> NDArray[np.int64]:
-    """Numbers of the points at which a ring turns sharply: the sharpest within an arc."""
+    """Return the indices of corners: points where a ring turns sharply, and most sharply within an arc."""
     lengths = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
     reach = max(2, round(arc / max(float(lengths.mean()), np.finfo(np.float64).tiny)))
     if len(ring) < 4 * reach:
         return np.zeros(0, np.int64)
-    # Directions before and after a point leave it out by a little: marching squares cut corners.
+    # Directions are measured at some distance from the point, because marching squares cuts corners.
     gap = max(1, reach // 3)
     before = np.roll(ring, gap, axis=0) - np.roll(ring, reach, axis=0)
     after = np.roll(ring, -reach, axis=0) - np.roll(ring, -gap, axis=0)

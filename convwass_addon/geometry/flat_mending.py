@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mend the outlines of flat blends: crumbs are dropped, false holes filled, narrow gaps bridged.
+"""Repair the topology of flat blends: drop crumbs, fill false holes, bridge narrow gaps.
 
-As :mod:`.mending` does it with solids, in a plane, where regions and holes are all there is to count.
+Like :mod:`.mending` for solids; in the plane, only regions and holes need to be counted.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from .contours import LevelOutline, outline_enclosing
 from .gaps import densest_gaps
 from .handle_removal import RAISED
 
-# Chosen by eye, as those of `mending`.
-# Regions of a smaller share of the area are crumbs; those of less than the other are strays where no narrow gap leads
-# to them, and are dropped as well.
+# Chosen by eye, like those of `mending`.
+# Regions below the first fraction of the area are crumbs and dropped. Regions below the second are strays, dropped only
+# if no narrow gap leads to them.
 _CRUMB_SHARE, _STRAY_SHARE = 5e-4, 5e-3
-# A gap is narrow where the density in it does not fall below this share of the level. Of holes those are false, besides
-# those as small as strays: what is deep and wide belongs to the blend.
+# A gap is narrow where its density does not fall below this fraction of the level. A hole is false if it is no deeper
+# than that, or as small as a stray; deep and wide holes belong to the blend.
 _DEEPEST_GAP = 0.3
-# Radius of a neck in cells, and of the widest.
+# Least and largest radius of a bridge in cells.
 _NECK, _WIDEST_NECK = 2.0, 4.0
 _ATTEMPTS = 24
 _ROUNDS = 4
@@ -34,12 +34,12 @@ _ALL_AROUND = np.ones((3, 3), bool)
 
 @dataclass(frozen=True)
 class FlatConnectivity:
-    """How a flat shape hangs together.
+    """The topology of a flat shape.
 
     Attributes
     ----------
     regions, holes : int
-        Parts apart from each other, and what they surround.
+        Numbers of connected regions and of holes in them.
     """
 
     regions: int
@@ -47,7 +47,7 @@ class FlatConnectivity:
 
     @classmethod
     def of(cls, drawn: LevelOutline) -> FlatConnectivity:
-        """Count the rings of an outline."""
+        """Count the regions and holes of an outline."""
         return cls(len(drawn.outline.regions), drawn.outline.holes)
 
     @property
@@ -56,26 +56,26 @@ class FlatConnectivity:
         return self.regions - self.holes
 
     def or_more(self, other: FlatConnectivity) -> FlatConnectivity:
-        """Return the larger number of each kind."""
+        """Return the larger of each pair of numbers."""
         return FlatConnectivity(max(self.regions, other.regions), max(self.holes, other.holes))
 
     def beyond(self, most: FlatConnectivity) -> int:
-        """Return how many there are of both kinds beyond another's numbers."""
+        """Return the total number of regions and holes in excess of another's."""
         return max(self.regions - most.regions, 0) + max(self.holes - most.holes, 0)
 
 
 @dataclass(frozen=True)
 class FlatMending:
-    """An outline and what was done to get it.
+    """An outline and how it was repaired.
 
     Attributes
     ----------
     drawn : LevelOutline
-        Encloses the area.
+        The outline that encloses the area.
     density : (nx, ny)
-        What it was drawn of.
+        The density that it was extracted from.
     crumbs, filled, bridged : int
-        Regions too small to matter that were dropped, holes that were filled, gaps that were bridged.
+        Numbers of dropped regions, filled holes and bridged gaps.
     """
 
     drawn: LevelOutline
@@ -86,7 +86,7 @@ class FlatMending:
 
     @property
     def found(self) -> FlatConnectivity:
-        """What the outline has."""
+        """The topology of the outline."""
         return FlatConnectivity.of(self.drawn)
 
     def record(self) -> dict[str, object]:
@@ -96,23 +96,23 @@ class FlatMending:
 
 
 def mended_outline(density: NDArray[np.floating], area: float, most: FlatConnectivity) -> FlatMending:
-    """Outline that encloses an area, with no more regions and holes than asked for.
+    """Extract the outline that encloses an area, with no more regions and holes than allowed.
 
-    Only small changes are made. What would take more stays as it is: the record tells.
+    Only small changes are made. Defects that would need larger ones remain and are listed in the record.
 
     Parameters
     ----------
     density : (nx, ny)
-        What to take the outline of.
+        The density of the blend.
     area : float
         In cells.
     most : FlatConnectivity
-        As many as the shapes have that are blended.
+        Largest numbers of regions and holes: those of the input shapes.
 
     Raises
     ------
     InputError
-        As :func:`.outline_enclosing` does.
+        As for :func:`.outline_enclosing`.
     """
     best = mending = FlatMending(outline_enclosing(density, area), density)
     work = None
@@ -132,19 +132,19 @@ def mended_outline(density: NDArray[np.floating], area: float, most: FlatConnect
 
 
 def regions_above(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int32], int]:
-    """Label the cells, (nx, ny), above a level, joined along their sides; return how many regions there are."""
+    """Label the cells, (nx, ny), above a level, connected through sides; return the number of regions."""
     return label(density > level)
 
 
 def holes_below(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.int32], int]:
-    """Label the cells, (nx, ny), that regions surround, joined at corners too; return how many holes there are."""
+    """Label the cells, (nx, ny), in holes, connected through sides and corners; return the number of holes."""
     labels, count = label(np.pad(density <= level, 1, constant_values=True), _ALL_AROUND)
-    # The first is what is outside.
+    # The first label is the outside.
     return np.maximum(labels[1:-1, 1:-1] - 1, 0), count - 1
 
 
 def _mended(density: NDArray[np.float64], mending: FlatMending, area: float, most: FlatConnectivity) -> FlatMending:
-    """Mend in place what is seen at the present level."""
+    """Repair defects at the present level in place."""
     level = mending.drawn.level
     mending = _with_fewer_regions(density, mending, area, most.regions)
     labels, count = holes_below(density, level)
@@ -161,7 +161,7 @@ def _mended(density: NDArray[np.float64], mending: FlatMending, area: float, mos
 
 
 def _with_fewer_regions(density: NDArray[np.float64], mending: FlatMending, area: float, most: int) -> FlatMending:
-    """Drop crumbs and bridge gaps, the densest gaps first."""
+    """Drop crumbs and bridge gaps, densest first."""
     level = mending.drawn.level
     for _ in range(_ATTEMPTS):
         labels, count = regions_above(density, level)
@@ -170,7 +170,7 @@ def _with_fewer_regions(density: NDArray[np.float64], mending: FlatMending, area
         shares = np.bincount(labels.ravel(), minlength=count + 1)[1:] / area
         crumbs = _drop(density, labels, level, shares < _CRUMB_SHARE)
         excess = count - crumbs - most
-        # Gaps are looked for in space, of which this is one layer.
+        # The gap search works in 3D; the plane is a single layer.
         gaps = []
         if excess > 0:
             gaps = densest_gaps(density[..., None], labels[..., None], _DEEPEST_GAP * level, excess)
@@ -187,7 +187,7 @@ def _with_fewer_regions(density: NDArray[np.float64], mending: FlatMending, area
 
 
 def _drop(density: NDArray[np.float64], labels: NDArray[np.int32], level: float, wanted: NDArray[np.bool_]) -> int:
-    """Press some regions down to half of the level, clear their labels, and return how many there were."""
+    """Lower some regions to half the level, clear their labels, and return their number."""
     if wanted.any():
         crumbs = np.append(False, wanted)[labels]
         labels[crumbs] = 0

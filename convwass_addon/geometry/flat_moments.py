@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Moments of filled parts of the plane, from their boundaries, and the directions of these."""
+"""Moments of filled areas of the plane, computed from their boundaries, and consistent boundary orientation."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from numpy.typing import NDArray
 from .outlines import ring_area
 from .ring_nesting import is_within
 
-# Spread along two axes that differ by less than this share has no long side.
+# If the spreads along the two axes differ by less than this fraction, there is no long axis.
 _ROUND = 0.02
 
 
 @dataclass(frozen=True)
 class FlatMoments:
-    """Area, center and spread.
+    """Area, center of mass and long axis.
 
     Attributes
     ----------
     area : float
-        Of what is filled.
+        The filled area.
     center : (2,) float64
-        Of its mass.
+        Center of mass.
     axis : float or None
-        Angle of the long axis, towards the heavy end (where the third moment along it is negative: the tail is on the
-        other side), in radians; None where no axis is longer than another.
+        Angle of the long axis in radians, pointing to the heavier end (where the third moment along it is negative,
+        since the tail is on the other side); None if no axis is longer.
     """
 
     area: float
@@ -38,7 +38,7 @@ class FlatMoments:
 
     @classmethod
     def of(cls, starts: NDArray[np.float64], ends: NDArray[np.float64]) -> FlatMoments:
-        """Sum the moments of the triangles of edges, (e, 2), which have the filled side on their left, and a point."""
+        """Sum the moments of triangles from edges, (e, 2), with the filled side on their left, to a common point."""
         if not len(starts):
             return cls(0.0, np.zeros(2), None)
         middle = starts.mean(axis=0)
@@ -50,7 +50,7 @@ class FlatMoments:
         center = ((a + b) * doubled[:, None]).sum(axis=0) / (6.0 * area)
         a, b = a - center, b - center
         doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-        # Of a triangle with one corner at the center of the coordinates.
+        # Second moments of triangles with one corner at the origin.
         outer = np.einsum("ei,ej->eij", a, a) + np.einsum("ei,ej->eij", b, b)
         outer += 0.5 * (np.einsum("ei,ej->eij", a, b) + np.einsum("ei,ej->eij", b, a))
         spread = np.einsum("e,eij->ij", doubled, outer) / 12.0
@@ -65,16 +65,16 @@ class FlatMoments:
         return cls(area, center + middle, float(np.arctan2(along[1], along[0])))
 
     def angle_from(self, other: FlatMoments) -> float:
-        """Return by how much another one is turned so that its long axis lies on this one's; 0 where one is round."""
+        """Return the rotation of another shape that aligns its long axis with this one; 0 if either is round."""
         if self.axis is None or other.axis is None:
             return 0.0
         return self.axis - other.axis
 
 
 def directed(rings: Sequence[NDArray[np.float64]], groups: Sequence[int]) -> tuple[NDArray[np.float64], ...]:
-    """Turn closed polygons, (n, 2) each, so that what they turn around other than zero times is what they fill.
+    """Orient closed polygons, (n, 2) each, so that the filled area is where the winding number is not zero.
 
-    Rings of one group are filled together: one that begins within an odd number of others of them is a hole.
+    The rings of one group are filled together: a ring that lies within an odd number of the others is a hole.
     """
     found = []
     for ring, group in zip(rings, groups, strict=True):

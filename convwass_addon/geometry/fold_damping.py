@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacements of a surface, reduced where they would turn triangles over."""
+"""Reduce displacements of a surface where they would flip triangles."""
 
 from __future__ import annotations
 
@@ -11,42 +11,42 @@ from .edge_means import EdgeMeans
 from .mesh import TriangleMesh
 from .normals import triangle_normals, unit_vectors
 
-# Triangles may turn away from the normals about them up to this cosine.
+# A triangle counts as folded if the cosine between its normal and those of its vertices is below this.
 _TURNED = 0.1
-# So often, corners of folded triangles are moved to the middle of their neighbors.
+# How often corners of folded triangles are moved to the mean of their neighbors.
 _SMOOTHINGS = 10
-# Where that does not do, offsets are halved so often at most, then dropped.
+# If that is not enough, how often displacements are halved before they are dropped.
 _HALVINGS = 5
-# Rounds in which the reduction fades over the neighbors.
+# Rounds in which the reduction is spread over the neighbors.
 _FADING = 2
 
 
 def without_folds(
     mesh: TriangleMesh, normals: NDArray[np.float64], offsets: NDArray[np.float64], means: EdgeMeans
 ) -> NDArray[np.float64]:
-    """Return displacements that turn no triangle over which was not turned over before.
+    """Return displacements that flip no triangle that was not flipped before.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        The surface before it is displaced.
+        The undisplaced surface.
     normals : (n, 3) float64
-        Where it faces at its vertices, unit vectors.
+        Unit normals at its vertices.
     offsets : (n, 3) float64
         Displacements of its vertices.
     means : EdgeMeans
-        Of the mesh.
+        Averages over the neighbors in the mesh.
 
     Returns
     -------
     (n, 3) float64
-        The displacements; about triangles that they turn over, those to the middle of the neighbors, or smaller ones.
+        The displacements; at triangles that they would flip, those to the mean of the neighbors, or smaller ones.
     """
     facing = unit_vectors(normals[mesh.faces].sum(axis=1))
     before = np.einsum("md,md->m", triangle_normals(mesh.corners), facing)
 
     def folded(displaced: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the corners of triangles that are turned over now."""
+        """Return the corners of newly folded triangles."""
         corners = (mesh.vertices + displaced)[mesh.faces]
         after = np.einsum("md,md->m", triangle_normals(corners), facing)
         return np.unique(mesh.faces[(after < _TURNED) & (after < before)])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between surfaces as small matrices between their eigenfunctions, made larger step by step.
+"""Functional maps between surfaces: small matrices between eigenbases, refined by spectral upsampling.
 
 M. Ovsjanikov et al., "Functional Maps: A Flexible Representation of Maps Between Shapes", ACM Transactions on Graphics
 31(4), 2012; S. Melzi et al., "ZoomOut: Spectral Upsampling for Efficient Shape Correspondence", ACM Transactions on
@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 from .products import product
 from .spectrum import Spectrum
 
-# Chosen by eye; what functional maps alone and with the rest give is measured in docs/performance.md, "Soft maps".
-# Functions of the first fit, how many more every step takes, and where it ends.
+# Chosen by eye; docs/performance.md, "Soft maps", lists what functional maps achieve alone and in combination.
+# Number of eigenfunctions of the first fit, how many each step adds, and where it ends.
 _FIRST, _STEP, _LAST = 20, 10, 120
-# Keeps the fit definite where there are fewer descriptors than functions.
+# Regularization that keeps the fit definite with fewer descriptors than functions.
 _RIDGE = 1e-6
 
 
 @dataclass(frozen=True)
 class SpectralMatch:
-    """For every vertex of one surface a vertex of the other, both ways.
+    """For every vertex of each surface, a vertex of the other.
 
     Attributes
     ----------
@@ -46,19 +46,19 @@ def spectral_match(
     source_descriptors: NDArray[np.float64],
     target_descriptors: NDArray[np.float64],
 ) -> SpectralMatch:
-    """Match two surfaces by descriptors that they have in common.
+    """Match two surfaces by common descriptors.
 
     Parameters
     ----------
     source, target : Spectrum
         Up to 120 functions of each are used.
     source_descriptors, target_descriptors : (n, d)
-        Functions that correspond to each other.
+        Corresponding functions on the two surfaces.
 
     Raises
     ------
     ValueError
-        Descriptors of different numbers.
+        Different numbers of descriptors.
     """
     if source_descriptors.shape[1:] != target_descriptors.shape[1:]:
         raise ValueError("source and target need the same number of descriptors")
@@ -69,14 +69,14 @@ def spectral_match(
 
 
 def upsampled(matrix: NDArray[np.float64], source: Spectrum, target: Spectrum) -> SpectralMatch:
-    """Refine a small map by more and more eigenfunctions; both directions together, which keeps it one to one.
+    """Refine a small map with more and more eigenfunctions, in both directions, which keeps it one-to-one.
 
     Parameters
     ----------
     matrix : (k, k)
-        Takes coefficients of functions on the target to those of the same functions on the source.
+        Maps coefficients of functions on the target to those of the same functions on the source.
     source, target : Spectrum
-        At least k functions; all of them are used in the end.
+        At least k functions each; the last step uses all of them.
     """
     count, most = len(matrix), len(source.eigenvalues)
     while True:
@@ -93,7 +93,7 @@ def upsampled(matrix: NDArray[np.float64], source: Spectrum, target: Spectrum) -
 def _fitted(
     source: Spectrum, target: Spectrum, here: NDArray[np.float64], there: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Least squares for descriptors, with a penalty where eigenvalues differ: a map of equal surfaces is diagonal."""
+    """Fit descriptors in the least squares sense, penalizing unequal eigenvalues: equal surfaces have diagonal maps."""
     wanted = product((source.areas[:, None] * source.functions).T, here)
     given = product((target.areas[:, None] * target.functions).T, there)
     squares, mixed = product(given, given.T), product(wanted, given.T)
@@ -110,6 +110,6 @@ def _nearest(matrix: NDArray[np.float64], here: NDArray[np.float64], there: NDAr
 
 
 def _closest_rows(rows: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Index of the closest of the other rows for every row, (n,)."""
+    """Index of the nearest of the other rows for every row, (n,)."""
     squares = np.square(others).sum(axis=1)
     return (squares - 2.0 * product(rows, others.T)).argmin(axis=1)

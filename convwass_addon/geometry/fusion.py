@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The best of two solutions from place to place, with a seam where they hardly differ.
+"""Fusion moves: combine the best parts of two solutions, with seams where they hardly differ.
 
-Every vertex takes one of two proposals. The sum of what vertices pay for their choice, and edges for a seam between
-their ends, is minimized exactly by a minimum cut (V. Lempitsky et al., "Fusion Moves for Markov Random Field
-Optimization", IEEE Transactions on Pattern Analysis and Machine Intelligence 32(8), 2010).
+Every vertex takes one of two proposals. The sum of the vertices' costs for their choices and of the edges' costs for
+seams between their ends is minimized exactly by a minimum cut (V. Lempitsky et al., "Fusion Moves for Markov Random
+Field Optimization", IEEE Transactions on Pattern Analysis and Machine Intelligence 32(8), 2010).
 """
 
 from __future__ import annotations
@@ -14,21 +14,21 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
-# Costs become whole numbers, the largest of which is this.
+# Costs are scaled to integers up to this.
 _LARGEST = 1 << 20
 
 
 def fused_choice(costs: NDArray[np.float64], edges: NDArray[np.int64], seams: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which vertices take the second proposal, (n,).
+    """Return which vertices take the second proposal, (n,).
 
     Parameters
     ----------
     costs : (2, n)
-        What every vertex pays for the first and for the second proposal; not negative.
+        Cost of the first and of the second proposal at every vertex; nonnegative.
     edges : (e, 2) int64
         Pairs of neighbors, each once.
     seams : (e,)
-        What an edge pays whose ends choose differently; not negative.
+        Cost of an edge whose ends choose differently; nonnegative.
     """
     count = costs.shape[1]
     highest = max(float(costs.max(initial=0.0)), float(seams.max(initial=0.0)))
@@ -36,7 +36,7 @@ def fused_choice(costs: NDArray[np.float64], edges: NDArray[np.int64], seams: ND
         return np.zeros(count, bool)
     source, sink = count, count + 1
     vertices = np.arange(count)
-    # A vertex on the source's side takes the first proposal: cutting it from the sink costs what that costs.
+    # Vertices on the source side take the first proposal, so their edge to the sink has its cost.
     tails = np.concatenate([np.full(count, source), vertices, edges[:, 0], edges[:, 1]])
     heads = np.concatenate([vertices, np.full(count, sink), edges[:, 1], edges[:, 0]])
     capacities = np.concatenate([costs[1], costs[0], seams, seams])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bridge a gap between pieces of a level set along the densest way, as far as the bridge has grown."""
+"""Bridge gaps between components of a level set along the densest path, partially while a bridge is growing."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from skimage.graph import MCP_Geometric
 from .bumps import around
 from .gaps import Gap
 
-# Cells around a gap, beyond its width, among which a way across is looked for.
+# Margin in cells around a gap, beyond its width, in which a path is searched.
 _MARGIN = 2
-# How much more a step costs where there is half the density.
+# Exponent of the cost of a step: how much more it costs at half the density.
 _STEEPNESS = 3.0
-# Radii of a bridge that a change of the density reaches.
+# Extent of the change of the density, in radii of the bridge.
 _REACH = 3.0
-# By how much of the level a bridge that is still growing falls off from a cell to the next at its tip.
+# Slope of the density at the tip of a growing bridge, per cell, as a fraction of the level.
 _TIP = 0.5
 
 
@@ -27,18 +27,18 @@ def way_across(
     ends: tuple[NDArray[np.int64], NDArray[np.int64]],
     gap: Gap,
 ) -> NDArray[np.int64]:
-    """Return the cells of a way from some pieces to others through a gap, (n, 3), which goes where it is dense.
+    """Return the cells, (n, 3), of the path of highest density through a gap between components.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        Of all pieces.
+        The density of all components.
     labels : (nx, ny, nz) int32
-        Of the pieces, 1, 2, ...; zero elsewhere.
+        Labels 1, 2, ... of the components; zero elsewhere.
     ends : two of (k,) int64
-        Numbers of the pieces that the way begins in, and of those that it ends in.
+        Labels of the components where the path begins, and of those where it ends.
     gap : Gap
-        Between them. Where it is wider than it says, the way ends in it.
+        The gap. If it is wider than its record says, the path ends within it.
     """
     place = gap.place
     window = around(density.shape, place, gap.width + _MARGIN)
@@ -59,7 +59,7 @@ def way_across(
 def raised_along(
     density: NDArray[np.floating], way: NDArray[np.int64], wanted: float, radius: float
 ) -> tuple[tuple[slice, ...], NDArray[np.floating]]:
-    """Return a box and the density in it, raised to `wanted` at the cells of a way, (n, 3), and less around them."""
+    """Return a box and its density, raised to `wanted` at the cells of a path, (n, 3), falling off around them."""
     reach = int(np.ceil(_REACH * radius))
     low = np.maximum(way.min(axis=0) - reach, 0)
     high = np.minimum(way.max(axis=0) + reach + 1, density.shape)
@@ -75,9 +75,9 @@ def raised_along(
 
 
 def growing_tip(box: tuple[slice, ...], root: NDArray[np.int64], length: float) -> NDArray[np.float64]:
-    """Return the most that the density over the level may be where a branch has grown to a length from its root.
+    """Return the upper limit of density / level for a branch that has grown to a length from its root.
 
-    1 at that distance from the root, (3,), rising inwards; `box` says which cells of the grid to tell it for.
+    It is 1 at that distance from the root, (3,), and rises towards the root; `box` selects the cells.
     """
     squared = sum((axis - at) ** 2 for axis, at in zip(np.ogrid[box], root, strict=True))
     return 1.0 + _TIP * (length - np.sqrt(squared))

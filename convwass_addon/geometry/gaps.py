@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the pieces of a level set meet as the level falls, and how wide their gaps are there."""
+"""Find where the components of a level set merge as the level falls, and how wide the gaps are there."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from skimage.segmentation import watershed
 from .bumps import around
 from .isosurface import bounding_box
 
-# Cells on either side of a gap that are looked at.
+# Cells examined on either side of a gap.
 _WIDEST_GAP = 10
-# Cells that a gap may lie away from the box of the smaller one of its pieces.
+# Largest distance in cells of a gap from the box of the smaller components.
 _LONGEST = 12
 
 
 @dataclass(frozen=True)
 class Gap:
-    """Where two pieces meet first.
+    """The first contact of two components.
 
     Attributes
     ----------
     place : (int, int, int)
-        The cell that joins them.
+        The cell that connects them.
     width : float
         The sum of its distances from both, in cells.
     height : float
-        Density of that cell.
+        Density at that cell.
     sides : (int, int)
-        Numbers of the pieces on either side.
+        Labels of the two components.
     """
 
     place: tuple[int, int, int]
@@ -43,24 +43,24 @@ class Gap:
 
 
 def densest_gaps(density: NDArray[np.floating], labels: NDArray[np.int32], lowest: float, wanted: int) -> list[Gap]:
-    """Find the gaps between pieces, the densest first, that bridge pieces not joined by a denser one.
+    """Find the densest gaps, at most one between components that denser gaps have not connected already.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        What the pieces are a level set of.
+        The density whose level set the components are.
     labels : (nx, ny, nz) int32
-        Of the pieces, 1, 2, ...; zero elsewhere.
+        Labels 1, 2, ... of the components; zero elsewhere.
     lowest : float
-        Density below which a gap is too deep.
+        Lower limit of a gap's density.
     wanted : int
-        How many gaps to return at most.
+        Largest number of gaps.
     """
     count = int(labels.max())
     box = _around_smaller(labels)
     density, labels = density[box], labels[box]
     inside = labels > 0
-    # What lies deep inside of a piece is of no interest.
+    # Exclude the interior of components.
     rim = inside & ~binary_erosion(inside, border_value=1)
     basins = watershed(-density, np.where(rim, labels, 0), mask=(density > lowest) & (rim | ~inside))
     first, second, places, heights = (np.concatenate(part) for part in zip(*_contacts(basins, density), strict=True))
@@ -82,14 +82,14 @@ def densest_gaps(density: NDArray[np.floating], labels: NDArray[np.int32], lowes
 
 
 def _around_smaller(labels: NDArray[np.int32]) -> tuple[slice, ...]:
-    """Return the box of all pieces but the largest, and of the gaps around them."""
+    """Return the box of all components but the largest, and of the gaps around them."""
     sizes = np.bincount(labels.ravel())
     low, high = bounding_box((labels > 0) & (labels != 1 + int(np.argmax(sizes[1:]))))
     return tuple(slice(max(a - _LONGEST, 0), b + _LONGEST) for a, b in zip(low, high, strict=True))
 
 
 def _contacts(basins: NDArray[np.int32], density: NDArray[np.floating]):
-    """Yield pairs of basins that touch along each axis, the less dense cell of both sides, and its density."""
+    """Yield pairs of basins that touch along each axis, the less dense of the two cells, and its density."""
     index = np.arange(density.size).reshape(density.shape)
     for axis in range(3):
         here = tuple(slice(None, -1) if a == axis else slice(None) for a in range(3))

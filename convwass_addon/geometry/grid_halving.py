@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields on grids of half and of twice the resolution."""
+"""Resample fields to grids of half or twice the resolution."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 
 def halved(field: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the means of 2 x 2 x 2 cells of a field (nx, ny, nz, ...); odd sides are filled up with zeros."""
+    """Return the means of 2 x 2 x 2 cells of a field (nx, ny, nz, ...); odd sides are padded with zeros."""
     field = np.pad(field, [(0, size % 2) for size in field.shape[:3]] + [(0, 0)] * (field.ndim - 3))
     for axis in range(3):
         even, odd = (slice(None),) * axis + (slice(0, None, 2),), (slice(None),) * axis + (slice(1, None, 2),)
@@ -20,9 +20,9 @@ def halved(field: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def doubled(field: NDArray[np.float64], shape: Sequence[int]) -> NDArray[np.float64]:
-    """Interpolate a field (mx, my, mz, ...) linearly on cells of half the size, of which there are `shape`, (3,).
+    """Interpolate a field (mx, my, mz, ...) linearly on cells of half the size, in a grid of `shape`, (3,).
 
-    Beyond the outer centers it is constant.
+    It is constant beyond the outer centers.
     """
     for axis, size in enumerate(shape):
         values = np.moveaxis(field, axis, 0)

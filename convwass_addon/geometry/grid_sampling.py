@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of a field on a grid of cubic cells, between the centers of its cells."""
+"""Trilinear interpolation of a field on a grid of cubic cells."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-# Points that are sampled at once: their arrays stay in the cache.
+# Points processed together: their arrays fit into the cache.
 _AT_ONCE = 1 << 14
 
 
@@ -17,9 +17,9 @@ def sampled(field: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[
     Parameters
     ----------
     field : (nx, ny, nz, c) float64
-        Values at the centers of the cells, two or more along each axis; C-contiguous.
+        Values at the centers of the cells, at least two along each axis; C-contiguous.
     points : (n, 3) float64
-        In cells: the center of the first cell is at (0.5, 0.5, 0.5). Beyond the outer centers values are constant.
+        In cells: the center of the first cell is at (0.5, 0.5, 0.5). Values are constant beyond the outer centers.
 
     Returns
     -------
@@ -40,14 +40,14 @@ def sampled(field: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[
 def corner_weights(
     points: NDArray[np.float64], shape: tuple[int, ...]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the eight cells around every point and what they count, (8, n) each, for :func:`sampled`.
+    """Return the flat indices of the eight cells around every point, and their weights, (8, n) each.
 
     Parameters
     ----------
     points : (n, 3) float64
         In cells.
     shape : (int, int, int)
-        Cells of the grid along each axis, two or more; the indices are flat ones in C order.
+        Cells of the grid along each axis, at least two; the indices are in C order.
     """
     sizes = np.array(shape)
     at = np.clip(points - 0.5, 0.0, sizes - 1.0)

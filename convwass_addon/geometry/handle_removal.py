@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cut or fill false handles of a level set by small changes of its density."""
+"""Remove false handles of a level set by small changes of its density."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from .labelling import Pieces
 from .level_topology import euler_numbers_within, hollows_below, pieces_above
 from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
-# Chosen by eye; how many false handles are left is measured in docs/performance.md, "Barycenters on grids", and by
-# `python3 run.py bench quality`.
-# A handle is false where the level is within this share of the density of its thinnest place, or of that in its hole.
+# Chosen by eye; docs/performance.md, "Barycenters on grids", and `python3 run.py bench quality` tell how many false
+# handles remain.
+# A handle is false if the level is at least this fraction of the density at its thinnest place, or if the density in
+# its hole is at least this fraction of the level.
 _FALSE_HANDLE = 0.5
-# Density over the level where cells are raised, and where they are lowered, and the radii of it in cells.
+# Density to which cells are raised or lowered, relative to the level, and the radii of the change in cells.
 RAISED, LOWERED = 1.1, 0.85
 _RADII = (1.5, 2.25, 3.0)
-# Wide changes move much at once, from one frame to the next: how many of the radii are tried first.
+# Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
-# The surface between cells may pass a saddle of the cells that lies closer to the level than this.
+# The isosurface may separate cells at a saddle of their values if the saddle is at least this close to the level.
 _SLACK = 0.95
-# At how many places handles are looked for, and at how many at once.
+# Number of places examined, and how many at once.
 _TRIED = 240
 _AT_ONCE = 20
-# Cells that a change reaches on every side; its shapes, (2, 13, 13, 13), one at the middle and zero at the walls.
+# Half width of a change in cells. Its shapes are (radii, 13, 13, 13), one at the center and zero at the boundary.
 _REACH = 6
 
 
@@ -43,21 +44,21 @@ _SHAPES = np.stack([_shape(radius) for radius in _RADII])
 
 
 def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> int:
-    """Move saddles near a level to its other side until so many handles have gone, those first that take least.
+    """Move saddles near a level to its other side until enough handles are removed, the smallest changes first.
 
     Parameters
     ----------
     density : (nx, ny, nz)
         Changed in place.
     level : float
-        Of the surface.
+        Level of the surface.
     excess : int
-        How many to remove.
+        Number of handles to remove.
 
     Returns
     -------
     int
-        How many have gone; the pieces are no more than before.
+        Number of handles removed; the number of components does not increase.
     """
     left = excess
     for places, shapes in ((_places, _SHAPES[:_NARROW]), (_places, _SHAPES), (_places_between, _SHAPES)):
@@ -69,7 +70,7 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> 
 def _removed(
     density: NDArray[np.floating], level: float, excess: int, shapes: NDArray[np.float32], places: _Places
 ) -> int:
-    """Do the same by changes of some shapes at some places."""
+    """Like `remove_handles`, with given shapes of changes at given places."""
     around = np.pad(density, _REACH)
     search = _Search(around, level, shapes)
     left = excess
@@ -85,7 +86,7 @@ def _removed(
 
 @dataclass(frozen=True)
 class _Places:
-    """Cells, (n, 3), where a density may be changed, and the densities to give them, (n,)."""
+    """Cells, (n, 3), whose density may be changed, and their new densities, (n,)."""
 
     cells: NDArray[np.int64]
     wanted: NDArray[np.floating]
@@ -94,7 +95,7 @@ class _Places:
     def of(
         cls, thin: NDArray[np.int64], holes: NDArray[np.int64], density: NDArray[np.floating], level: float
     ) -> _Places:
-        """Lower the density where it is thin and raise it in holes, where it is nearest to the level first."""
+        """Lower the density at thin places and raise it in holes, ordered by distance from the level."""
         cells = np.concatenate([thin, holes])
         wanted = np.repeat(np.array([LOWERED * level, RAISED * level], density.dtype), [len(thin), len(holes)])
         order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:_TRIED]
@@ -102,16 +103,16 @@ class _Places:
 
 
 class _Search:
-    """A density, with a margin as wide as a change reaches, that is changed in place."""
+    """A density, padded by the half width of a change, that is modified in place."""
 
     def __init__(self, around: NDArray[np.floating], level: float, shapes: NDArray[np.float32]) -> None:
         self._around, self._level, self._shapes = around, level, shapes
-        # A margin of one cell is enough for what is outside to hang together.
+        # A margin of one cell is enough to connect the outside.
         self._inner = around[(slice(_REACH - 1, 1 - _REACH),) * 3]
         self._counts: dict[Callable[..., Pieces], int] = {}
 
     def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> int:
-        """Try changes at cells, (n, 3), in turn; return how many handles have gone."""
+        """Try changes at cells, (n, 3), in turn; return the number of handles removed."""
         gains = self._gains(cells, wanted)
         lowers = wanted < self._level
         cuts, fills = (self._taken(cells, wanted, np.where(these[:, None], gains, 0)) for these in (lowers, ~lowers))
@@ -120,7 +121,8 @@ class _Search:
         for index in np.flatnonzero((gains > 0).any(axis=1)):
             if later[index]:
                 continue
-            # Cutting a piece in two changes the Euler number as cutting a handle does, closing a bubble as filling one.
+            # The Euler number cannot tell cutting a handle from splitting a component, or filling one from making a
+            # bubble.
             if not (cuts if lowers[index] else fills).take(int(index)):
                 continue
             radius = int(np.argmax(gains[index] > 0))
@@ -129,12 +131,12 @@ class _Search:
             gone += int(gains[index, radius])
             if gone >= most:
                 return gone
-            # What is known of changes that this one overlaps no longer holds.
+            # Gains of overlapping changes have to be computed again.
             later[index + 1 :] |= np.abs(cells[index + 1 :] - cells[index]).max(axis=1) <= 2 * _REACH
         return gone + self.change(cells[later], wanted[later], most - gone) if later.any() else gone
 
     def _applied(self, cell: NDArray[np.int64], wanted: NDArray[np.floating], radius: int) -> bool:
-        """Change the density at one cell, (1, 3), unless the surface parts what the cells hold together; tell if so."""
+        """Change the density at one cell, (1, 3), unless this splits a component or a hollow; return whether it did."""
         span = _span(cell[0])
         before = self._around[span].copy()
         counted = pieces_above if wanted[0] < self._level else hollows_below
@@ -149,7 +151,7 @@ class _Search:
         return True
 
     def _taken(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], gains: NDArray[np.int64]) -> Cuts:
-        """Return what useful changes take from the inside, if they are cuts, or from the outside, if they fill."""
+        """Collect the cells that useful changes remove: from the inside for cuts, from the outside for fillings."""
         inside = self._around > self._level
         taken = {}
         for index in np.flatnonzero((gains > 0).any(axis=1)):
@@ -163,12 +165,12 @@ class _Search:
         return Cuts(inside if first is None or inside[tuple(first[0])] else ~inside, taken)
 
     def _factors(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Return by what each change of each radius multiplies the density around its cell, (n, radii, 13, 13, 13)."""
+        """Return the factors of the density around each cell for each radius, (n, radii, 13, 13, 13)."""
         share = wanted / self._around[tuple((cells + _REACH).T)] - 1.0
         return 1.0 + share[:, None, None, None, None] * self._shapes
 
     def _gains(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.int64]:
-        """Return how many handles each change of each radius would remove if it cuts no piece in two, (n, radii)."""
+        """Return how many handles each change removes at each radius if it splits no component, (n, radii)."""
         reach = np.arange(2 * _REACH + 1)
         i, j, k = cells.T[:, :, None] + reach
         before = self._around[i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]]
@@ -178,19 +180,19 @@ class _Search:
 
 
 def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:
-    """Return the cells that a change at one reaches, in a density with a margin."""
+    """Return the slices, in the padded density, of the cells that a change at a cell affects."""
     return tuple(slice(int(at), int(at) + 2 * _REACH + 1) for at in cell)
 
 
 def _places(density: NDArray[np.floating], level: float) -> _Places:
-    """Return the saddles that may be false."""
+    """Return saddles of potentially false handles."""
     thin = bridges(density, level * _SLACK, level / _FALSE_HANDLE)
     holes = lids(density, level * _FALSE_HANDLE, level / _SLACK)
     return _Places.of(thin, holes, density, level)
 
 
 def _places_between(density: NDArray[np.floating], level: float) -> _Places:
-    """Return those that are saddles only where the surface parts cells that touch by an edge or a corner."""
+    """Return saddles that exist only because the isosurface separates cells sharing an edge or a corner."""
     thin = bridges_by_faces(density, level * _SLACK, level / _FALSE_HANDLE)
     holes = lids_by_corners(density, level * _FALSE_HANDLE, level / _SLACK)
     return _Places.of(thin, holes, density, level)

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the parts of a shape are between poses: parts that turn against each other turn about the joint between them.
+"""Interpolate poses of a shape whose parts rotate relative to each other, about the joints between them.
 
-Between two rigid parts that turn by rotations R_i and R_j there is a point c that both move alike, the joint; it
-follows from where the parts end up. On the way, points x_i and x_j of the parts are R_i (x_i - c) + R_j (c - x_j)
-apart. Where parts are not rigid, the rest of that vector is interpolated linearly in the frame that turns with both.
-Surfaces alone do not know this: the skin of an armpit that is tight in one pose would draw the arm into the shoulder.
+Two rigid parts with rotations R_i and R_j share a point c, the joint, that both move to the same place; it is computed
+from the final positions of the parts. In between, points x_i and x_j of the parts differ by
+R_i (x_i - c) + R_j (c - x_j). Where parts are not rigid, the rest of that vector is interpolated linearly in the frame
+that rotates with both. Surface-based interpolation does not do this: the skin of an armpit that is tight in one pose
+would pull the arm into the shoulder.
 """
 
 from __future__ import annotations
@@ -21,35 +22,35 @@ from scipy.sparse import coo_array
 from .rotation_fields import rotation_matrices
 from .surface_samples import SurfaceSamples
 
-# Lines are compared over this part of the reach, and one that is strained by this much counts half. The rotations of
-# parts that turn against each other by less than the damping, in radians, tell nothing about a joint. The strain was
-# measured (docs/performance.md, Motions).
+# Rigidity is estimated from lines up to this fraction of the longest; a line with this strain has half the weight.
+# Parts whose relative rotation is below the damping, in radians, do not determine a joint. The strain was measured
+# (docs/performance.md, Motions).
 _NEAR, _STRAIN, _DAMPING = 0.3, 0.1, 0.1
-# No sample counts less than this, so that all are held.
+# Lower limit of a sample's weight, so that every sample is constrained.
 _LEAST_WEIGHT = 1e-3
-# Weight with which samples keep to the straight line between their ends, beside that of the others: it holds what no
-# line leads to.
+# Weight of the straight line between a sample's ends, relative to that of the other constraints: it fixes samples that
+# no line connects.
 _HOLD = 1e-9
-# Rounds and smoothing, in sizes, of the geometric median.
+# Iterations of the geometric median, and its smoothing width relative to the size of the shape.
 _MEDIAN_ROUNDS, _MEDIAN_WIDTH = 30, 2e-3
 
 
 @dataclass(frozen=True)
 class HingedPose:
-    """A pose that a shape is deformed to, as lines between its samples see it.
+    """A pose of a shape, described by the lines between its samples.
 
     Attributes
     ----------
     points : (s, 3) float64
-        Where the samples are.
+        Positions of the samples.
     vectors : (s, 3) float64
-        How their surroundings turn, rotation vectors in radians.
+        Rotations of their neighborhoods, as rotation vectors in radians.
     joints : (p, 3) float64
-        The joint of every pair, at rest, from the middle of the two.
+        Joint of every pair at rest, relative to the midpoint of the pair.
     stretches : (p, 3) float64
-        What remains of the line of every pair, turned back.
+        Non-rigid remainder of the line of every pair, in the rotating frame.
     weights : (p,) float64
-        How much every pair counts.
+        Weight of every pair.
     """
 
     points: NDArray[np.float64]
@@ -66,16 +67,16 @@ class HingedPose:
         moved: NDArray[np.float64],
         vectors: NDArray[np.float64],
     ) -> HingedPose:
-        """Find joints between the parts of a shape.
+        """Find the joints between the parts of a shape.
 
         Parameters
         ----------
         samples : SurfaceSamples
-            Of the shape at rest.
+            Samples of the shape at rest.
         rest, moved : (n, 3)
             Its vertices at rest and in the pose.
         vectors : (n, 3)
-            Their rotation vectors.
+            Rotation vectors of the vertices.
         """
         start, end, own = rest[samples.seeds], moved[samples.seeds], vectors[samples.seeds]
         one, other = samples.pairs.T
@@ -106,7 +107,7 @@ class HingedPose:
 def _rigidity(
     samples: SurfaceSamples, lengths: NDArray[np.float64], errors: Sequence[NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """Return how rigidly the surroundings of every sample move, from 0 to 1, (s,), by errors of lines at both ends."""
+    """Return how rigidly the neighborhood of every sample moves, 0 to 1, (s,), from line errors at both ends."""
     near = lengths < _NEAR * lengths.max(initial=0.0)
     count = len(samples.seeds)
     sums, totals = np.zeros(count), np.zeros(count)
@@ -125,26 +126,26 @@ def hinged_points(
     scale: float = 1.0,
     stretch: float = 1.0,
 ) -> NDArray[np.float64]:
-    """Return where rigid regions around the samples take the vertices of a shape between poses, (n, 3).
+    """Return the vertices between poses, (n, 3), as moved by locally rigid regions around the samples.
 
-    What stands still in all poses stands still on the way: the whole is placed such that the sum of the distances of
-    its samples from the straight lines between their ends is least.
+    The whole shape is translated to minimize the sum of distances of the samples from the straight lines between their
+    ends, so that what is at rest in all poses stays at rest in between.
 
     Parameters
     ----------
     samples : SurfaceSamples
-        Of the shape at rest.
+        Samples of the shape at rest.
     rest : (n, 3)
         Its vertices.
     poses : sequence of HingedPose
         One or more.
     shares : sequence of float
-        Share of each pose, at least 0, with a sum of at most 1; rest has what is missing to 1.
+        Weight of each pose, nonnegative, with a sum of at most 1; the rest shape has the remaining weight.
     scale : float
-        How much longer rigid parts are.
+        Scaling of rigid parts.
     stretch : float
-        Share of what is not rigid that is kept. Joints are taken to lie that share of the way from the middle of two
-        samples: one far off says that what lies between them is stretched.
+        Fraction of the non-rigid remainder to keep. Offsets of joints are multiplied by it as well, because a distant
+        joint indicates that the part between two samples is stretched.
     """
     start = rest[samples.seeds]
     total = sum(shares)
@@ -160,7 +161,7 @@ def hinged_points(
     lines = scale * np.einsum("pij,pj->pi", turns[one], half - joints)
     lines += scale * np.einsum("pij,pj->pi", turns[other], half + joints)
     lines += np.einsum("pij,pj->pi", rotation_matrices(0.5 * (vectors[one] + vectors[other])), stretches)
-    points = _laid_out(samples, lines, weights, straight)
+    points = _solved_points(samples, lines, weights, straight)
     size = float(np.sqrt(samples.areas.sum()))
     points = points + _median(straight - points, samples.areas, _MEDIAN_WIDTH * size)
     shifts = points - scale * np.einsum("sij,sj->si", turns, start)
@@ -168,10 +169,10 @@ def hinged_points(
     return np.einsum("nij,nj->ni", blended[:, :9].reshape(-1, 3, 3), rest) + blended[:, 9:]
 
 
-def _laid_out(
+def _solved_points(
     samples: SurfaceSamples, lines: NDArray[np.float64], weights: NDArray[np.float64], straight: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return points, (s, 3), that are as far apart as the lines say, by weighted least squares."""
+    """Return points, (s, 3), whose differences match the lines, by weighted least squares."""
     one, other = samples.pairs.T
     count = len(samples.seeds)
     links = coo_array((weights, (one, other)), shape=(count, count)).toarray()
@@ -186,7 +187,7 @@ def _laid_out(
 
 
 def _median(offsets: NDArray[np.float64], areas: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-    """Return the geometric median of offsets, (3,), smoothed over a width (E. Weiszfeld, 1937)."""
+    """Return the geometric median of offsets, (3,), smoothed over a width (Weiszfeld's algorithm, 1937)."""
     middle = areas @ offsets / areas.sum()
     for _ in range(_MEDIAN_ROUNDS):
         pulls = areas / np.sqrt(np.square(offsets - middle).sum(axis=1) + width**2)

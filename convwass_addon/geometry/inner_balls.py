@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The largest balls inside a closed surface that touch it at its vertices, and the ways through them.
+"""Maximal balls inside a closed surface that touch it at its vertices, and the paths through them.
 
-The centers lie on the medial axis, along the middle of limbs of any thickness. A straight line between the centers of
-two balls that overlap stays in the two, so that ways from ball to ball never leave the body.
+Their centers lie on the medial axis, along the middle of limbs of any thickness. The line between the centers of two
+overlapping balls lies within their union, so paths from ball to ball never leave the body.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from scipy.spatial import cKDTree
 from .mesh import TriangleMesh
 from .normals import vertex_normals
 
-# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
-# Rounds in which a ball shrinks, and the share of its radius by which the surface may reach into it in the end.
+# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Rounds of shrinking, and the fraction of a ball's radius by which the surface may finally reach into it.
 _ROUNDS, _TOLERANCE = 40, 1e-3
-# What a ball touches lies this far apart at least, in its radii.
+# Least distance, in radii, between two points where a ball touches the surface.
 _SEPARATION = 0.5
-# A ball belongs to the middle of a body part if it is this large, in radii of the largest that holds its center.
+# A ball is central if its radius is at least this fraction of that of the largest ball that contains its center.
 _SMALLEST_SHARE = 0.35
-# Ways through a ball are as many times longer as the largest that holds its center is larger, to this power.
+# Exponent of the cost of paths: of the radius of the largest ball that contains a ball's center, over its own radius.
 _DETOUR = 1.5
-# Balls that reach into each other by less than this share of the smaller radius are no way.
+# Balls count as connected if they overlap by at least this fraction of the smaller radius.
 _OVERLAP = 0.25
-# Vertices whose balls are so many times farther apart than they are themselves are on different sides of a fold.
+# At a fold, the balls of adjacent vertices are farther apart than the vertices by at least this factor.
 _FOLDED = 2.0
-# Balls to which each is linked: the nearest ones.
+# Number of nearest balls to which each ball is linked.
 _NEIGHBORS = 40
 
 
@@ -44,14 +44,14 @@ class InnerBalls:
     Attributes
     ----------
     centers : (b, 3) float64
-        All inside the body.
+        Inside the body.
     radii : (b,) float64
         Positive.
     costs : (b,) float64
-        How many times longer a way through a ball counts: 1 in the middle of the body, more aside.
+        Factor of the length of paths through a ball: 1 in the middle of the body, more elsewhere.
     neighbors : (p, 2) int64
-        Balls whose vertices an edge of the surface joins: linked even where they do not overlap, as along limbs that
-        are thinner than the triangles are long.
+        Pairs of balls whose vertices share an edge of the surface. They are linked even if they do not overlap, as
+        along limbs that are thinner than the triangles are long.
     """
 
     centers: NDArray[np.float64]
@@ -61,7 +61,7 @@ class InnerBalls:
 
     @cached_property
     def links(self) -> csr_array:
-        """Lengths of the lines between balls that overlap, times their cost, (b, b), both ways."""
+        """Lengths of the lines between overlapping balls, times their cost, (b, b), in both directions."""
         count = len(self.centers)
         near, neighbors = cKDTree(self.centers).query(self.centers, min(_NEIGHBORS, count))
         tails = np.repeat(np.arange(count), neighbors.shape[1])
@@ -78,22 +78,22 @@ class InnerBalls:
         return graph.maximum(graph.T).tocsr()
 
     def entrances(self, point: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the balls that hold a point, (3,), or the one that it is nearest to."""
+        """Return the balls that contain a point, (3,), or the one nearest to it."""
         beyond = np.linalg.norm(self.centers - point, axis=1) - self.radii
         held = np.flatnonzero(beyond < 0)
         return held if len(held) else np.array([np.argmin(beyond)])
 
 
 def inner_balls(mesh: TriangleMesh) -> InnerBalls:
-    """Return balls that touch a surface at its vertices from inside and hang together.
+    """Return connected balls that touch a surface at its vertices from inside.
 
-    By shrinking (Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the normal field",
-    2012). Balls in ridges and bumps, which hardly belong to the middle of anything, are left out.
+    Computed by shrinking balls (Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the
+    normal field", 2012). Balls in ridges and bumps, which are not central, are left out.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Closed, outward, in one piece; every vertex is used.
+        Closed, oriented outward, connected; every vertex is used.
     """
     normals = vertex_normals(mesh.vertices, mesh.faces)
     samples = np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)])
@@ -106,7 +106,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
         reach = mesh.vertices[active] - samples[nearest]
         along = np.einsum("ni,ni->n", reach, normals[active])
         shrunk = np.einsum("ni,ni->n", reach, reach) / np.maximum(2.0 * along, np.finfo(float).tiny)
-        # Close to where the ball touches, the facets of a round body are no bumps.
+        # Very close to the contact point, a facet of a round body is not an obstacle.
         apart = np.linalg.norm(reach, axis=1) >= _SEPARATION * shrunk
         shrinks = apart & (distances < (1.0 - _TOLERANCE) * radii[active]) & (along > 0) & (shrunk < radii[active])
         active = active[shrinks]
@@ -117,7 +117,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     radii = np.minimum(radii, tree.query(centers)[0])
     a, b, c = mesh.faces.T
     edges = np.concatenate([np.stack([a, b], axis=1), np.stack([b, c], axis=1), np.stack([c, a], axis=1)])
-    # Where the body is folded, the balls of neighbors are far apart.
+    # Across a fold, the balls of adjacent vertices are far apart.
     apart = np.linalg.norm(centers[edges[:, 0]] - centers[edges[:, 1]], axis=1)
     edges = edges[apart <= _FOLDED * np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)]
     found = InnerBalls(centers, radii, np.ones(len(radii)), edges)
@@ -125,7 +125,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
 
 
 def _central(balls: InnerBalls) -> InnerBalls:
-    """Compare every ball with the largest that holds its center, and leave out what is small beside it."""
+    """Compare every ball with the largest that contains its center, and remove relatively small ones."""
     held = cKDTree(balls.centers).query_ball_point(balls.centers, balls.radii)
     largest = balls.radii.copy()
     for radius, own in zip(balls.radii, held, strict=True):

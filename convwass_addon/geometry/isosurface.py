@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a density on a grid to a closed surface, at a level chosen by value or by the volume it encloses."""
+"""Closed isosurfaces of a density on a grid, at a given level or enclosing a given volume."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from skimage.measure import marching_cubes
 from ..errors import InputError
 from .mesh import TriangleMesh
 
-# The volume of the surface follows the wanted one to this fraction.
+# Relative tolerance of the enclosed volume.
 _VOLUME_TOLERANCE = 2e-3
-# Steps of the search for it: of the estimate, which needs no surface; with the estimate corrected by what a surface
-# showed; by counting cells; and by halving, which always gets there.
+# Steps of the search for the level: refinements of the estimate, which needs no surface; estimates corrected by the
+# volume of a surface; corrections of a cell count; and bisection, which always converges.
 _ESTIMATED = 3
 _CORRECTED = 2
 _COUNTED = 8
 _BISECTED = 40
-# Vertices keep this share of a grid edge away from its ends. Coordinates come as float32, to 6e-5 in 1024 cells.
+# Least distance of a vertex from the ends of its grid edge. Coordinates are float32, accurate to 6e-5 in 1024 cells.
 _CLEARANCE = 2.5e-4
-# Cells inside count for this much more. Where their values mirror those outside, the topology would be left to
-# rounding, and neighboring cubes would decide it differently.
+# Relative increase of values inside. Where values inside and outside are symmetric, rounding would decide the topology,
+# possibly differently in neighboring cubes.
 _ASYMMETRY = 1e-5
 
 
 @dataclass(frozen=True)
 class LevelSurface:
-    """A surface and the level it was taken at.
+    """A surface and its level.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        In cells: voxel (i, j, k) is the unit cube whose low corner is (i, j, k). Closed, outward.
+        In cells: voxel (i, j, k) is the unit cube whose lower corner is (i, j, k). Closed, oriented outward.
     level : float
         Density on the surface.
     """
@@ -45,14 +45,14 @@ class LevelSurface:
 
 
 def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurface:
-    """Surface of the set where `density`, (nx, ny, nz), exceeds `level`: marching cubes (Lewiner et al. 2003).
+    """Isosurface of `density`, (nx, ny, nz), at `level`: marching cubes (Lewiner et al. 2003).
 
-    The grid counts as surrounded by zeros, so the surface is closed even where the set touches the walls.
+    The density is zero outside the grid, so the surface is closed even where it reaches the boundary.
 
     Raises
     ------
     InputError
-        No cell, or every value, lies above the level.
+        No value, or every value, lies above the level.
     """
     density = as_floats(density)
     if not 0.0 < level < float(density.max()):
@@ -62,37 +62,37 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
             largest=float(density.max()),
         )
     low, high = bounding_box(density > level)
-    # One more cell on every side belongs to the surface's cubes; beyond the grid it is zero.
+    # The surface extends one cell further on every side; beyond the grid these cells are zero.
     box = np.zeros(high - low + 2, density.dtype)
     source = tuple(slice(max(a - 1, 0), min(b + 1, n)) for a, b, n in zip(low, high, density.shape, strict=True))
     offset = np.array([s.start for s in source]) - (low - 1)
     target = tuple(slice(o, o + s.stop - s.start) for o, s in zip(offset, source, strict=True))
     box[target] = density[source]
     vertices, faces, _, _ = marching_cubes(_excess(box, level), 0.0, gradient_direction="ascent")
-    # Marching cubes works on samples at integer coordinates; a sample is the center of its cell.
+    # Marching cubes places samples at integer coordinates; here a sample is the center of its cell.
     return LevelSurface(TriangleMesh.from_arrays(vertices + (low - 1) + 0.5, faces), level)
 
 
 def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: float | None = None) -> LevelSurface:
-    """Surface of a level of `density` that encloses `volume` cells, as measured on the surface itself.
+    """Isosurface of `density` that encloses `volume` cells, as measured on the surface itself.
 
-    The level is estimated, and estimated again with what the surface showed. Where many cells have one value that does
-    not lead there, a corrected number of cells is counted, and then the level itself is bisected. Where the enclosed
-    volume jumps past the wanted one, the nearest that was found is returned.
+    The level is estimated, and estimated again with corrections from the surface. Where this fails because many cells
+    have the same value, a corrected cell count is used, and finally bisection. If the enclosed volume jumps past the
+    target, the closest surface found is returned.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        Not negative.
+        Nonnegative.
     volume : float
         In cells.
     shortfall : float, optional
-        The :func:`estimate_shortfall` of a density that differs little, which saves drawing a surface for it.
+        The :func:`estimate_shortfall` of a similar density, which saves one surface extraction.
 
     Raises
     ------
     InputError
-        The volume is not between zero and that of the grid.
+        The volume is not between zero and the volume of the grid.
     """
     density = as_floats(density)
     ranks = _Ranks.of(density, volume)
@@ -108,7 +108,7 @@ def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: f
         if nearest is None or abs(excess) < abs(nearest.mesh.volume - volume):
             nearest = surface
         too_full, too_empty = (level, too_empty) if excess > 0 else (too_full, level)
-        # Marching cubes works on float32, which tells no levels apart that are closer.
+        # Marching cubes computes in float32 and cannot resolve closer levels.
         jumps = too_empty - too_full <= np.finfo(np.float32).eps * too_empty
         if jumps or abs(excess) <= _VOLUME_TOLERANCE * volume:
             break
@@ -122,37 +122,37 @@ def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: f
 
 
 def level_enclosing(density: NDArray[np.floating], volume: float, shortfall: float = 0.0) -> float:
-    """Estimate the level of a density, (nx, ny, nz), that :func:`surface_enclosing` looks for; errors are the same."""
+    """Estimate the level that :func:`surface_enclosing` finds in a density, (nx, ny, nz); raises the same errors."""
     density = as_floats(density)
     return _estimated(density, volume + shortfall, _Ranks.of(density, volume))
 
 
 def estimate_shortfall(density: NDArray[np.floating], volume: float) -> float:
-    """Volume that the surface at the estimated level lacks, since triangles cut corners; zero where it does not matter.
+    """Volume missing from the surface at the estimated level, since triangles cut corners; zero if negligible.
 
     Raises
     ------
     InputError
-        As :func:`surface_enclosing` does.
+        As for :func:`surface_enclosing`.
     """
     shortfall = volume - surface_at_level(density, level_enclosing(density, volume)).mesh.volume
     return shortfall if abs(shortfall) > _VOLUME_TOLERANCE * volume else 0.0
 
 
 def as_floats(density: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return a density of any shape in the precision that it has, float32 or float64."""
+    """Return a density of any shape as float32 if that is its type, otherwise as float64."""
     density = np.asarray(density)
     return density if density.dtype == np.float32 else density.astype(np.float64, copy=False)
 
 
 @dataclass(frozen=True)
 class _Ranks:
-    """The levels that leave 0, 1, ... cells above them.
+    """The levels with 0, 1, ... cells above them.
 
     Attributes
     ----------
     levels : (n + 1,)
-        The last one leaves all cells that hold anything.
+        The last level is below all positive cells.
     """
 
     levels: NDArray[np.floating]
@@ -174,14 +174,14 @@ class _Ranks:
         return float(self.levels[0])
 
     def above(self, level: float) -> float:
-        """Return how many cells are above a level, at least the first half and at most all but the last."""
+        """Return the number of cells above a level, clipped to between one half and one half less than all."""
         return self.nearest(float(len(self.levels) - np.searchsorted(self.levels[::-1], level, side="right")))
 
     def nearest(self, count: float) -> float:
         return float(np.clip(count, 0.5, len(self.levels) - 0.5))
 
     def level(self, count: float) -> float:
-        """Return the level for a number of cells, interpolated: half of its cell counts where a level is its own."""
+        """Return the interpolated level for a number of cells; a cell at the level counts half."""
         place = min(max(count - 0.5, 0.0), len(self.levels) - 1.0)
         index = min(int(place), len(self.levels) - 2)
         lower, upper = float(self.levels[index]), float(self.levels[index + 1])
@@ -189,14 +189,14 @@ class _Ranks:
 
 
 def _estimated(density: NDArray[np.floating], volume: float, ranks: _Ranks) -> float:
-    """Find a level by volumes that need no surface: the mean of the lengths of all grid lines inside, axis by axis."""
+    """Estimate the level without a surface, from the lengths of grid lines inside, averaged over the axes."""
     around = np.pad(density, 1)
     cells = around.ravel()
     count = ranks.nearest(volume)
     for _ in range(_ESTIMATED):
         level = ranks.level(count)
         inside = cells > level
-        # Lines end in the zeros around, so that what comes next in memory is apart.
+        # Zero padding ends every line, so that cells adjacent only in memory do not count.
         beyond = sum(_beyond_centers(cells, inside, stride // around.itemsize, level) for stride in around.strides)
         enclosed = np.count_nonzero(inside) + beyond / 3.0
         count = ranks.nearest(count + volume - enclosed)
@@ -204,7 +204,7 @@ def _estimated(density: NDArray[np.floating], volume: float, ranks: _Ranks) -> f
 
 
 def _beyond_centers(cells: NDArray[np.floating], inside: NDArray[np.bool_], stride: int, level: float) -> float:
-    """Sum up by how much more than half a cell the lines along an axis go on from the last centers inside."""
+    """Sum up by how much more than half a cell the lines along an axis extend beyond the last centers inside."""
     ends = np.flatnonzero(inside[:-stride] != inside[stride:])
     first, second = cells[ends], cells[ends + stride]
     highest = np.maximum(first, second)
@@ -212,12 +212,12 @@ def _beyond_centers(cells: NDArray[np.floating], inside: NDArray[np.bool_], stri
 
 
 def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
-    """By which share of `level` the density exceeds it, changed slightly so that every vertex has its own place.
+    """Excess of the density over `level`, relative to `level`, adjusted so that no two vertices coincide.
 
-    A sample at the level would draw the vertices of all its grid edges onto itself. It is therefore kept from zero, by
-    `_CLEARANCE` of the largest value on the other side of the surface next to it.
+    A sample exactly at the level would pull the vertices of all its grid edges onto itself. Values are therefore kept
+    away from zero, by `_CLEARANCE` times the largest value on the other side of the surface next to them.
     """
-    # Beyond the grid there is nothing, so no excess outside is below -1, and none inside need be above this.
+    # The excess outside is at least -1, so inside no more than this is needed.
     most = 1.0 / _CLEARANCE
     excess = ((np.minimum(density, level * most) - level) / level).astype(np.float32)
     is_inside = excess > 0.0
@@ -230,7 +230,7 @@ def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
 
 
 def bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the first cell along each axis, (3,), and the one after the last, (3,), of those that are True."""
+    """Return the first cell along each axis, (3,), and the one after the last, (3,), of the True cells."""
     spans = []
     for axis in range(3):
         along = np.flatnonzero(inside.any(axis=tuple(a for a in range(3) if a != axis)))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pieces of a set of cells, told from the runs that its cells form along the last axis.
+"""Connected components of a set of cells, from its run-length encoding along the last axis.
 
-A solid has far fewer runs than cells: scipy.ndimage.label, which looks at every cell, takes four times as long.
+A solid has far fewer runs than cells: scipy.ndimage.label, which visits every cell, takes four times as long.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from scipy.sparse.csgraph import connected_components
 
 @dataclass(frozen=True)
 class Pieces:
-    """What hangs together.
+    """The connected components of a set of cells.
 
     Attributes
     ----------
     shape : (int, int, int)
-        Of the grid.
+        Shape of the grid.
     starts, ends : (r,) int64
-        The runs of cells in the set: the first, and the one after the last, numbered along lines of one cell more.
+        The runs of cells in the set: first cell and one after the last, as flat indices with one padding cell per line.
     names : (r,) int32
-        Number of the piece that every run is in, 1, 2, ...; zero where it counts no more.
+        Component of every run, 1, 2, ...; zero for dropped components.
     count : int
-        How many pieces there are.
+        Number of components.
     """
 
     shape: tuple[int, int, int]
@@ -40,8 +40,8 @@ class Pieces:
 
     @classmethod
     def of(cls, inside: NDArray[np.bool_]) -> Pieces:
-        """Find the pieces of the cells, (nx, ny, nz), that are True, joined by faces, in the order they are met in."""
-        # A cell of nothing at the end of every line, so that no run goes on in the next; and one before all.
+        """Label the True cells, (nx, ny, nz), connected through faces, in order of first occurrence."""
+        # An empty cell after every line, so that runs end with their line.
         lines = np.zeros((*inside.shape[:2], inside.shape[2] + 1), bool)
         lines[..., :-1] = inside
         flat = lines.ravel()
@@ -57,7 +57,7 @@ class Pieces:
 
     @cached_property
     def labels(self) -> NDArray[np.int32]:
-        """The number of the piece that every cell is in, (nx, ny, nz); zero elsewhere."""
+        """The component of every cell, (nx, ny, nz); zero elsewhere."""
         lines = np.zeros((*self.shape[:2], self.shape[2] + 1), np.int32)
         marks = np.zeros(lines.size + 1, np.int32)
         marks[self.starts] = self.names
@@ -67,11 +67,11 @@ class Pieces:
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
-        """How many cells every piece has, (count + 1,); the first number is of no piece."""
+        """Number of cells of every component, (count + 1,); index 0 collects dropped runs."""
         return np.bincount(self.names, self.ends - self.starts, self.count + 1).astype(np.int64)
 
     def cells(self, wanted: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Return the cells, (m,) as in a flat array and ascending, of some of the pieces, (count + 1,) bool."""
+        """Return the flat indices of the cells, (m,), ascending, of selected components, (count + 1,) bool."""
         chosen = wanted[self.names]
         starts, lengths = self.starts[chosen], (self.ends - self.starts)[chosen]
         ends = np.cumsum(lengths)
@@ -79,7 +79,7 @@ class Pieces:
         return places - places // (self.shape[2] + 1)
 
     def at(self, cells: NDArray[np.int64]) -> NDArray[np.int32]:
-        """Return the numbers of the pieces that cells, (m,) as in a flat array, are in; zero for others."""
+        """Return the components of cells given by flat indices, (m,); zero for cells outside all components."""
         if not self.count:
             return np.zeros(len(cells), np.int32)
         places = cells + cells // self.shape[2]
@@ -88,14 +88,14 @@ class Pieces:
         return np.where(within, self.names[run], 0)
 
     def joined(self, first: NDArray[np.int64], second: NDArray[np.int64]) -> Pieces:
-        """Join pairs of pieces, given by their numbers."""
+        """Merge pairs of components."""
         if not len(first):
             return self
         count, names = _connected(first - 1, second - 1, self.count)
         return replace(self, names=(names + np.int32(1))[self.names - 1], count=count)
 
     def within(self) -> Pieces:
-        """Leave out those that reach the grid's walls."""
+        """Drop components that touch the boundary of the grid."""
         width = self.shape[2] + 1
         x, y = np.divmod(self.starts // width, self.shape[1])
         at_wall = (x == 0) | (x == self.shape[0] - 1) | (y == 0) | (y == self.shape[1] - 1)
@@ -114,7 +114,7 @@ def _connected(first: NDArray[np.int64], second: NDArray[np.int64], count: int) 
 
 
 def _meeting(starts: NDArray[np.int64], ends: NDArray[np.int64], step: int) -> NDArray[np.int64]:
-    """Return the pairs of runs, (2, m), of which the second shares cells with the first if that is moved by `step`."""
+    """Return the pairs of runs, (2, m), of which the second overlaps the first shifted by `step`."""
     low = np.searchsorted(ends, starts + step, side="right")
     high = np.searchsorted(starts, ends + step, side="left")
     counts = high - low

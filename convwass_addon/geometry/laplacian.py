@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Laplacians of triangle meshes through which heat never turns negative, whatever the triangles look like."""
+"""Laplacians of triangle meshes that keep heat nonnegative for any triangulation."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .delaunay import closed_surface, flipped_to_delaunay, triangle_areas
 from .edges import distinct_corners
 from .mesh import TriangleMesh
 
-# Every triangle inequality holds by this much of the mean edge length after mollification (Sharp and Crane 2020).
+# Mollification makes every triangle inequality hold by this fraction of the mean edge length (Sharp and Crane 2020).
 _MARGIN = 1e-5
-# Weights are cotangents, of order one. What the tufted cover leaves below zero (its edges are flipped until none is
-# below -1e-6) and rounding stay under this.
+# Weights are cotangents, of order one. Negative weights of the tufted cover (edges are flipped until none is below
+# -1e-6) and rounding errors are smaller than this.
 _NOTICEABLE = 1e-5
-# Triangles that are looked at together.
+# Triangles processed together.
 _AT_ONCE = 1 << 16
-# Squared lengths, and their squares, must stay within float64.
+# Upper limit of coordinates: squared lengths, and their squares, must stay within float64.
 _LARGEST = 1e75
 
 
@@ -40,15 +40,15 @@ class Laplacian:
     Attributes
     ----------
     matrix : (n, n) csc_array
-        Stiffness L, positive semi-definite: exactly symmetric, with no positive off-diagonal, and with rows that sum
-        to zero up to rounding. Empty at vertices without area. It does not depend on the scale of the mesh.
+        Stiffness L, positive semi-definite: exactly symmetric, without positive off-diagonal entries, and with row sums
+        of zero up to rounding. Zero at vertices without area. It does not depend on the scale of the mesh.
     areas : (n,) float64
-        Area around every vertex, in the units of the mesh squared. Zero at vertices that no triangle of three
-        different vertices uses, positive everywhere else.
+        Area around every vertex, in squared units of the mesh. Zero at vertices that no non-degenerate triangle uses,
+        positive everywhere else.
     method : "tufted" or "cotangent"
-        Where the weights come from.
+        How the weights were computed.
     clamped : int
-        Edges with a negative weight that was set to zero: none of them would conduct heat the right way.
+        Number of edges with a negative weight, which was set to zero because it would move heat the wrong way.
     """
 
     matrix: csc_array
@@ -58,15 +58,15 @@ class Laplacian:
 
 
 def laplacian(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Laplacian:
-    """Return the tufted Laplacian of `mesh` where it can be had, the cotangent Laplacian otherwise.
+    """Return the tufted Laplacian of `mesh` if it can be computed, otherwise the cotangent Laplacian.
 
-    The tufted one needs numbers that float64 can still tell apart after many edge flips and, where edges have more than
-    two triangles, robust_laplacian. Cancelling `control` ends the work.
+    The tufted Laplacian needs float64 to be precise enough for many edge flips and, for edges with more than two
+    triangles, robust_laplacian. Cancelling `control` stops the work.
 
     Raises
     ------
     InputError
-        No triangle of the mesh has any area, or its size is beyond what can be calculated with.
+        No triangle has any area, or coordinates are too large or too small to compute with.
     """
     with suppress(ImportError, TuftedLaplacianError):
         return tufted_laplacian(mesh, control)
@@ -76,21 +76,20 @@ def laplacian(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Laplacian
 def tufted_laplacian(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Laplacian:
     """Return the Laplacian of the intrinsic Delaunay triangulation of the mesh's tufted cover.
 
-    It has no negative weights but for rounding, and takes edges of any number of triangles. N. Sharp and K. Crane, "A
+    Negative weights are rounding errors only, and edges may have any number of triangles. N. Sharp and K. Crane, "A
     Laplacian for Nonmanifold Triangle Meshes", Computer Graphics Forum 39(5), 2020.
 
-    robust_laplacian makes it for every mesh, but nothing else in Blender can happen meanwhile, 40 s for a million
-    vertices. It is left to where more than two triangles share an edge, and to where rounding keeps the flips of
-    :mod:`.delaunay` from ending.
+    robust_laplacian handles every mesh but blocks Blender meanwhile, for 40 s with a million vertices. It is only used
+    where more than two triangles share an edge, or where rounding keeps the flips of :mod:`.delaunay` from ending.
 
     Raises
     ------
     ImportError
-        robust_laplacian is needed, and not there.
+        robust_laplacian is needed but not installed.
     InputError
-        No triangle of the mesh has any area, or its size is beyond what can be calculated with.
+        No triangle has any area, or coordinates are too large or too small to compute with.
     TuftedLaplacianError
-        robust_laplacian failed, as it may where edges differ in length by more than about 1e10.
+        robust_laplacian failed, as it may for edges that differ in length by more than about 1e10.
     """
     surface = _unit_surface(mesh)
     control.check()
@@ -98,8 +97,8 @@ def tufted_laplacian(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> La
 
 
 def _by_flips(surface: _UnitSurface, control: Control) -> Laplacian | None:
-    """Flip many edges at once; None where more than two triangles share an edge, or numbers do not suffice."""
-    # Lengths of the sides that start from every corner.
+    """Flip many edges at once; None for edges with more than two triangles or if float64 is not precise enough."""
+    # Length of the side that starts at each corner.
     lengths = np.roll(_mollified(_edge_lengths(surface)), -2, axis=1)
     control.check()
     closed = closed_surface(surface.faces, lengths)
@@ -114,7 +113,7 @@ def _by_flips(surface: _UnitSurface, control: Control) -> Laplacian | None:
     count = len(surface.vertices)
     tails = flipped.tails.reshape(-1, 3)
     heads = np.roll(tails, -1, axis=1)
-    # Half of each, for the edge is there from its other side too.
+    # Half of each weight, because every edge occurs once per side.
     weights = (0.5 / closed.sheets) * flipped.cotangents
     halves = coo_array((weights.ravel(), (tails.ravel(), heads.ravel())), shape=(count, count))
     areas = np.bincount(tails.ravel(), np.repeat(flipped.areas / (3.0 * closed.sheets), 3), count)
@@ -133,29 +132,29 @@ def _by_robust_laplacian(surface: _UnitSurface) -> Laplacian:
     if not (np.isfinite(stiffness.data).all() and np.isfinite(areas).all() and areas.min() > 0):
         raise TuftedLaplacianError("robust_laplacian returned areas or weights that are not numbers.")
     entries = coo_array(stiffness)
-    # Half of each, since a symmetric matrix names every edge twice.
+    # Half of each weight, because a symmetric matrix contains every edge twice.
     weights = coo_array((-0.5 * entries.data, entries.coords), shape=entries.shape)
     return _assemble(surface, weights, areas, "tufted")
 
 
 def cotangent_laplacian(mesh: TriangleMesh) -> Laplacian:
-    """Return the cotangent Laplacian of the mesh, negative weights set to zero.
+    """Return the cotangent Laplacian of the mesh, with negative weights set to zero.
 
-    Everything comes from edge lengths. All of them grow by the same length, the smallest that makes the triangle
+    Computed from edge lengths alone. All lengths are increased by the same amount, the smallest that makes the triangle
     inequalities hold by a margin (mollification, section 4.5 of Sharp and Crane 2020), so that degenerate triangles
-    have areas and angles too. U. Pinkall and K. Polthier, "Computing Discrete Minimal Surfaces and Their Conjugates",
+    also have areas and angles. U. Pinkall and K. Polthier, "Computing Discrete Minimal Surfaces and Their Conjugates",
     Experimental Mathematics 2(1), 1993.
 
     Raises
     ------
     InputError
-        No triangle of the mesh has any area, or its size is beyond what can be calculated with.
+        No triangle has any area, or coordinates are too large or too small to compute with.
     """
     surface = _unit_surface(mesh)
     lengths = _mollified(_edge_lengths(surface))
     areas = triangle_areas(lengths)
     squares = lengths**2
-    # Column c belongs to the edge opposite corner c; half the cotangent of the angle at c is its weight.
+    # Column c belongs to the edge opposite corner c, whose weight is half the cotangent of the angle at c.
     weights = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (8.0 * areas[:, None])
     tails, heads = np.roll(surface.faces, -1, axis=1), np.roll(surface.faces, -2, axis=1)
     count = len(surface.vertices)
@@ -166,20 +165,20 @@ def cotangent_laplacian(mesh: TriangleMesh) -> Laplacian:
 
 @dataclass(frozen=True)
 class _UnitSurface:
-    """The triangles of a mesh that can carry heat, with the vertices that they use, rescaled to unit size.
+    """The non-degenerate triangles of a mesh and the vertices that they use, rescaled to unit size.
 
     Attributes
     ----------
     vertices : (k, 3) float64
-        The larger of their extents is one.
+        The largest extent is one.
     faces : (j, 3) int64
         Three different vertices each.
     used : (k,) int64
         Index of every vertex in the mesh.
     count : int
-        Vertices of the mesh.
+        Number of vertices of the mesh.
     scale : float
-        Length of the mesh per unit length.
+        Length in the mesh of one unit.
     """
 
     vertices: NDArray[np.float64]
@@ -213,9 +212,9 @@ def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
 
 
 def _has_area(surface: _UnitSurface, reach: float) -> bool:
-    """Tell whether any triangle is higher than coordinates of size `reach` are exact."""
+    """Return whether any triangle is higher than the rounding error of coordinates of size `reach`."""
     least = 8.0 * np.finfo(float).eps * max(reach, 1.0)
-    # Most often one of the first few has.
+    # Usually one of the first triangles is.
     for start in range(0, len(surface.faces), _AT_ONCE):
         corners = surface.vertices[surface.faces[start : start + _AT_ONCE]]
         a, b, c = np.moveaxis(corners, 1, 0)
@@ -232,7 +231,7 @@ def _edge_lengths(surface: _UnitSurface) -> NDArray[np.float64]:
 
 
 def _lengths(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the same of triangles by their corners, (j, 3, 3)."""
+    """Return the edge lengths of triangles given by their corners, (j, 3, 3)."""
     return np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
 
 
@@ -248,7 +247,7 @@ def _assemble(
     method: Literal["tufted", "cotangent"],
     control: Control = UNINTERRUPTED,
 ) -> Laplacian:
-    """Sum the weights of every edge in both directions, clamp them and put them where the mesh has its vertices."""
+    """Sum the weights of every edge in both directions, clamp them, and expand to the vertices of the mesh."""
     one_way = halves.tocsc()
     control.check()
     weights = (one_way + one_way.T).tocoo()
@@ -257,8 +256,8 @@ def _assemble(
     clamped = np.count_nonzero((weights.data < -_NOTICEABLE) & (rows < columns))
     keep = (weights.data > 0) & (rows != columns)
     rows, columns, values = rows[keep], columns[keep], weights.data[keep]
-    # No negative weight makes D_a + t L an M-matrix: its inverse has no negative entry, and a Cholesky solve only
-    # adds numbers of one sign, so that even heat of 1e-200 is right to many digits.
+    # Without negative weights D_a + t L is an M-matrix: its inverse is nonnegative, and a Cholesky solve only adds
+    # numbers of one sign, so even heat of 1e-200 is accurate to many digits.
     diagonal = np.bincount(columns, values, len(areas))
     control.check()
     used = surface.used

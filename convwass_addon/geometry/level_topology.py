@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pieces and Euler number of a level set, counted on the cells as marching cubes would draw it, without drawing it."""
+"""Components and Euler number of a marching cubes surface, counted on the cells without extracting the surface."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from skimage.measure import marching_cubes
 from .labelling import Pieces
 
 _CORNERS = np.array(list(np.ndindex(2, 2, 2)))
-# Cells across an edge from each other: their difference, and the two cells that lie between them.
+# Offsets of cells that share only an edge, each with the offsets of the two cells between them.
 _ACROSS = [
     (np.array(offset), [np.where(np.arange(3) == axis, offset, 0) for axis in np.flatnonzero(offset)])
     for offset in np.ndindex(3, 3, 3)
@@ -24,24 +24,24 @@ _ACROSS = [
 
 
 def pieces_above(density: NDArray[np.floating], level: float) -> Pieces:
-    """Return the pieces of the set where a density, (nx, ny, nz), exceeds a level."""
+    """Return the components of the set where a density, (nx, ny, nz), exceeds a level."""
     return _joined_across(Pieces.of(density > level), density, level)
 
 
 def hollows_below(density: NDArray[np.floating], level: float) -> Pieces:
-    """Return the pieces of the rest that do not reach the walls of the grid, (x, y, z)."""
+    """Return the components of the complement that do not touch the boundary of the grid."""
     return _joined_across(Pieces.of(density <= level), density, level).within()
 
 
 def euler_number(density: NDArray[np.floating], level: float) -> int:
-    """Vertices - triangles / 2 of the closed surface at a level of a density, (nx, ny, nz), surrounded by zeros."""
+    """Vertices - triangles / 2 of the closed isosurface of a density, (nx, ny, nz), that is zero outside the grid."""
     return round(float(euler_numbers_within(np.pad(density, 1)[None], level)[0]))
 
 
 def euler_numbers_within(windows: NDArray[np.floating], level: float) -> NDArray[np.float64]:
-    """Return the same for parts of a grid, (k, mx, my, mz), cut open at their walls, (k,).
+    """Return the same for parts of a grid, (k, mx, my, mz), cut open at their boundaries, (k,).
 
-    What changes inside a part changes this as it changes the surface's Euler number.
+    A change inside a part changes this by the same amount as the Euler number of the whole surface.
     """
     inside = (windows > level).view(np.uint8)
     codes = np.zeros((len(windows), *np.subtract(windows.shape[1:], 1)), np.uint8)
@@ -62,7 +62,7 @@ def euler_numbers_within(windows: NDArray[np.floating], level: float) -> NDArray
 
 @dataclass(frozen=True)
 class _CubeTable:
-    """What a cube adds to the Euler number by which of its corners are inside, (256,), and where that is open."""
+    """Contribution of a cube to the Euler number by which corners are inside, (256,), and where it is ambiguous."""
 
     share: NDArray[np.float64]
     ambiguous: NDArray[np.bool_]
@@ -74,7 +74,7 @@ def _cube_table() -> _CubeTable:
     share = np.zeros(256)
     share[1:255] = _shares(np.where(inside[1:255], 1.0, -1.0))
     ambiguous = np.zeros(256, bool)
-    # Two corners across a face with the others on the other side, or two at opposite ends of the cube with all others.
+    # Two opposite corners of a face against the other two, or two opposite corners of the cube against all others.
     for axis in range(3):
         for side in (0, 1):
             a, b, c, d = inside[:, _CORNERS[:, axis] == side].T
@@ -86,8 +86,9 @@ def _cube_table() -> _CubeTable:
 
 
 def _shares(cubes: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Return what cubes add to the Euler number, (n,); `cubes` are the excess densities at their corners, (n, 8)."""
-    # All in one row; those between them are left out. Where a mask says which depends on the release.
+    """Return the contributions of cubes to the Euler number, (n,), from the excess density at their corners, (n, 8)."""
+    # Cubes stand in a row, and the mask skips those between them. Releases differ in which corner of a cube the mask
+    # uses.
     row = np.ascontiguousarray(cubes.reshape(-1, 2, 2, 2).transpose(1, 2, 0, 3).reshape(2, 2, -1), np.float32)
     wanted = np.zeros(row.shape, bool)
     wanted[0, 0, ::2] = wanted[1, 1, 1::2] = True
@@ -95,16 +96,16 @@ def _shares(cubes: NDArray[np.floating]) -> NDArray[np.float64]:
     owner = (vertices[:, 2] // 2).astype(np.int64)
     inside = cubes.reshape(-1, 2, 2, 2) > 0.0
     crossed = sum(np.count_nonzero(np.diff(inside, axis=axis), axis=(1, 2, 3)) for axis in (1, 2, 3))
-    # A vertex on an edge belongs to four cubes, one inside a cube to that alone.
+    # A vertex on an edge belongs to four cubes, a vertex inside a cube only to that one.
     own_vertices, own_faces = (np.bincount(own, minlength=len(cubes)) for own in (owner, owner[faces[:, 0]]))
     return own_vertices - 0.75 * crossed - 0.5 * own_faces
 
 
 def _joined_across(pieces: Pieces, density: NDArray[np.floating], level: float) -> Pieces:
-    """Join pieces that touch along an edge where the surface does: Nielson and Hamann's asymptotic decider (1991)."""
+    """Merge components that touch along an edge if the surface does: Nielson and Hamann's asymptotic decider (1991)."""
     if pieces.count < 2:
         return pieces
-    # Every pair of pieces is met from one of both.
+    # Checking all but the largest component visits every pair.
     smaller = np.arange(pieces.count + 1) > 0
     smaller[1 + np.argmax(pieces.sizes[1:])] = False
     flat = pieces.cells(smaller)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mean value coordinates: points as weighted means of the vertices of a closed mesh.
+"""Mean value coordinates: points as weighted averages of the vertices of a closed mesh.
 
 Ju, Schaefer and Warren, "Mean value coordinates for closed triangular meshes", 2005.
 """
@@ -16,13 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
 
-# Pairs of a point and a triangle that are handled at once: what they need is some hundred bytes each.
+# Pairs of a point and a triangle processed together; each needs a few hundred bytes.
 _PAIRS = 1 << 17
-# In sizes of the mesh: closer to the surface, a point lies on it.
+# A point closer to the surface than this fraction of the mesh's size lies on it.
 _ON_SURFACE = 1e-9
-# A triangle that is seen edge-on, by the determinant of the directions to its corners, has no weight.
+# A triangle seen edge-on has no weight: the determinant of the directions to its corners is below this.
 _EDGE_ON = 1e-9
-# Newton's method for positive coordinates: steps, and the error of the mean in sizes of the mesh at which it ends.
+# Newton's method for positive coordinates: steps, and the error of the mean, relative to the mesh's size, at which it
+# stops.
 _NEWTON_STEPS = 60
 _EXACT = 1e-11
 
@@ -30,15 +31,15 @@ _EXACT = 1e-11
 def mean_value_coordinates(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return weights of the vertices whose weighted mean is each point.
 
-    They are smooth inside, linear on every triangle of the surface, and not negative on convex meshes; elsewhere some
-    are, mostly slightly.
+    They are smooth inside, linear on every triangle of the surface, and nonnegative on convex meshes; on others some
+    are negative, usually slightly.
 
     Parameters
     ----------
     points : (k, 3)
-        Anywhere; on the surface the weights are barycentric coordinates.
+        Any points; on the surface the weights are barycentric coordinates.
     mesh : TriangleMesh
-        Closed, with neighbors that agree on what is outside. Vertices that no triangle uses get no weight.
+        Closed and consistently oriented. Vertices that no triangle uses get no weight.
 
     Returns
     -------
@@ -60,14 +61,15 @@ def mean_value_coordinates(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.
 def _triangle_weights(points: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.float64]:
     """Weights that every triangle gives its corners, (k, m, 3).
 
-    The mean of the directions into a spherical triangle, an integral that its edges make up, is written as a
-    combination of the directions to its corners (Floater, "Generalized barycentric coordinates", 2015, section 8).
+    The mean direction over a spherical triangle, an integral over its edges, is written as a combination of the
+    directions to its corners (Floater, "Generalized barycentric coordinates", 2015, section 8).
     """
     offsets = mesh.vertices[None] - points[:, None]
     lengths = np.linalg.norm(offsets, axis=2)
     units = (offsets / np.where(lengths > 0, lengths, 1.0)[..., None])[:, mesh.faces]
     after, before = np.roll(units, -1, axis=2), np.roll(units, 1, axis=2)
-    # Of the edge across from every corner: the normal of the plane through it and the point, and the angle it spans.
+    # For the edge opposite every corner: the normal of the plane through the edge and the point, and the angle it
+    # spans.
     normals = np.cross(after, before)
     sines = np.linalg.norm(normals, axis=3)
     angles = np.arctan2(sines, np.einsum("kmci,kmci->kmc", after, before))
@@ -81,21 +83,21 @@ def _triangle_weights(points: NDArray[np.float64], mesh: TriangleMesh) -> NDArra
 
 
 def _summed(weights: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Add up what the triangles give their corners, (k, m, 3), vertex by vertex, (k, n)."""
+    """Sum the weights of the triangles' corners, (k, m, 3), per vertex, (k, n)."""
     corners = mesh.faces.ravel()
     return np.stack([np.bincount(corners, row.ravel(), len(mesh.vertices)) for row in weights])
 
 
 @dataclass(frozen=True)
 class PositiveCoordinates:
-    """Weights of vertices, none of them negative.
+    """Nonnegative weights of vertices.
 
     Attributes
     ----------
     weights : (k, n) float64
         Each row sums to 1.
     exact : (k,) bool
-        Whether the weighted mean of the vertices is the point itself.
+        Whether the weighted mean of the vertices equals the point.
     """
 
     weights: NDArray[np.float64]
@@ -105,20 +107,20 @@ class PositiveCoordinates:
 def positive_coordinates(
     weights: NDArray[np.float64], points: ArrayLike, vertices: NDArray[np.float64]
 ) -> PositiveCoordinates:
-    """Make weights positive that are not, so that their mean stays where it is.
+    """Make weights nonnegative while preserving their mean.
 
-    Negative weights are set to zero, and the others tilted by a factor exp(lambda . vertex), which of all that have
-    the right mean changes them least (in relative entropy). Points that are no mean of vertices of positive weight,
-    such as all outside of the hull, have no such weights: theirs are not tilted.
+    Negative weights are set to zero and the others multiplied by a factor exp(lambda . vertex), which among all weights
+    with the right mean changes them least (in relative entropy). A point that is not a mean of vertices with positive
+    weight, such as any point outside the hull, has no such weights; its weights are not multiplied.
 
     Parameters
     ----------
     weights : (k, n)
-        Some of each row are positive.
+        At least one of each row is positive.
     points : (k, 3)
-        What the means are to be.
+        The desired means.
     vertices : (n, 3)
-        Of the mesh.
+        Vertices of the mesh.
     """
     wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     clamped = np.maximum(weights, 0.0)
@@ -135,9 +137,9 @@ def positive_coordinates(
 
 
 def _tilted(weights: NDArray[np.float64], offsets: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Tilt weights until the mean of the offsets is zero; None where there is no such tilt.
+    """Tilt weights exponentially until the mean of the offsets is zero; None if that is impossible.
 
-    Newton's method with backtracking on the logarithm of the sum of exp, a convex function of the three unknowns.
+    Newton's method with backtracking on the log-sum-exp, a convex function of three unknowns.
     """
     tilt, logs = np.zeros(3), np.log(weights)
     value, shares = _log_sum(logs)
@@ -151,7 +153,7 @@ def _tilted(weights: NDArray[np.float64], offsets: NDArray[np.float64]) -> NDArr
         while length > 1e-6:
             trial = tilt + length * step
             trial_value, trial_shares = _log_sum(logs + offsets @ trial)
-            # Rounding hides the last decreases.
+            # The tolerance allows for rounding in the last steps.
             if trial_value <= value + 1e-4 * length * decrease + 1e-14:
                 break
             length *= 0.5

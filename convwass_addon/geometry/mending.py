@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mend what transport tears: crumbs are dropped, bubbles filled, narrow gaps bridged, false handles cut or filled.
+"""Repair the topology of blends: drop crumbs, fill bubbles, bridge narrow gaps, cut or fill false handles.
 
-The level set of a blend follows every wrinkle of its density. Where a density next to the level would give another
-topology, and the shapes have that one, it is raised or lowered a little around the cell that decides. All is counted on
-cells; surfaces are drawn to find the level at first, and at the end. That one is meshed evenly.
+The level set of a blend follows every detail of its density. Where densities close to the level would give another
+topology, one that the input shapes have, the density is raised or lowered slightly around the deciding cell. Topology
+is counted on cells; surfaces are extracted only to find the level and at the end. The final surface is meshed evenly.
 """
 
 from __future__ import annotations
@@ -23,32 +23,31 @@ from .level_topology import euler_number, hollows_below, pieces_above
 from .piece_joining import DEEPEST_GAP, join_pieces
 from .saddle_smoothing import smoothed_at_saddles
 
-# How often pieces and bubbles are looked for in a row, and how often all is mended and a surface drawn.
+# How often components and bubbles are searched in a row, and how often everything is repaired and a surface extracted.
 _ATTEMPTS = 24
 _ROUNDS = 5
 _NOTHING = Connectivity(0, 0, 0)
 _COUNTED = ("crumbs", "filled", "bridged", "clipped", "unhandled", "smoothed")
-# By how many cells places are smoothed whose handles cannot be removed one by one, and how many are too many to try.
-# From a ball to a knot at 100 cells, 57 handles of a frame were removed and 10 were left.
+# Blur, in cells, of places whose handles cannot be removed one by one, and the number of handles above which that is
+# not tried. From a ball to a knot at 100 cells, 57 handles of a frame were removed and 10 were left.
 _SMOOTHINGS = (1.0, 1.5, 2.0)
 _SPONGE = 12
 
 
 @dataclass(frozen=True)
 class Mending:
-    """A surface and what was done to get it.
+    """A surface and how it was repaired.
 
     Attributes
     ----------
     surface : LevelSurface
-        Encloses the volume.
+        The surface that encloses the volume.
     found, most : Connectivity
-        What it has, and what it was to have at the most.
+        Its topology, and the largest numbers allowed.
     crumbs, filled, bridged, clipped, unhandled : int
-        Pieces that were dropped, bubbles that were filled, gaps that were bridged, pieces that were joined in part,
-        handles that were cut or filled.
+        Numbers of dropped components, filled bubbles, bridged gaps, partially joined components, and removed handles.
     smoothed : float
-        Cells by which spongy places were smoothed before that, where nothing less removes their handles.
+        Blur in cells of spongy places, if their handles could not be removed otherwise.
     """
 
     surface: LevelSurface
@@ -71,32 +70,32 @@ class Mending:
 
 
 def mended_surface(density: NDArray[np.floating], volume: float, most: Connectivity) -> Mending:
-    """Evenly meshed surface that encloses a volume, with no more pieces, handles and bubbles than asked for.
+    """Extract an evenly meshed surface that encloses a volume, with bounded numbers of components, handles and bubbles.
 
-    Only small changes are made. What would take more stays as it is: the record tells.
+    Only small changes are made. Defects that would need larger ones remain and are listed in the record.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        What to take the surface of.
+        The density of the blend.
     volume : float
         In cells.
     most : Connectivity
-        As many as the shapes have that are blended.
+        Largest numbers of components, handles and bubbles: those of the input shapes.
 
     Raises
     ------
     InputError
-        As :func:`surface_enclosing` does.
+        As for :func:`surface_enclosing`.
     """
     density = as_floats(density)
-    # What is thinner than the deepest gap plays no part.
+    # Parts thinner than the deepest gap are irrelevant.
     box, low = _box_of_interest(density, volume)
     given = np.array(density[box], order="C")
     work = _Work(given.copy(), volume, most, _SPONGE)
     level = work.level
     best = _settled(work, most)
-    # What is no sponge keeps its handles after little smoothing or after any.
+    # Where there is no sponge, more smoothing removes no more handles than a little.
     is_sponge = best.mending.found.beyond(most).handles > _SPONGE
     for sigma in _SMOOTHINGS if is_sponge else _SMOOTHINGS[:1]:
         if best.mending.found.beyond(most).handles == 0:
@@ -111,14 +110,14 @@ def mended_surface(density: NDArray[np.floating], volume: float, most: Connectiv
 
 @dataclass(frozen=True)
 class _Settled:
-    """A surface that is mended, and the density that it was drawn of."""
+    """A repaired surface and its density."""
 
     mending: Mending
     density: NDArray[np.floating]
 
 
 def _settled(work: _Work, most: Connectivity) -> _Settled:
-    """Mend and draw in turn until nothing is left to mend."""
+    """Alternate between repairing and extracting until nothing changes."""
     best = None
     for _ in range(_ROUNDS):
         changed = work.mend()
@@ -132,21 +131,21 @@ def _settled(work: _Work, most: Connectivity) -> _Settled:
 
 
 class _Work:
-    """A density that is changed step by step, in place.
+    """A density that is repaired step by step, in place.
 
     Attributes
     ----------
     density : (nx, ny, nz)
-        As it is now.
+        Its current state.
     level : float
-        Of the surface.
+        Level of the surface.
 
     Parameters
     ----------
     density, volume, most
         As for :func:`mended_surface`.
     too_many : int or None
-        More handles than that are not removed one by one.
+        If there are more excess handles than this, none is removed.
     """
 
     def __init__(self, density: NDArray[np.floating], volume: float, most: Connectivity, too_many: int | None) -> None:
@@ -156,13 +155,13 @@ class _Work:
         self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
 
     def drawn(self) -> Mending:
-        """Draw the surface as it is now; what is mended next is seen at its level."""
+        """Extract the current surface; the next repairs use its level."""
         surface = surface_enclosing(self.density, self._volume, self._shortfall)
         self.level = surface.level
         return Mending(surface, Connectivity.of(surface), self._most, *self._counts())
 
     def mend(self) -> bool:
-        """Mend what is seen at the present level; return whether there was anything that could be."""
+        """Repair defects at the current level; return whether anything was repaired."""
         before = self._counts()
         pieces = self._join_pieces()
         bubbles = self._fill_bubbles()
@@ -176,7 +175,7 @@ class _Work:
         return self._crumbs, self._filled, self._bridged, self._clipped, self._unhandled
 
     def _join_pieces(self) -> int:
-        """Bridge gaps and drop what hangs on by none; return how many pieces are left."""
+        """Bridge gaps and drop components that no gap connects; return the number of components left."""
         for _ in range(_ATTEMPTS):
             pieces = pieces_above(self.density, self.level)
             if pieces.count <= self._most.pieces:
@@ -190,7 +189,7 @@ class _Work:
         return pieces.count
 
     def _fill_bubbles(self) -> int:
-        """Fill the smallest hollows; return how many are left."""
+        """Fill the smallest hollows; return the number left."""
         for _ in range(_ATTEMPTS):
             hollows = hollows_below(self.density, self.level)
             excess = hollows.count - self._most.bubbles
@@ -199,7 +198,7 @@ class _Work:
             sizes = np.bincount(hollows.labels.ravel())
             smallest = np.zeros(len(sizes), bool)
             smallest[1 + np.argsort(sizes[1:], kind="stable")[:excess]] = True
-            # With the cells around them, so that a slightly higher level does not bring them back.
+            # Include adjacent cells, so that a slightly higher level does not reopen the hollows.
             filled = dilated(smallest[hollows.labels])
             self.density[filled] = np.maximum(self.density[filled], RAISED * self.level)
             self._filled += excess
@@ -207,7 +206,7 @@ class _Work:
 
 
 def _box_of_interest(density: NDArray[np.floating], volume: float) -> tuple[tuple[slice, ...], NDArray[np.int64]]:
-    """Return the box that holds all that mending may look at, and its low corner."""
+    """Return the box of all cells that repairs can depend on, and its lower corner."""
     positive = density[density > 0]
     rank = max(len(positive) - 1 - int(volume), 0)
     level = np.partition(positive, rank)[rank] if len(positive) else 0.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A triangle mesh as two arrays, and what can be read off it directly."""
+"""A triangle mesh as two arrays, with its basic measures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class TriangleMesh:
     Attributes
     ----------
     vertices : (n, 3) float64
-        Positions, in whatever space the maker says.
+        Positions; the creator of the mesh defines the space.
     faces : (m, 3) int64
         Vertex indices; counter-clockwise seen from outside.
     """
@@ -33,7 +33,7 @@ class TriangleMesh:
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike) -> TriangleMesh:
-        """Check and convert arrays to a mesh.
+        """Validate and convert arrays to a mesh.
 
         Raises
         ------
@@ -83,15 +83,15 @@ class TriangleMesh:
 
     @cached_property
     def face_volumes(self) -> NDArray[np.float64]:
-        """Signed volumes of the tetrahedra that the triangles span with the middle of the bounds, (m,)."""
+        """Signed volumes of the tetrahedra between the triangles and the center of the bounds, (m,)."""
         points = np.ascontiguousarray((self.vertices - self.bounds.mean(axis=0)).T)
-        # Coordinate by coordinate, which takes half of the time of np.cross.
+        # Coordinate by coordinate takes half the time of np.cross.
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (points[:, corner] for corner in self.faces.T)
         return (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
 
     @cached_property
     def volume(self) -> float:
-        """Signed enclosed volume; positive where the faces look outward."""
+        """Signed enclosed volume; positive if the faces point outward."""
         return float(self.face_volumes.sum())
 
     def moved(self, offset: ArrayLike) -> TriangleMesh:
@@ -99,5 +99,5 @@ class TriangleMesh:
         return TriangleMesh(self.vertices + np.asarray(offset, dtype=np.float64), self.faces)
 
     def flipped(self) -> TriangleMesh:
-        """Return the mesh with every face turned over."""
+        """Return the mesh with the orientation of every face reversed."""
         return TriangleMesh(self.vertices, np.ascontiguousarray(self.faces[:, ::-1]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the solid inside a mesh is connected, from the mesh alone: no grid is too coarse to part fingers that touch."""
+"""Topology of the solid inside a mesh, from the mesh alone, since a grid may not resolve touching fingers."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from .mesh import TriangleMesh
 from .welding import welded
 from .winding import lattice_winding
 
-# Cells along the longest side of the lattice on which overlaps are looked for, and free ones around it.
+# Cells along the longest side of the lattice used to detect overlaps, and empty cells around it.
 _CELLS, _MARGIN = 64, 2
-# A component may overlap itself in this share of its volume, as where skin folds in an armpit. Beyond, what overlaps
-# may be meant to be joined, as the ends of a bent tube.
+# A component may overlap itself in this fraction of its volume, as where skin folds in an armpit. A larger overlap may
+# be an intended connection, as of the ends of a bent tube.
 _FOLDED = 5e-3
 
 
 def mesh_connectivity(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Connectivity | None:
-    """Count pieces, handles and bubbles of the solid that a mesh bounds, by the Euler number of every component.
+    """Count components, handles and bubbles of the solid bounded by a mesh, by Euler characteristics.
 
     A closed orientable surface with V vertices and F triangles has the genus 1 - (V - F / 2) / 2.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Facing outward (:func:`.orientation.orient_outward`); a component that faces inward is a bubble.
+        Oriented outward (:func:`.orientation.orient_outward`); an inward component is a bubble.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Returns
     -------
     Connectivity or None
-        None where the surface does not tell: it is open, not a manifold, or its components overlap each other.
+        None if the surface does not determine them: it is open, not a manifold, or its components overlap.
     """
     whole = welded(mesh)
     if not len(whole.faces) or not topology(whole, edge_use(whole.faces)).closed:
@@ -43,7 +43,7 @@ def mesh_connectivity(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> C
     of_faces = face_components(whole.faces)
     of_vertices = np.empty(len(whole.vertices), np.int64)
     of_vertices[whole.faces] = of_faces[:, None]
-    # Twice the Euler number; odd or more than that of a sphere where a vertex joins several fans of triangles.
+    # Twice the Euler number; odd, or more than that of a sphere, where a vertex joins several fans of triangles.
     doubled = 2 * np.bincount(of_vertices) - np.bincount(of_faces)
     if (doubled % 4 != 0).any() or (doubled > 4).any():
         return None
@@ -55,7 +55,7 @@ def mesh_connectivity(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> C
 
 
 def _overlapping_share(mesh: TriangleMesh, control: Control) -> float:
-    """Return the share of the filled cells of a coarse lattice around which the surface winds more than once."""
+    """Return the fraction of filled cells of a coarse lattice with a winding number above one."""
     extent = np.ptp(mesh.bounds, axis=0)
     spacing = float(extent.max()) / _CELLS
     cells = np.ceil(extent / spacing).astype(int) + 2 * _MARGIN

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several shapes laid on each other rigidly, each moved by no more than its share.
+"""Mutual rigid alignment of several shapes, each moved according to its weight.
 
 Rotations and translations minimize the weighted squared distances of corresponding points (generalized Procrustes
-analysis; J. Gower, "Generalized Procrustes Analysis", Psychometrika 40, 1975). What they leave free, a common motion,
-is chosen such that the weighted mean of the motions is none.
+analysis; J. Gower, "Generalized Procrustes Analysis", Psychometrika 40, 1975). The common motion, which this leaves
+undetermined, is chosen such that the weighted mean of the motions is zero.
 """
 
 from __future__ import annotations
@@ -17,24 +17,24 @@ from numpy.typing import NDArray
 
 from .rotation_fields import rotation_matrices, rotation_vectors
 
-# Rounds in which every shape is turned towards the others; two shapes need one.
+# Rounds in which every shape is aligned to the others; two shapes need only one.
 _ROUNDS = 30
-# Rounds for the mean of rotations.
+# Iterations for the mean of rotations.
 _MEAN_ROUNDS = 8
 
 
 @dataclass(frozen=True)
 class RigidPose:
-    """Turns about a center and moves.
+    """A rotation about a center and a translation.
 
     Attributes
     ----------
     vector : (3,) float64
         Rotation vector, radians.
     center : (3,) float64
-        What the shape turns about.
+        Center of the rotation.
     offset : (3,) float64
-        How the center moves.
+        Translation of the center.
     """
 
     vector: NDArray[np.float64]
@@ -42,26 +42,26 @@ class RigidPose:
     offset: NDArray[np.float64]
 
     def applied(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return points, (n, 3), moved."""
+        """Return transformed points, (n, 3)."""
         return (points - self.center) @ rotation_matrices(self.vector[None])[0].T + self.center + self.offset
 
     def scaled(self, share: float) -> RigidPose:
-        """Return a share of the motion."""
+        """Return a fraction of the motion."""
         return RigidPose(share * self.vector, self.center, share * self.offset)
 
 
 @dataclass(frozen=True)
 class Correspondence:
-    """Points of two shapes that belong together, by their moments.
+    """Corresponding points of two shapes, summarized by their moments.
 
     Attributes
     ----------
     shapes : (int, int)
-        Which two.
+        Indices of the shapes.
     means : (2, 3) float64
-        Means of the points of either.
+        Mean of each shape's points.
     covariance : (3, 3) float64
-        Of those of the first with those of the second.
+        Covariance of the points of the first shape with those of the second.
     """
 
     shapes: tuple[int, int]
@@ -76,7 +76,7 @@ class Correspondence:
         second: NDArray[np.float64],
         weights: NDArray[np.float64],
     ) -> Correspondence:
-        """Sum up points, (n, 3) each, with weights, (n,), of which only the proportions matter."""
+        """Summarize points, (n, 3) each, with weights, (n,), of any sum."""
         shares = weights / weights.sum()
         means = np.stack([shares @ first, shares @ second])
         covariance = np.einsum("n,ni,nj->ij", shares, first - means[0], second - means[1])
@@ -84,23 +84,23 @@ class Correspondence:
 
     @property
     def swapped(self) -> Correspondence:
-        """The same, the other way around."""
+        """The same in the opposite direction."""
         return Correspondence(self.shapes[::-1], self.means[::-1], self.covariance.T)
 
     def about(self, first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the second moments about given points, (3, 3)."""
+        """Return the cross moments about given points, (3, 3)."""
         return self.covariance + np.outer(self.means[0] - first, self.means[1] - second)
 
 
 def mutual_poses(weights: Sequence[float], correspondences: Sequence[Correspondence]) -> list[RigidPose]:
-    """Return for every shape how it moves to lie on the others.
+    """Return for every shape the motion that aligns it with the others.
 
     Parameters
     ----------
     weights : sequence of float
-        Share of every shape in the common place, of sum one: a shape with weight one stays where it is.
+        Weight of every shape in the common pose, of sum one: a shape with weight one does not move.
     correspondences : sequence of Correspondence
-        Between these shapes. Each counts by the product of its shapes' weights.
+        Correspondences between these shapes. Each is weighted by the product of its shapes' weights.
     """
     count, shares = len(weights), np.asarray(weights, dtype=np.float64)
     both = [*correspondences, *(found.swapped for found in correspondences)]
@@ -108,7 +108,7 @@ def mutual_poses(weights: Sequence[float], correspondences: Sequence[Corresponde
     centers = _centers(both, pulls, count)
     turns = _turns(both, pulls, centers, count)
     mean = _mean_rotation(turns, shares)
-    # Turned back by what all have in common.
+    # Remove the common rotation.
     turns = np.einsum("ji,njk->nik", mean, turns)
     offsets = _offsets(both, pulls, centers, turns, shares) + shares @ centers - centers
     vectors = rotation_vectors(turns)
@@ -127,28 +127,28 @@ def _centers(both: list[Correspondence], pulls: NDArray[np.float64], count: int)
 def _turns(
     both: list[Correspondence], pulls: NDArray[np.float64], centers: NDArray[np.float64], count: int
 ) -> NDArray[np.float64]:
-    """Return rotations, (k, 3, 3), that lay all shapes on each other, the first one at rest."""
+    """Return rotations, (k, 3, 3), that align all shapes, with the first one fixed."""
     turns = np.tile(np.eye(3), (count, 1, 1))
     moments = [
         (found.shapes, pull * found.about(*centers[list(found.shapes)]))
         for found, pull in zip(both, pulls, strict=True)
     ]
     known = {0}
-    # First every shape is laid on those that have a place already, then all on all.
+    # First align every shape to those already placed, then all shapes to all.
     for _ in range(count - 1):
         for shape in sorted({shapes[0] for shapes, _ in moments if shapes[1] in known} - known):
-            turns[shape] = _turned(shape, [part for part in moments if part[0][1] in known], turns)
+            turns[shape] = _realigned(shape, [part for part in moments if part[0][1] in known], turns)
             known.add(shape)
     for _ in range(_ROUNDS if count > 2 else 0):
         for shape in range(1, count):
-            turns[shape] = _turned(shape, moments, turns)
+            turns[shape] = _realigned(shape, moments, turns)
     return turns
 
 
-def _turned(
+def _realigned(
     shape: int, moments: list[tuple[tuple[int, int], NDArray[np.float64]]], turns: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the rotation of one shape that lays it best on the others as they are."""
+    """Return the rotation that best aligns one shape to the others in their current poses."""
     parts = [turns[shapes[1]] @ moment.T for shapes, moment in moments if shapes[0] == shape]
     if not parts:
         return turns[shape]
@@ -158,7 +158,7 @@ def _turned(
 
 
 def _mean_rotation(turns: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation from which the weighted mean of the rotation vectors to all others is none, (3, 3)."""
+    """Return the rotation, (3, 3), relative to which the weighted mean of all rotation vectors is zero."""
     mean = turns[0]
     for _ in range(_MEAN_ROUNDS):
         step = shares @ rotation_vectors(np.einsum("ji,njk->nik", mean, turns))
@@ -173,9 +173,9 @@ def _offsets(
     turns: NDArray[np.float64],
     shares: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return where the turned shapes' centers go from their common place, (k, 3), with weighted mean zero."""
+    """Return translations of the rotated shapes' centers from a common point, (k, 3), with weighted mean zero."""
     count = len(shares)
-    # The last row keeps the mean; it is scaled like the others.
+    # The last equation fixes the mean; it is scaled like the others.
     scale = max(float(pulls.sum()), np.finfo(float).tiny)
     matrix, right = np.outer(shares, shares) * scale, np.zeros((count, 3))
     for (one, other), found, pull in zip((found.shapes for found in both), both, pulls, strict=True):

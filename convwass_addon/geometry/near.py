@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances from cells, as far as a given reach."""
+"""Distance transform of a set of cells, up to a given distance."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from numpy.typing import NDArray
 
 
 def capped_squares(inside: NDArray[np.bool_], reach: float) -> NDArray[np.integer]:
-    """Squared distance of every cell's center from the nearest one inside, exact up to a reach.
+    """Squared distance of every cell's center from the nearest True cell, exact up to a given distance.
 
-    Shifted copies of small integers take a twentieth of the time of a distance transform for a reach of a few cells.
+    For a few cells, shifted copies of small integers take a twentieth of the time of a full distance transform.
 
     Parameters
     ----------
     inside : (nx, ny, nz) bool
-        Where the distance is zero.
+        The cells at distance zero.
     reach : float
-        In cells.
+        The largest distance, in cells.
 
     Returns
     -------
     (nx, ny, nz) unsigned integer
-        Where the distance is more than `reach`, some number more than its square.
+        Beyond `reach`, some number larger than its square.
     """
     most = int(reach**2) + 1
     steps = int(reach)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which part of every voxel lies inside a mesh: exact lengths along rays, the median of three axes."""
+"""Filled fraction of every voxel of a mesh: exact lengths along rays, combined as the median over three axes."""
 
 from __future__ import annotations
 
@@ -11,37 +11,36 @@ from ..progress import UNINTERRUPTED, Control
 from .rays import Crossings, crossings
 from .winding import lattice_winding
 
-# Rays per voxel and axis, along either side of the voxel's face.
+# Rays per voxel and axis, along each side of the voxel's face.
 _RAYS = 4
 _NUDGE = (1.23e-5, 2.77e-5)
-# Voxels around the box of the mesh.
+# Empty voxels around the bounding box of the mesh.
 _MARGIN = 1
 
 
 def occupancy(
     corners: NDArray[np.float64], shape: tuple[int, int, int], control: Control = UNINTERRUPTED
 ) -> NDArray[np.float32]:
-    """Fraction of every voxel that is inside.
+    """Return the filled fraction of every voxel.
 
-    Voxels that the surface passes through get the median of the fractions measured along the three axes: on an open
-    mesh the rays of one axis may leak, and the median throws that axis out. All others are decided by the winding
-    number.
+    Voxels that the surface crosses get the median of the fractions measured along the three axes: on an open mesh the
+    rays of one axis may leak, and the median rejects that axis. The winding number decides all other voxels.
 
     Parameters
     ----------
     corners : (m, 3, 3) float64
-        Outward triangles in cells, a cell or more away from the walls of the grid.
+        Outward triangles in cells, at least one cell from the boundary of the grid.
     shape : (int, int, int)
         Cells per axis.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Returns
     -------
     ndarray of float32, shape `shape`
         Values in [0, 1]. A sheet thinner than a voxel keeps its volume.
     """
-    # All that is inside lies in the box around the mesh.
+    # The inside lies within the bounding box of the mesh.
     low, high = _box(corners, shape)
     box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
     filled = np.zeros(shape, np.float32)
@@ -50,7 +49,7 @@ def occupancy(
 
 
 def _box(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the first voxel along each axis, (3,), and the one after the last, a voxel away from a mesh if it can."""
+    """Return the first voxel along each axis, (3,), and the one after the last, with a margin within the grid."""
     if not len(corners):
         return np.zeros(3, np.int64), np.ones(3, np.int64)
     low = np.floor(corners.min(axis=(0, 1))).astype(np.int64) - _MARGIN
@@ -75,7 +74,7 @@ def _axis_coverage(
     touched: NDArray[np.bool_],
     control: Control,
 ) -> NDArray[np.float32]:
-    """Covered length per voxel along one axis, the sum over its rays; marks the voxels that a ray crosses in."""
+    """Covered length per voxel along one axis, summed over its rays; marks voxels that the surface crosses."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
     sheared = np.stack(
         [
@@ -97,7 +96,7 @@ def _axis_coverage(
     voxel = (layer * shape[a] + ray // rows // _RAYS) * shape[b] + ray % rows // _RAYS
     plane = shape[a] * shape[b]
     above = step * (height - layer)
-    # What is above a change fills all voxels further on.
+    # A change at some height fills the rest of its voxel and all voxels above.
     cover = np.bincount(
         np.concatenate([voxel, voxel + plane]), np.concatenate([step - above, above]), (shape[axis] + 1) * plane
     )
@@ -116,7 +115,7 @@ def _axis_coverage(
 
 
 def _changes(chunks: list[Crossings], rows: int) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Crossings where a ray changes between outside (winding 0) and inside (not 0): ray, height, +1 in or -1 out."""
+    """Crossings where a ray changes between outside (winding 0) and inside (not 0): ray, height, and +1 or -1."""
     ray = np.concatenate([c.column * rows + c.row for c in chunks]) if chunks else np.empty(0, np.int64)
     height = np.concatenate([c.height for c in chunks]) if chunks else np.empty(0)
     sign = np.concatenate([c.sign for c in chunks]) if chunks else np.empty(0, np.int64)

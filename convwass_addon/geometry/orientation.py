@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make the faces of a mesh look outward, as far as the mesh allows."""
+"""Orient the faces of a mesh outward, as far as possible."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from scipy.sparse.csgraph import connected_components
 from .edges import EdgeUse, edge_use, face_components
 from .mesh import TriangleMesh
 
-# Sample points per piece when asking whether it lies inside the others.
+# Sample points per component for deciding whether it lies inside the others.
 _PROBES = 9
 
 
 def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMesh:
-    """Turn faces over so that the solid is where it is meant to be.
+    """Flip faces so that they enclose the intended solid.
 
-    Pieces whose neighbouring faces disagree are made consistent and positive in volume. Consistent pieces keep their
-    direction (an inner shell that faces inward is a cavity), except those that face inward without lying inside
-    anything: those are turned over.
+    Components with inconsistent faces are made consistent, with positive volume. Consistent components keep their
+    orientation (an inward-facing inner shell is a cavity), except inward-facing ones that do not lie inside anything:
+    those are flipped.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Any triangles; open and non-manifold edges are left out of the comparison.
+        Any triangles; boundary and non-manifold edges are ignored.
     use : EdgeUse, optional
-        That of its faces, where it is known.
+        `edge_use(mesh.faces)`, if known.
 
     Returns
     -------
     TriangleMesh
-        The same vertices and triangles, some of them turned over; `mesh` itself where none are.
+        The same vertices and triangles, some of them flipped; `mesh` itself if none are.
     """
     use = edge_use(mesh.faces) if use is None else use
     pieces = face_components(mesh.faces)
@@ -58,11 +58,11 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
 def _disagreeing_faces(
     face_count: int, use: EdgeUse, pieces: NDArray[np.int64]
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Find faces to turn over so that neighbours agree, and the pieces in which that was needed.
+    """Find faces to flip for consistency, and the components that need it.
 
-    A graph with two nodes per face, "as it is" and "turned over", joins the states that agree across an edge. Where
-    its components part the two states of every face, either component is a consistent orientation; where they do not,
-    the piece is one-sided (a Möbius strip) and stays as it is.
+    A graph has two nodes per face, "kept" and "flipped", and joins states that are consistent across an edge. If its
+    components separate the two states of every face, each of them is a consistent orientation. Otherwise the mesh
+    component is one-sided (a Möbius strip) and is left as it is.
     """
     piece_count = int(pieces.max()) + 1
     paired = use.start[use.count == 2]
@@ -78,14 +78,14 @@ def _disagreeing_faces(
     graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * face_count, 2 * face_count))
     labels = connected_components(graph, directed=False)[1]
     kept, turned = labels[:face_count], labels[face_count:]
-    # Of a pair of components keep the one in which fewer faces are turned; ties go to the smaller label.
+    # Of two components, take the one that flips fewer faces; the smaller label wins ties.
     votes = np.bincount(labels[:face_count], minlength=labels.max() + 1)
     turn = (kept != turned) & ((votes[turned] > votes[kept]) | ((votes[turned] == votes[kept]) & (turned < kept)))
     return turn & repaired[pieces], repaired
 
 
 def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) -> bool:
-    """Tell whether most of a piece lies where the other pieces make a solid."""
+    """Return whether most of a component lies inside the solid of the others."""
     own = np.unique(mesh.faces[pieces == piece])
     others = mesh.corners[pieces != piece]
     low, high = mesh.vertices[own].min(axis=0), mesh.vertices[own].max(axis=0)
@@ -96,7 +96,7 @@ def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) ->
 
 
 def winding_number(corners: NDArray[np.float64], point: NDArray[np.float64]) -> float:
-    """Generalized winding number of triangles `corners`, (m, 3, 3), about one point.
+    """Generalized winding number of triangles `corners`, (m, 3, 3), around one point.
 
     The sum of signed solid angles over 4 pi (Van Oosterom and Strackee 1983; Jacobson et al. 2013).
     """

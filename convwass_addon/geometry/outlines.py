@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Outlines of flat shapes: regions with holes, whose rings do not cross."""
+"""Outlines of flat shapes: regions with holes, bounded by rings that do not cross."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Rule = Literal["non-zero", "even-odd"]
-"""Which points are inside of rings: around which they turn other than zero times, or an odd number of times."""
+"""Fill rule: a point is inside if its winding number is not zero, or if it is odd."""
 
 
 @dataclass(frozen=True)
 class FlatRegion:
-    """What hangs together.
+    """A connected region.
 
     Attributes
     ----------
     outer : (n, 2) float64
-        Corners of a closed polygon, counterclockwise, the first not repeated.
+        Corners of a closed polygon, counterclockwise, without repeating the first.
     holes : tuple of (m, 2) float64
-        The same, clockwise.
+        Like `outer`, clockwise.
     """
 
     outer: NDArray[np.float64]
@@ -32,11 +32,11 @@ class FlatRegion:
 
     @property
     def rings(self) -> tuple[NDArray[np.float64], ...]:
-        """All of them, the outer one first."""
+        """All rings, the outer one first."""
         return (self.outer, *self.holes)
 
     def without_holes_below(self, area: float) -> FlatRegion:
-        """Return the region with all holes of less than an area filled."""
+        """Return the region with all holes smaller than `area` filled."""
         return FlatRegion(self.outer, tuple(hole for hole in self.holes if -ring_area(hole) >= area))
 
 
@@ -47,7 +47,7 @@ class Outline:
     Attributes
     ----------
     regions : tuple of FlatRegion
-        Apart from each other.
+        Disjoint regions.
     """
 
     regions: tuple[FlatRegion, ...]
@@ -59,17 +59,17 @@ class Outline:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """All corners in the order of the rings, (n, 2)."""
+        """Corners of all rings in order, (n, 2)."""
         return np.concatenate([np.zeros((0, 2)), *self.rings])
 
     @property
     def area(self) -> float:
-        """What all regions enclose."""
+        """The filled area."""
         return float(sum(ring_area(ring) for ring in self.rings))
 
     @property
     def holes(self) -> int:
-        """How many holes there are."""
+        """Number of holes."""
         return sum(len(region.holes) for region in self.regions)
 
     @property
@@ -78,11 +78,11 @@ class Outline:
         return len(self.regions) - self.holes
 
     def moved(self, offset: ArrayLike, factor: float = 1.0) -> Outline:
-        """Return the outline scaled and then moved."""
+        """Return the outline scaled and then translated."""
         return self.with_rings([ring * factor + np.asarray(offset) for ring in self.rings])
 
     def with_rings(self, rings: Sequence[NDArray[np.float64]]) -> Outline:
-        """Return other rings, which belong together as those of this outline do."""
+        """Return an outline with other rings in the same arrangement."""
         given = iter(rings)
         return Outline(
             tuple(FlatRegion(next(given), tuple(next(given) for _ in region.holes)) for region in self.regions)
@@ -90,6 +90,6 @@ class Outline:
 
 
 def ring_area(ring: NDArray[np.float64]) -> float:
-    """Signed area of a closed polygon, (n, 2), positive where it runs counterclockwise."""
+    """Signed area of a closed polygon, (n, 2), positive if counterclockwise."""
     x, y = (ring - ring.mean(axis=0)).T
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))

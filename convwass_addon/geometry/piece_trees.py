@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which piece of a level set hangs on which: trees of the densest gaps, rooted at the largest pieces."""
+"""Spanning trees of the components of a level set along the densest gaps, rooted at the largest components."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .gaps import Gap
 
 @dataclass(frozen=True)
 class Link:
-    """A gap by which pieces, numbered from 0, hang on another.
+    """A gap that connects a branch of components, numbered from 0, to another component.
 
     Attributes
     ----------
     gap : Gap
-        Between the stem and the first piece of the branch.
+        Between the stem and the first component of the branch.
     stem : int
-        A piece.
+        The component that the branch is attached to.
     branch : (k,) int64
-        All pieces that hang on the stem by this gap, the nearest first.
+        All components connected to the stem through this gap, the nearest first.
     """
 
     gap: Gap
@@ -34,18 +34,18 @@ class Link:
 
 @dataclass(frozen=True)
 class PieceTrees:
-    """Pieces and the gaps between them.
+    """Components and the gaps between them.
 
     Attributes
     ----------
     links : tuple of Link
-        From the roots to the tips.
+        Ordered from the roots to the tips.
     sizes : (n,) int64
-        Of the pieces, in cells.
+        Number of cells of each component.
     roots : (n,) int64
-        The piece that each hangs on at last; one that nothing larger is linked with is its own.
+        The root of each component's tree; isolated components are their own roots.
     kept : (n,) bool
-        The largest pieces, which hang on nothing.
+        The largest components, which are never attached to others.
     """
 
     links: tuple[Link, ...]
@@ -55,7 +55,7 @@ class PieceTrees:
 
     @classmethod
     def of(cls, gaps: Sequence[Gap], sizes: NDArray[np.int64], kept: int) -> PieceTrees:
-        """Join pieces by gaps, the densest first, so that no two of the `kept` largest ones are joined (Kruskal)."""
+        """Connect components by gaps, densest first, but never two of the `kept` largest ones (Kruskal)."""
         is_kept = np.zeros(len(sizes), bool)
         is_kept[np.argsort(-sizes, kind="stable")[:kept]] = True
         group = np.arange(len(sizes))
@@ -77,13 +77,13 @@ class PieceTrees:
         return cls(tuple(links), sizes, roots, is_kept)
 
     def apart(self, size: float) -> NDArray[np.int64]:
-        """Return the pieces of trees that are smaller and hold none that is kept."""
+        """Return the components of trees below a size that contain no kept component."""
         totals = np.bincount(self.roots, self.sizes, len(self.sizes))
         return np.flatnonzero((totals[self.roots] < size) & ~self.kept[self.roots])
 
 
 def _rooted(root: int, used: Sequence[Sequence[Gap]]) -> list[Link]:
-    """Return the links of one tree, given the gaps at every piece."""
+    """Return the links of one tree, given the gaps at every component."""
     order, parents, gaps = [root], {root: root}, {}
     for piece in order:
         for gap in used[piece]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images on other grids."""
+"""Resampling of images to other grids."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from scipy.sparse import csr_array
 def resampled(
     values: NDArray[np.float64], corner: ArrayLike, pixel: float, shape: tuple[int, int]
 ) -> NDArray[np.float64]:
-    """Means of an image over the cells of a grid, by the exact areas in which pixels and cells overlap.
+    """Means of an image over the cells of a grid, by the exact overlap areas of pixels and cells.
 
     Parameters
     ----------
     values : (w, h) float64
-        Of the pixels; around the image there is nothing.
+        Values of the pixels; zero outside the image.
     corner : (2,)
-        Its low corner in cells.
+        Lower corner of the image, in cells.
     pixel : float
         Size of a pixel in cells.
     shape : (int, int)
@@ -28,7 +28,7 @@ def resampled(
     Returns
     -------
     (nx, ny) float64
-        Their sum is that of the image's values times the area of a pixel, as far as it lies within the grid.
+        Its sum is that of the image's values times the area of a pixel, within the grid.
     """
     low = np.asarray(corner, dtype=np.float64)
     first, second = (_overlaps(n, float(a), pixel, m) for n, a, m in zip(values.shape, low, shape, strict=True))
@@ -36,7 +36,7 @@ def resampled(
 
 
 def _overlaps(count: int, low: float, pixel: float, cells: int) -> csr_array:
-    """Lengths that cells, (cells), have in common with pixels, (count)."""
+    """Overlap lengths between cells, (cells), and pixels, (count)."""
     edges = low + pixel * np.arange(count + 1)
     cuts = np.unique(np.clip(np.concatenate([edges, np.arange(cells + 1)]), 0.0, float(cells)))
     middle, length = 0.5 * (cuts[1:] + cuts[:-1]), np.diff(cuts)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What closed curves fill, as edges that do not cross: overlaps, crossings and shared edges are resolved.
+"""The boundary of the area that closed curves fill, with overlaps, crossings and shared edges resolved.
 
-All corners are rounded to a lattice of whole numbers. Edges are cut where they meet, edges in the same place become
-one, and each is kept where only one of its sides is filled. Sides are told by exact counts along rays.
+All corners are rounded to an integer lattice. Edges are cut where they meet, coincident edges are merged, and an edge
+is kept if exactly one of its sides is filled. Sides are determined by exact integer ray casting.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from .outlines import Rule
 
-# Steps of the lattice along the longest side: products of two doubled coordinates are exact in 64 bits. Coarser ones
-# are for curves that run beside each other at the distance of a step.
+# Steps of the lattice along the longest side: products of two doubled coordinates are exact in 64 bits. The coarser
+# lattices are for curves that are only one step apart.
 _LATTICES = (2**27, 2**22, 2**17)
-# A corner as near as this to an edge, in steps, is on it.
+# A corner within this distance of an edge, in steps, lies on it.
 _ON_EDGE = 1.0
 _ROUNDS = 8
-# Pairs that are looked at at once.
+# Pairs processed together.
 _AT_ONCE = 4_000_000
 
 Points = NDArray[np.int64]
@@ -31,12 +31,12 @@ Points = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Boundary:
-    """The boundary of a filled part of the plane.
+    """The boundary of a filled area of the plane.
 
     Attributes
     ----------
     starts, ends : (e, 2) float64
-        Directed edges that do not cross, with what is filled on their left; in no order.
+        Directed edges that do not cross, with the filled side on their left, in any order.
     """
 
     starts: NDArray[np.float64]
@@ -44,7 +44,7 @@ class Boundary:
 
     @property
     def area(self) -> float:
-        """What is filled."""
+        """The filled area."""
         if not len(self.starts):
             return 0.0
         middle = self.starts.mean(axis=0)
@@ -52,7 +52,7 @@ class Boundary:
 
     @property
     def center(self) -> NDArray[np.float64]:
-        """Center of mass of what is filled, (2,)."""
+        """Center of mass of the filled area, (2,)."""
         middle = self.starts.mean(axis=0)
         starts, ends = self.starts - middle, self.ends - middle
         doubled = _cross(starts, ends)
@@ -60,30 +60,30 @@ class Boundary:
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Low and high corner, (2, 2)."""
+        """Lower and upper corner, (2, 2)."""
         both = np.concatenate([self.starts, self.ends])
         return np.stack([both.min(axis=0), both.max(axis=0)])
 
     def moved(self, offset: ArrayLike, factor: float = 1.0) -> Boundary:
-        """Return the boundary scaled and then moved."""
+        """Return the boundary scaled and then translated."""
         shift = np.asarray(offset, dtype=np.float64)
         return Boundary(self.starts * factor + shift, self.ends * factor + shift)
 
     def divided(self, longest: float) -> Boundary:
-        """Return the same boundary with edges cut into equal pieces no longer than `longest`."""
+        """Return the boundary with edges divided evenly into pieces no longer than `longest`."""
         along = self.ends - self.starts
         counts = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / longest), 1).astype(np.int64)
         edge = np.repeat(np.arange(len(along)), counts)
         place = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
         starts = self.starts[edge] + (place / counts[edge])[:, None] * along[edge]
         ends = self.starts[edge] + ((place + 1) / counts[edge])[:, None] * along[edge]
-        # The corners themselves, not what rounding makes of them.
+        # Use the exact corners, without rounding.
         last = place + 1 == counts[edge]
         ends[last] = self.ends[edge[last]]
         return Boundary(starts, ends)
 
     def contains(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether points, (n, 2), lie in what is filled, (n,)."""
+        """Return whether points, (n, 2), lie in the filled area, (n,)."""
         found = np.zeros(len(points), bool)
         starts, ends = self.starts, self.ends
         for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(starts) // _AT_ONCE)):
@@ -95,31 +95,31 @@ class Boundary:
         return found
 
     def united(self, others: Sequence[Boundary]) -> Boundary:
-        """Return the boundary of what this one or any of the others fills."""
+        """Return the boundary of the union with other filled areas."""
         starts = np.concatenate([self.starts, *(other.starts for other in others)])
         ends = np.concatenate([self.ends, *(other.ends for other in others)])
         return _resolved(starts, ends, "non-zero")
 
 
 def filled_boundary(rings: Sequence[NDArray[np.float64]], rule: Rule) -> Boundary:
-    """Boundary of what rings fill.
+    """Boundary of the area that rings fill.
 
     Parameters
     ----------
     rings : sequence of (n, 2)
         Closed polygons, which may cross themselves and each other.
     rule : "non-zero" or "even-odd"
-        Which points are inside.
+        Fill rule.
 
     Returns
     -------
     Boundary
-        Without edges where nothing is filled. Corners have moved by about 1e-8 of the longest side at the most.
+        Without edges if nothing is filled. Corners move by at most about 1e-8 of the longest side.
 
     Raises
     ------
     InputError
-        Curves so tangled that no lattice tells their sides apart.
+        The curves are too entangled to be resolved on any lattice.
     """
     if not rings:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2)))
@@ -144,7 +144,7 @@ def _resolved(starts: NDArray[np.float64], ends: NDArray[np.float64], rule: Rule
 
 @dataclass(frozen=True)
 class _Edges:
-    """Edges on the lattice, and how often each runs from its start to its end more than the other way."""
+    """Edges on the lattice, and how many more times each is traversed forward than backward."""
 
     starts: Points
     ends: Points
@@ -152,7 +152,7 @@ class _Edges:
 
     @classmethod
     def merged(cls, starts: Points, ends: Points, counts: NDArray[np.int64]) -> _Edges:
-        """Bring edges in the same place together; what runs to and fro as often is gone."""
+        """Merge coincident edges; edges traversed equally often in both directions cancel."""
         backwards = (starts[:, 0] > ends[:, 0]) | ((starts[:, 0] == ends[:, 0]) & (starts[:, 1] > ends[:, 1]))
         low = np.where(backwards[:, None], ends, starts)
         high = np.where(backwards[:, None], starts, ends)
@@ -163,7 +163,7 @@ class _Edges:
         return cls(rows[kept, :2], rows[kept, 2:], totals[kept])
 
     def closes(self) -> bool:
-        """Whether as many edges end as begin at every point."""
+        """Whether as many edges end as start at every point."""
         points, place = np.unique(np.concatenate([self.starts, self.ends]), axis=0, return_inverse=True)
         signs = np.concatenate([self.counts, -self.counts])
         return not np.bincount(place.ravel(), signs, minlength=len(points)).any()
@@ -181,7 +181,7 @@ def _cut(starts: Points, ends: Points) -> _Edges:
 
 
 def _meetings(edges: _Edges) -> tuple[NDArray[np.int64], Points]:
-    """Find the places where edges are to be cut: their numbers and the points, which are no ends of theirs."""
+    """Find where edges have to be cut: the edges and the points, excluding their own ends."""
     owners, points = [np.zeros(0, np.int64)], [np.zeros((0, 2), np.int64)]
     for a, b in _near_pairs(edges):
         first, second = (edges.starts[a], edges.ends[a]), (edges.starts[b], edges.ends[b])
@@ -200,7 +200,7 @@ def _meetings(edges: _Edges) -> tuple[NDArray[np.int64], Points]:
 
 
 def _near_pairs(edges: _Edges) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Yield pairs of edges whose boxes meet, in portions."""
+    """Yield pairs of edges whose bounding boxes overlap, in batches."""
     low = np.minimum(edges.starts, edges.ends) - 1
     high = np.maximum(edges.starts, edges.ends) + 1
     order = np.argsort(low[:, 0], kind="stable")
@@ -219,7 +219,7 @@ def _near_pairs(edges: _Edges) -> Iterator[tuple[NDArray[np.int64], NDArray[np.i
 
 
 def _lies_on(corner: Points, start: Points, end: Points) -> NDArray[np.bool_]:
-    """Whether corners lie on edges, within a step, between their ends."""
+    """Return whether corners lie on edges, within a step, strictly between their ends."""
     along, away = end - start, corner - start
     squared = (along * along).sum(axis=1)
     reached = (along * away).sum(axis=1)
@@ -228,7 +228,7 @@ def _lies_on(corner: Points, start: Points, end: Points) -> NDArray[np.bool_]:
 
 
 def _crossings(a: Points, b: Points, c: Points, d: Points) -> tuple[NDArray[np.bool_], Points]:
-    """Whether edges a-b and c-d cross away from their ends, and the lattice points next to where they do."""
+    """Return which edges a-b and c-d cross in their interiors, and the nearest lattice points of the crossings."""
     one, other = b - a, d - c
     sides = [np.sign(_cross(*pair)) for pair in ((one, c - a), (one, d - a), (other, a - c), (other, b - c))]
     crossing = (sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0)
@@ -238,13 +238,13 @@ def _crossings(a: Points, b: Points, c: Points, d: Points) -> tuple[NDArray[np.b
 
 
 def _split(edges: _Edges, owners: NDArray[np.int64], points: Points) -> _Edges:
-    """Cut edges at points of theirs."""
+    """Cut edges at given points."""
     numbers = np.arange(len(edges.starts))
     owner = np.concatenate([numbers, owners, numbers])
     chain = np.concatenate([edges.starts, points, edges.ends])
     along = (edges.ends - edges.starts)[owner]
     reached = ((chain - edges.starts[owner]) * along).sum(axis=1)
-    # Starts come first and ends last, also where rounding says otherwise.
+    # Starts come first and ends last, regardless of rounding.
     rank = np.repeat([0, 1, 2], [len(numbers), len(owners), len(numbers)])
     order = np.lexsort((reached, rank, owner))
     owner, chain = owner[order], chain[order]
@@ -253,14 +253,14 @@ def _split(edges: _Edges, owners: NDArray[np.int64], points: Points) -> _Edges:
 
 
 def _one_sided(edges: _Edges, rule: Rule) -> _Edges:
-    """Keep the edges of which one side is filled, once each, with that on their left."""
+    """Keep edges with exactly one filled side, once each, oriented to have it on their left."""
     along = edges.ends - edges.starts
     steep = np.abs(along[:, 1]) >= np.abs(along[:, 0])
     beyond = np.where(steep, _turns_beyond(edges, 0, steep), _turns_beyond(edges, 1, ~steep))
-    # Upward edges beyond a point turn around it; so do leftward ones above it.
+    # Upward edges beyond a point wind around it, and so do leftward edges above it.
     own = edges.counts * np.where(steep, np.sign(along[:, 1]), -np.sign(along[:, 0]))
     far, near = _is_inside(beyond, rule), _is_inside(beyond + own, rule)
-    # Left of an upward edge is the near side, left of a rightward one is the far side, above.
+    # The left side of an upward edge is the near one; the left side of a rightward edge is the far one, above.
     forwards = np.where(steep, near == (along[:, 1] > 0), far == (along[:, 0] > 0))
     kept = far != near
     starts = np.where(forwards[:, None], edges.starts, edges.ends)[kept]
@@ -273,9 +273,9 @@ def _is_inside(turns: NDArray[np.int64], rule: Rule) -> NDArray[np.bool_]:
 
 
 def _turns_beyond(edges: _Edges, axis: int, wanted: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Count, for the middles of some edges, the signed edges that a ray along an axis meets beyond them, (e,)."""
+    """Sum the signed edges that a ray along an axis meets beyond the midpoints of selected edges, (e,)."""
     other = 1 - axis
-    # Doubled, so that middles are whole numbers.
+    # Doubled coordinates make midpoints integers.
     starts, ends = 2 * edges.starts, 2 * edges.ends
     rising = starts[:, other] < ends[:, other]
     low, high = np.where(rising[:, None], starts, ends), np.where(rising[:, None], ends, starts)

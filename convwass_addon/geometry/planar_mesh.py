@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Even triangles over a filled part of the plane."""
+"""Even triangulation of a filled area of the plane."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from scipy.spatial import Delaunay, cKDTree
 from .mesh import TriangleMesh
 from .planar_fill import Boundary
 
-# Inner points keep this distance from the boundary, in edge lengths, so that no triangle between them is thin.
+# Least distance of inner points from the boundary, in edge lengths, which avoids thin triangles between them.
 _CLEARANCE = 0.6
-# Triangles of less area, in squared edge lengths, have three corners on one line.
+# Triangles with less area, in squared edge lengths, are degenerate.
 _LEAST_AREA = 1e-6
 
 
 def planar_mesh(boundary: Boundary, edge: float) -> TriangleMesh:
-    """Triangulate what a boundary encloses.
+    """Triangulate the area inside a boundary.
 
-    The boundary and a hexagonal lattice inside are sampled, and the Delaunay triangles whose middle is inside are kept.
-    Where the boundary's sides are at least an edge apart, that is exactly what it encloses.
+    Samples the boundary and a hexagonal lattice inside, and keeps the Delaunay triangles whose centroid is inside.
+    Where the sides of the boundary are at least one edge apart, these cover the area exactly.
 
     Parameters
     ----------
     boundary : Boundary
         Any number of regions and holes.
     edge : float
-        Wanted length of the triangles' edges.
+        Target edge length of the triangles.
 
     Returns
     -------
     TriangleMesh
-        In the plane z = 0, facing up. Points of the boundary come first.
+        In the plane z = 0, facing up. Points on the boundary come first.
     """
     rim = np.unique(boundary.divided(edge).starts, axis=0)
     inner = _lattice(boundary.bounds, edge)

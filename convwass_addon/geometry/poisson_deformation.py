@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices from deformation gradients: what triangles should become, reconciled by one prefactored Poisson system.
+"""Vertices from deformation gradients of the triangles, by a prefactored Poisson system.
 
 Y. Yu et al., "Mesh Editing with Poisson-Based Gradient Field Manipulation", ACM Transactions on Graphics 23(3), 2004;
 D. Xu et al., "Poisson Shape Interpolation", ACM Symposium on Solid and Physical Modeling, 2005.
@@ -18,23 +18,23 @@ from .edge_energy import EdgeEnergy
 from .factorization import Factorization, factorize
 from .mesh import TriangleMesh
 
-# Weight per area, on a surface of unit area, with which vertices are drawn to their anchors by default: it fixes where
-# every component is, and nothing else.
+# Default weight per area, on a surface of unit area, that pulls vertices to their anchors: just enough to fix the
+# position of every component.
 _ANCHORING = 1e-4
-# Triangles thinner than this, by area over squared longest edge, have no gradient of their own.
+# Thinner triangles, by area over squared longest edge, have no gradient of their own.
 _THIN = 1e-9
 
 
 @dataclass(frozen=True)
 class Links:
-    """Springs between vertices, which keep components of a mesh together.
+    """Springs between vertices that keep components of a mesh together.
 
     Attributes
     ----------
     ends : (k, 2) int64
-        Two vertices each.
+        Pairs of vertices.
     weights : (k,) float64
-        How much each counts; an edge between two regular triangles has 0.58.
+        Weight of each link; an edge between two equilateral triangles has 0.58.
     """
 
     ends: NDArray[np.int64]
@@ -49,9 +49,9 @@ class Links:
 def deformation_gradients(
     rest: NDArray[np.float64], moved: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return the matrices, (m, 3, 3), that take triangles and their normals from rest to where they are.
+    """Return the matrices, (m, 3, 3), that take triangles and their normals from rest to the moved positions.
 
-    A normal grows as the square root of its triangle's area (R. Sumner and J. Popovic, "Deformation Transfer for
+    A normal scales with the square root of its triangle's area (R. Sumner and J. Popovic, "Deformation Transfer for
     Triangle Meshes", SIGGRAPH 2004). Triangles without area at rest get the identity.
 
     Parameters
@@ -63,7 +63,7 @@ def deformation_gradients(
     """
     before, after = _frames(rest[faces]), _frames(moved[faces])
     longest = np.square(before).sum(axis=1).max(axis=1)
-    # The determinant of a frame is its area's square over the square root of that: area to the power of 3/2.
+    # The determinant of a frame is the squared area over its square root: area to the power of 3/2.
     regular = np.linalg.det(before) > (_THIN * longest) ** 1.5
     before[~regular] = after[~regular] = np.eye(3)
     return after @ np.linalg.inv(before)
@@ -78,33 +78,33 @@ def _frames(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 class PoissonDeformation:
-    """Finds vertices whose triangles come closest to given deformation gradients.
+    """Finds vertices whose triangles match given deformation gradients as closely as possible.
 
     They minimize sum_tij w_tij |(y_i - y_j) - G_t (x_i - x_j)|^2 over the edges of triangles, plus the same for links,
-    plus a multiple of the squared distances from anchors. The system is factorized at its first use, and
-    anew after it was sent to another process.
+    plus a multiple of the squared distances from anchors. The system is factorized on first use, and again after
+    pickling.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        At rest, of any topology.
+        Rest shape, of any topology.
     links : Links
-        Between its vertices.
+        Links between its vertices.
     anchoring : float
-        That multiple, per area where the whole surface has area one: parts larger than its square root's inverse follow
-        their anchors. By default, so small that only the mean of the anchors matters.
+        That multiple, per unit of area on a surface rescaled to area one: parts larger than the inverse of its square
+        root follow their anchors. The default is so small that only the mean of the anchors matters.
     """
 
     def __init__(self, mesh: TriangleMesh, links: Links, anchoring: float = _ANCHORING) -> None:
         self.mesh, self.links = mesh, links
         self._energy = EdgeEnergy.of(mesh)
         area = max(mesh.area, np.finfo(float).tiny)
-        # A vertex that nothing holds goes to its anchor.
+        # A vertex without triangles and links moves to its anchor.
         self._anchoring = anchoring * np.maximum(mesh.vertex_areas / area, 1e-9)
         self._factor: Factorization | None = None
 
     def __getstate__(self) -> dict[str, object]:
-        """Leave out the factors, which cannot be sent."""
+        """Drop the factorization, which cannot be pickled."""
         return {**self.__dict__, "_factor": None}
 
     def solve(
@@ -115,11 +115,11 @@ class PoissonDeformation:
         Parameters
         ----------
         gradients : (m, 3, 3)
-            What should become of every triangle.
+            Target gradient of every triangle.
         link_vectors : (k, 3)
-            What should lead from the second to the first end of every link.
+            Target vector of every link, from its second end to its first.
         anchors : (n, 3)
-            Where vertices are drawn to.
+            Anchors of the vertices.
         """
         if self._factor is None:
             self._factor = factorize(self._system())

@@ -15,16 +15,16 @@ from .quad_pairing import quad_pairs
 
 @dataclass(frozen=True)
 class Polygons:
-    """Faces of a mesh.
+    """Polygonal faces of a mesh.
 
     Attributes
     ----------
     corners : (c,) int64
-        Vertices of all faces, one face after the other; counter-clockwise seen from outside.
+        Vertices of all faces, concatenated; counter-clockwise seen from outside.
     starts : (f,) int64
-        Where each face begins among them.
+        Index in `corners` of each face's first corner.
     sources : (c,) int64
-        Which corner each is of the triangles that the faces were made of, counted one triangle after the other.
+        For each corner, the corner 3 f + c of the triangles that the faces were made from.
     """
 
     corners: NDArray[np.int64]
@@ -33,15 +33,15 @@ class Polygons:
 
     @classmethod
     def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:
-        """Take triangles, (m, 3), as they are."""
+        """Convert triangles, (m, 3), without changes."""
         return cls(faces.ravel(), np.arange(0, faces.size, 3), np.arange(faces.size))
 
     @classmethod
     def of_quads(cls, mesh: TriangleMesh) -> Polygons:
-        """Join triangles to quads; those that are single stay, and come last.
+        """Join triangles to quads; single triangles come last.
 
-        Rows 2 i and 2 i + 1 that are triangles (a, b, c) and (a, c, d) are joined to (a, b, c, d), since surfaces of
-        :func:`.even_surface.even_surface` are made of them. Of the others, those that make good quads together are.
+        Rows 2 i and 2 i + 1 of the form (a, b, c) and (a, c, d) are joined to (a, b, c, d), which undoes the splitting
+        of :func:`.even_surface.even_surface`. The other triangles are joined where this gives good quads.
         """
         faces = mesh.faces
         numbers = np.arange(faces.size).reshape(faces.shape)

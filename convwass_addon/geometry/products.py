@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Large matrix products by SciPy's BLAS: the NumPy inside Blender may have none."""
+"""Large matrix products with SciPy's BLAS, because the NumPy in Blender may have none."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas, cython_blas
 
-# The signature of BLAS's dgemm and sgemm as SciPy declares them for others to call, with its own name for the numbers.
+# C signature of dgemm and sgemm as exported by SciPy, with its own name for the floating-point type.
 _SIGNATURE = rb"void \(char \*, char \*, int \*, int \*, int \*, N, N, int \*, N, int \*, N, N, int \*\)"
 _NUMBER = rb"__pyx_t_\w+_[ds] \*"
 
@@ -23,39 +23,39 @@ def product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np
     Parameters
     ----------
     left : (n, k) float64
-        In C order it is not copied.
+        Not copied if in C order.
     right : (k, m) float64
-        Likewise.
+        Not copied if in C order.
 
     Returns
     -------
     (n, m) float64
         In C order.
     """
-    # The transposed product of transposed arrays, for which nothing in C order is copied.
+    # Compute the transposed product of the transposed arrays, which copies nothing in C order.
     return blas.dgemm(1.0, np.ascontiguousarray(right).T, np.ascontiguousarray(left).T).T
 
 
 def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
-    """Contract the last axis of an array with a matrix and put it first, so that the next axis comes last.
+    """Contract the last axis of an array with a matrix and move it to the front, so that the next axis becomes last.
 
-    BLAS writes the turned order at no cost, and other threads work meanwhile.
+    BLAS writes the transposed order at no extra cost, and other threads can run meanwhile.
 
     Parameters
     ----------
     source : (lines * size,) float64
         Contiguous: lines of `size` values.
     target : (new size * lines,) float64
-        Contiguous; overwritten: for each of the new values those of all lines.
+        Contiguous; overwritten. For each of the new values, those of all lines.
     kernel : (size, new size) float64
         In Fortran order.
     """
     size, new_size = kernel.shape
     lines = source.size // size
     if _dgemm is None:
-        _by_wrapper(source, target, kernel)
+        _through_wrapper(source, target, kernel)
     else:
-        # target^T = source^T kernel, all in BLAS's order of columns.
+        # target^T = source^T kernel, all in BLAS's column-major order.
         _dgemm(
             b"T",
             b"N",
@@ -71,15 +71,15 @@ def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: N
         )
 
 
-def _by_wrapper(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
-    """Do the same by SciPy's wrapper for Python, which holds the interpreter's lock meanwhile."""
+def _through_wrapper(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
+    """Fallback through SciPy's Python wrapper, which holds the GIL."""
     size, new_size = kernel.shape
     lines = source.reshape(-1, size)
     blas.dgemm(1.0, lines.T, kernel, trans_a=1, c=target.reshape(new_size, -1).T, overwrite_c=1)
 
 
 def multiply(rows: NDArray[np.float32], matrix: NDArray[np.float32], out: NDArray[np.float32]) -> None:
-    """Write `rows @ matrix` to `out` in single precision, while other threads work.
+    """Write `rows @ matrix` to `out` in single precision; other threads can run meanwhile.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def multiply(rows: NDArray[np.float32], matrix: NDArray[np.float32], out: NDArra
     Raises
     ------
     ValueError
-        Arrays of another kind, order or size: C would read past their ends, or a transposed matrix.
+        Wrong type, order or size: C code would read out of bounds, or a transposed matrix.
     """
     count, size = rows.shape
     new_size = matrix.shape[1]
@@ -104,7 +104,7 @@ def multiply(rows: NDArray[np.float32], matrix: NDArray[np.float32], out: NDArra
     if _sgemm is None:
         blas.sgemm(1.0, matrix.T, rows.T, c=out.T, overwrite_c=1)
         return
-    # out^T = matrix^T rows^T, all in BLAS's order of columns.
+    # out^T = matrix^T rows^T, all in BLAS's column-major order.
     _sgemm(
         b"N",
         b"N",
@@ -121,9 +121,9 @@ def multiply(rows: NDArray[np.float32], matrix: NDArray[np.float32], out: NDArra
 
 
 def _address_of(routine: str) -> Callable[..., None] | None:
-    """Return dgemm or sgemm as a function of C; None where SciPy declares another signature than is known here.
+    """Return the C function of dgemm or sgemm, or None if SciPy's signature is not the expected one.
 
-    Calls through ctypes release the interpreter's lock, without which threads would wait for each other's products.
+    Calls through ctypes release the GIL, so that threads do not wait for each other's products.
     """
     capsule = getattr(cython_blas, "__pyx_capi__", {}).get(routine)
     if capsule is None:
@@ -143,4 +143,4 @@ _dgemm = _address_of("dgemm")
 _sgemm = _address_of("sgemm")
 
 LETS_OTHERS_WORK = _dgemm is not None and _sgemm is not None
-"""Whether other threads work during products: SciPy declares its functions of C as they are known here."""
+"""Whether other threads can run during products: SciPy exports its C functions with the expected signatures."""

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which triangles make good quads together, two by two.
+"""Pair triangles that form good quads.
 
-Without SciPy, since frames are written with it, and what writes them is imported when Blender starts.
+Uses no SciPy, because the modules that write frames need it and are imported when Blender starts.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from .normals import unit_vectors
 
-# Corners of a quad are between 30 and 150 degrees, and its triangles face the same way up to 25 degrees.
+# The corners of a quad are between 30 and 150 degrees, and the normals of its triangles at most 25 degrees apart.
 _SKEWED, _BENT = float(np.cos(np.radians(30.0))), float(np.cos(np.radians(25.0)))
-# The best partners are found in so many rounds; what is single after that is between pairs.
+# Rounds of choosing pairs that are best for both partners; triangles left after that remain single.
 _ROUNDS = 8
 
 
@@ -24,15 +24,15 @@ def quad_pairs(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
     Parameters
     ----------
     vertices : (n, 3) float64
-        In any space.
+        Positions in any space.
     faces : (m, 3) int64
-        Triangles of them.
+        Triangles.
 
     Returns
     -------
     (q, 4) int64
-        Corners of the quads, as numbers of corners of the triangles: 3 f + c is corner c of triangle f. They are
-        counter-clockwise where the triangles are; no triangle is in two quads.
+        Corners of the quads, as corner indices of the triangles: 3 f + c is corner c of triangle f. Quads are oriented
+        like the triangles; no triangle is in two quads.
     """
     sides = _common_edges(faces)
     corners = np.stack([sides[0], _following(sides[1], 2), _following(sides[0], 1), _following(sides[0], 2)], axis=1)
@@ -58,12 +58,12 @@ def quad_pairs(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
 
 
 def _common_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the half-edges, (2, e), of edges that two triangles run along in opposite directions."""
+    """Return the half-edge pairs, (2, e), of edges shared by exactly two consistently oriented triangles."""
     tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
     order = np.argsort(keys, kind="stable")
     same = keys[order[1:]] == keys[order[:-1]]
-    # Edges of more than two triangles are none of these.
+    # Exclude edges of more than two triangles.
     alone = same & ~np.append(False, same[:-1]) & ~np.append(same[1:], False)
     one, other = order[:-1][alone], order[1:][alone]
     opposite = tails[one] == heads[other]
@@ -71,15 +71,15 @@ def _common_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _following(sides: NDArray[np.int64], steps: int) -> NDArray[np.int64]:
-    """Return the corners so many steps on in the same triangles."""
+    """Return the corners `steps` further in the same triangles."""
     return sides - sides % 3 + (sides % 3 + steps) % 3
 
 
 def _skews(quads: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the largest cosine of the corners of quads, (q, 4, 3); one where they are bent."""
+    """Return the largest absolute cosine of the corner angles of quads, (q, 4, 3); one for bent quads."""
     edges = np.roll(quads, -1, axis=1) - quads
     units = edges / np.maximum(np.linalg.norm(edges, axis=2, keepdims=True), np.finfo(float).tiny)
     skews = np.abs(np.einsum("qcd,qcd->qc", units, np.roll(units, 1, axis=1))).max(axis=1)
-    # The triangles lie on both sides of the diagonal from the first corner to the third.
+    # The diagonal from the first to the third corner separates the triangles.
     one, other = (unit_vectors(np.cross(edges[:, first], edges[:, first + 1])) for first in (0, 2))
     return np.where(np.einsum("qd,qd->q", one, other) > _BENT, skews, 1.0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where lattice lines cross the triangles of a mesh."""
+"""Intersections of axis-parallel lattice lines with the triangles of a mesh."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Candidate (triangle, line) pairs that are tested at once; bounds the memory of the test.
+# Candidate (triangle, line) pairs tested at once; limits the memory of the test.
 _CHUNK = 1_000_000
 
 
@@ -21,11 +21,11 @@ class Crossings:
     Attributes
     ----------
     column, row : (c,) int64
-        First and second coordinate of the line: the lines stand on the integer points of the plane.
+        First and second coordinate of the line: lines pass through the integer points of the plane.
     height : (c,) float64
         Third coordinate of the crossing.
     sign : (c,) int64
-        +1 where the line, followed upward, enters the solid; -1 where it leaves.
+        +1 where the line, followed upward, enters the solid; -1 where it leaves it.
     """
 
     column: NDArray[np.int64]
@@ -35,8 +35,8 @@ class Crossings:
 
 
 def crossings(corners: NDArray[np.float64]) -> Iterator[Crossings]:
-    """Yield the crossings of the integer lines with triangles `corners`, (m, 3, 3), a chunk at a time."""
-    # Corner by corner: NumPy takes several times as long for the least of three along an axis.
+    """Yield the crossings of the lattice lines with triangles `corners`, (m, 3, 3), in chunks."""
+    # Corner by corner: NumPy takes several times as long for a minimum over an axis of length three.
     a, b, c = (corners[:, corner, :2] for corner in range(3))
     low = np.ceil(np.minimum(np.minimum(a, b), c)).astype(np.int64)
     size = np.floor(np.maximum(np.maximum(a, b), c)).astype(np.int64) - low + 1
@@ -58,13 +58,13 @@ def _inside_triangles(
 ) -> Crossings:
     """Test every lattice point of every triangle's bounding box with three edge functions.
 
-    Points that one edge function rules out are not tested with the next.
+    Points that fail one edge function are not tested with the next.
     """
     a, b, c = np.moveaxis(corners, 1, 0)
     area = _edge_function(b - a, a, c[:, 0], c[:, 1])
     triangle = np.repeat(np.arange(len(corners), dtype=np.int32), candidates)
     first = np.cumsum(candidates) - candidates
-    # Coordinates within the box in 32 bits, whose division takes half as long.
+    # Coordinates within the box are 32-bit, because their division takes half as long.
     within = np.arange(len(triangle), dtype=np.int32) - first.astype(np.int32)[triangle]
     across = size[:, 1].astype(np.int32)[triangle]
     column = within // across
@@ -92,7 +92,7 @@ def _edge_function_of(
     x: NDArray[np.integer],
     y: NDArray[np.integer],
 ) -> NDArray[np.float64]:
-    """Return the edge function of many points per triangle; only what it needs of the corners is repeated."""
+    """Evaluate the edge function at many points per triangle, gathering only the coordinates it needs."""
     value = y - tail[:, 1][triangle]
     value *= edge[:, 0][triangle]
     other = x - tail[:, 0][triangle]

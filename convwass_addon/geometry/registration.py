@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Laying one surface over another: it is turned and scaled from place to place, as evenly as can be.
+"""Non-rigid registration of one surface to another, with smoothly varying rotations and scales.
 
 The vertices Y of the source minimize sum_ij w_ij |(Y_i - Y_j) - s_ij R_ij (X_i - X_j)|^2 + pulls, where the rotations
 and scales are fitted to neighborhoods around every vertex (O. Sorkine and M. Alexa, "As-Rigid-As-Possible Surface
 Modeling", SGP 2007; smooth rotations after Z. Levi and C. Gotsman, "Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
-Animation", TVCG 21, 2015). What pulls are pairs that belong together, a first guess, and, ever more, the closest points
-of the target that face the same way, both from here to there and back.
+Animation", TVCG 21, 2015). The pulls come from corresponding pairs, an initial guess and, with increasing weight,
+nearest points with similar normals, from source to target and back.
 """
 
 from __future__ import annotations
@@ -23,37 +23,37 @@ from .facing_points import OrientedSamples
 from .normals import triangle_normals, vertex_normals
 from .unit_shape import UnitShape
 
-# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
-# A pair pulls like this much of the surface's area at weight one; with the closest points' weights below that is firm.
+# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# A pair pulls like this multiple of the surface's area at weight one: firmly, compared with the nearest points below.
 _PAIR_WEIGHT = 20.0
-# A normal that is turned by a right angle counts like this distance, on surfaces of unit area.
+# Distance that counts as much as a normal turned by 90 degrees, on surfaces of unit area.
 _TURN = 0.2
-# Keeps pieces of the source where they are that nothing else holds.
+# Holds components of the source in place that nothing else constrains.
 _HOLD = 1e-3
-# Closest points pull vertices whose start is not trusted at all by this share of their weight.
+# Relative weight of the nearest points at vertices whose start has confidence zero.
 _LEAST_PULL = 0.1
-# How starts are compared.
+# Width and closeness for comparing results.
 _JUDGED_WIDTH, _JUDGED_CLOSENESS = 0.05, 100.0
 
 
 @dataclass(frozen=True)
 class Stage:
-    """A part of the way.
+    """A stage of the registration.
 
     Attributes
     ----------
     closeness : float
-        Weight of the closest points, per area.
+        Weight of the nearest points, per area.
     trust : float
-        Weight of the first guess, per area.
+        Weight of the initial guess, per area.
     width : float
-        Size of the neighborhoods that turn and scale together, on the surface of unit area.
+        Size of the neighborhoods that share a rotation and scale, on the surface of unit area.
     rounds : int
-        How many.
+        Number of iterations.
     give : float or None
-        Strain from which on the surface gives way, so that strain gathers where it bends; None where it is spread.
+        Strain at which the surface yields, so that strain concentrates where it bends; None to spread it.
     grip : float
-        Share of the closest points' weight with which they also hold against sliding along the surface. Needs `give`.
+        Fraction of the nearest points' weight that also resists sliding along the surface. Only used with `give`.
     """
 
     closeness: float
@@ -65,28 +65,28 @@ class Stage:
 
 
 BY_PAIRS = (Stage(0.0, 0.0, 0.1, 10), Stage(3.0, 0.0, 0.1, 8), Stage(10.0, 0.0, 0.08, 8))
-"""From pairs alone: three or more."""
+"""From pairs alone, three or more."""
 AS_PLACED = (Stage(1.0, 0.0, 0.2, 6), Stage(3.0, 0.0, 0.1, 8), Stage(10.0, 0.0, 0.08, 8))
-"""From where the source is, turned about as the target is."""
+"""From the current placement, if the source is oriented like the target."""
 BY_GUESS = (Stage(0.0, 100.0, 0.1, 3), Stage(30.0, 20.0, 0.06, 8))
-"""From a first guess for every vertex."""
+"""From an initial guess for every vertex."""
 SETTLING = (Stage(100.0, 0.0, 0.04, 8), Stage(300.0, 0.0, 0.03, 6))
-"""From where it is nearly right."""
+"""From a nearly correct result."""
 TO_THE_END = (Stage(30.0, 0.0, 0.06, 8), *SETTLING)
-"""From any of the others."""
+"""After any of the first three."""
 
 
 @dataclass(frozen=True)
 class _Pulls:
-    """Points of the target that pull vertices of the source.
+    """Points of the target that attract vertices of the source.
 
     Attributes
     ----------
     vertices : (k,) int64
-        Vertices of the source, some perhaps more than once.
+        Vertices of the source, possibly repeated.
     weights : (k,) float64
     positions, normals : (k, 3) float64
-        Of the points.
+        Positions and normals of the points.
     """
 
     vertices: NDArray[np.int64]
@@ -95,15 +95,15 @@ class _Pulls:
     normals: NDArray[np.float64]
 
     def weight_sums(self, count: int) -> NDArray[np.float64]:
-        """Return the weights that pull each of `count` vertices, (n,)."""
+        """Return the sum of weights at each of `count` vertices, (n,)."""
         return np.bincount(self.vertices, self.weights, count)
 
     def pulled(self, count: int) -> NDArray[np.float64]:
-        """Return the weighted positions that pull each of `count` vertices, (n, 3)."""
+        """Return the sum of weighted positions at each of `count` vertices, (n, 3)."""
         return _summed(self.vertices, self.weights[:, None] * self.positions, count)
 
     def springs(self, count: int, grip: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return springs, (n, 3, 3), of which a share `grip` also holds along the surface, and their pulls, (n, 3)."""
+        """Return springs, (n, 3, 3), with the fraction `grip` along the surface, and springs times targets, (n, 3)."""
         across = (1.0 - grip) * self.normals[:, :, None] * self.normals[:, None, :]
         springs = self.weights[:, None, None] * (across + grip * np.eye(3))
         pulls = np.einsum("kij,kj->ki", springs, self.positions)
@@ -112,33 +112,33 @@ class _Pulls:
 
 
 def _summed(rows: NDArray[np.int64], values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Sum the values, (k, d), of every row, (n, d)."""
+    """Sum values, (k, d), by row, (n, d)."""
     return np.stack([np.bincount(rows, column, count) for column in values.T], axis=1)
 
 
 class Registration:
-    """One surface on its way to another.
+    """The state of a registration of one surface to another.
 
     Parameters
     ----------
     source, target : UnitShape
-        What is moved, and where to.
+        The surface that moves, and the one it is registered to.
     pairs : (k, 2) int64
-        Vertices that belong together.
+        Corresponding vertices.
     start : (n, 3)
-        Where the source's vertices begin.
+        Initial positions of the source's vertices.
     confidence : (n,), optional
-        How far the start of each vertex is right, 0 to 1: the start pulls in proportion to it, and closest points pull
-        where it is 0 with a tenth of the weight that they have where it is 1. By default 1 everywhere.
+        Confidence in the start of each vertex, 0 to 1, by default 1. The pull of the start is proportional to it. The
+        weight of nearest points rises linearly with it, from a tenth at 0 to the full weight at 1.
 
     Attributes
     ----------
     points : (n, 3) float64
-        Where its vertices are now.
+        Current positions of the vertices.
     pulled : (n,) float64
-        Share of their weight with which closest points pull every vertex.
+        Relative weight of the nearest points at every vertex.
     reach : float
-        Closest points farther away than this do not pull.
+        Nearest points farther away than this have no effect.
     """
 
     def __init__(
@@ -161,7 +161,7 @@ class Registration:
         self._target_normals = vertex_normals(target.vertices, target.mesh.faces)
 
     def advance(self, stage: Stage) -> None:
-        """Go a part of the way."""
+        """Run one stage."""
         for _ in range(stage.rounds):
             self._step(stage)
 
@@ -188,7 +188,7 @@ class Registration:
         self.points = self._shape.relaxed_robustly(self.points, springs, pulls, stage.width, stage.give)
 
     def _closest(self, closeness: float) -> list[_Pulls]:
-        """Return how the closest points pull, from here to there and back."""
+        """Return the pulls of the nearest points, from source to target and back."""
         normals = vertex_normals(self.points, self._source.mesh.faces)
         found = self._samples.find(self.points, normals)
         facing = self._facing[found.triangles]
@@ -204,18 +204,18 @@ class Registration:
         return [there, _Pulls(nearest, weights, self._target.vertices, self._target_normals)]
 
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the source's vertex nearest to each of the target's."""
+        """Return the source vertex nearest to each target vertex."""
         tree = cKDTree(np.concatenate([self.points, _TURN * normals], axis=1))
         return tree.query(np.concatenate([self._target.vertices, _TURN * self._target_normals], axis=1))[1]
 
     def images(self) -> ClosestPoints:
-        """Return the points of the target where the source's vertices have come to lie."""
+        """Return the points on the target nearest to the source's current vertices."""
         return self._samples.find(self.points, vertex_normals(self.points, self._source.mesh.faces))
 
     def energy(self, give: float | None = None) -> float:
-        """Return what is left to be desired: strain, distances to the closest points both ways, and pairs missed.
+        """Return the remaining energy: strain, distances to the nearest points in both directions, and pair errors.
 
-        No edge counts more than one that is strained by `give`, if that is given.
+        If `give` is given, the contribution of every edge is limited to that of a strain of `give`.
         """
         normals = vertex_normals(self.points, self._source.mesh.faces)
         found = self._samples.find(self.points, normals)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rings of a boundary, which holes belong to which region, and regions as single rings."""
+"""Assemble boundaries into rings, assign holes to regions, and convert regions with holes to single rings."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .planar_fill import Boundary
 
 
 def outline_of(boundary: Boundary) -> Outline:
-    """Chain the edges of a boundary to rings, and give every hole to the smallest region around it.
+    """Chain the edges of a boundary to rings, and assign every hole to the smallest region around it.
 
     Parameters
     ----------
     boundary : Boundary
-        Directed edges with what is filled on their left, in no order.
+        Directed edges with the filled side on their left, in any order.
 
     Returns
     -------
@@ -37,9 +37,9 @@ def outline_of(boundary: Boundary) -> Outline:
 
 
 def keyholed(region: FlatRegion) -> NDArray[np.float64]:
-    """Join a region and its holes to one closed polygon, (n, 2), by cuts that are walked along in both directions.
+    """Join a region and its holes to one closed polygon, (n, 2), by cuts that it follows in both directions.
 
-    Every cut is the shortest that there is, so that it crosses no ring.
+    Every cut is the shortest possible one, so it crosses no ring.
     """
     ring = region.outer
     waiting = list(region.holes)
@@ -55,7 +55,7 @@ def keyholed(region: FlatRegion) -> NDArray[np.float64]:
 
 
 def is_within(point: NDArray[np.float64], ring: NDArray[np.float64]) -> bool:
-    """Tell whether a point lies within a polygon, (n, 2), by how often a ray to the right meets it."""
+    """Return whether a point lies within a polygon, (n, 2), by casting a ray to the right."""
     starts, ends = ring, np.roll(ring, -1, axis=0)
     crossed = (starts[:, 1] <= point[1]) != (ends[:, 1] <= point[1])
     a, b = starts[crossed], ends[crossed]
@@ -64,7 +64,7 @@ def is_within(point: NDArray[np.float64], ring: NDArray[np.float64]) -> bool:
 
 
 def _inner_point(ring: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a point just inside of a ring, from the middle of its longest edge."""
+    """Return a point just inside a ring, next to the middle of its longest edge."""
     along = np.roll(ring, -1, axis=0) - ring
     longest = int(np.argmax((along**2).sum(axis=1)))
     away = np.array([-along[longest, 1], along[longest, 0]]) * np.sign(ring_area(ring))
@@ -72,17 +72,17 @@ def _inner_point(ring: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def closed_chains(first: NDArray[np.int64], second: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Walk along directed edges, of which as many end as begin everywhere, until all are used.
+    """Decompose directed edges, of which equally many start and end at every point, into closed chains.
 
     Parameters
     ----------
     first, second : (e,) int64
-        Numbers of the points where edges begin and end.
+        Indices of the points where edges start and end.
 
     Returns
     -------
     list of (n,) int64
-        Points in turn, three or more; the last one leads to the first.
+        Consecutive points, three or more; the last one connects to the first.
     """
     leaving: dict[int, list[int]] = {}
     for start, end in zip(first.tolist(), second.tolist(), strict=True):

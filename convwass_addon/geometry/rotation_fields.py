@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields of rotations as rotation vectors, without jumps by full turns between neighbors.
+"""Fields of rotation vectors without jumps by full turns between neighbors.
 
-A rotation vector is an axis of unit length times an angle in radians. Adding 2 pi to the angle changes nothing about
-the rotation, but everything about the way there: a field that turns beyond 180 degrees somewhere can be interpolated
-only after all of its vectors have been chosen consistently.
+A rotation vector is a unit axis times an angle in radians. Adding 2 pi to the angle gives the same rotation, but
+changes interpolation from or to it. A field with rotations beyond 180 degrees can only be interpolated after all of its
+vectors have been chosen consistently.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial.transform import Rotation
 
-# Regions that would turn by more than this, three quarters of a circle, take the short way instead: no limb turns so
-# far, but maps twist feet and hands.
+# Regions that would rotate by more than this, three quarters of a turn, take the short way instead: no limb rotates
+# that far, but maps can twist feet and hands.
 _LARGEST_TURN = 1.5 * np.pi
-# A joint that has to be torn for its limb to go another way takes less than this share of all edges.
+# Cutting a limb off at a joint affects less than this fraction of all edges.
 _FEW = 0.02
-# Two vectors of one rotation differ by a full turn; two that differ by more than half of it are on different branches.
+# The vectors of one rotation differ by full turns; vectors that differ by more than half a turn are on different
+# branches.
 _HALF_TURN = np.pi
 
 
@@ -51,27 +52,27 @@ def rotation_vectors(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def unwound(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Choose rotation vectors that change as little as can be from neighbor to neighbor.
+    """Choose rotation vectors that differ as little as possible between neighbors.
 
-    Every connected component is walked along the spanning tree of the smallest relative angles, beginning at the vertex
-    nearest to the median. Regions that would turn by more than three quarters of a circle go the short way.
+    Every connected component is traversed along the minimum spanning tree of relative angles, starting at the vertex
+    nearest to the median. Regions that would rotate by more than three quarters of a turn take the short way.
 
     Parameters
     ----------
     vectors : (n, 3)
-        The shortest rotation vectors, radians.
+        The shortest rotation vectors, in radians.
     edges : (e, 2) int64
-        Which vertices are neighbors.
+        Pairs of neighbors.
 
     Returns
     -------
     (n, 3) float64
-        Vectors of the same rotations.
+        Vectors for the same rotations.
     """
     if not _jumps(vectors, edges).any():
         return vectors
     chosen = vectors.copy()
-    for parents, children in _levels(vectors, edges):
+    for parents, children in _tree_levels(vectors, edges):
         chosen[children] = nearest_branches(vectors[children], chosen[parents])
     far = np.linalg.norm(chosen - vectors, axis=1) > _HALF_TURN
     regions = _regions(edges[far[edges].all(axis=1)], len(vectors))
@@ -85,10 +86,10 @@ def unwound(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[n
 def unwound_towards(
     vectors: NDArray[np.float64], guesses: NDArray[np.float64], edges: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Choose rotation vectors close to others, (n, 3), where that leaves jumps at a few edges at most.
+    """Choose rotation vectors close to `guesses`, (n, 3), if that leaves jumps at no more than a few edges.
 
-    A limb that turns by about 180 degrees has two ways to do so; this makes two shapes that move towards each other
-    take the same one. Otherwise vectors are chosen as by :func:`unwound`.
+    A limb that rotates by about 180 degrees can do so in two directions; this makes two shapes that move towards each
+    other agree on one. Otherwise the result is that of :func:`unwound`.
     """
     alone, guided = unwound(vectors, edges), nearest_branches(vectors, guesses)
     most = max(_jumps(alone, edges).sum(), _FEW * len(edges))
@@ -96,10 +97,10 @@ def unwound_towards(
 
 
 def nearest_branches(vectors: NDArray[np.float64], guesses: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return, of all vectors of the same rotations as `vectors`, (n, 3), the ones nearest to `guesses`, (n, 3)."""
+    """Return, among the rotation vectors equivalent to `vectors`, (n, 3), those nearest to `guesses`, (n, 3)."""
     angles = np.linalg.norm(vectors, axis=1)
     lengths = np.linalg.norm(guesses, axis=1)
-    # Nearly no rotation has no axis of its own: it takes that of the guess.
+    # A rotation close to the identity has no reliable axis, so use that of the guess.
     axes = np.where(
         angles[:, None] > 1e-8,
         vectors / np.maximum(angles, 1e-300)[:, None],
@@ -110,26 +111,26 @@ def nearest_branches(vectors: NDArray[np.float64], guesses: NDArray[np.float64])
 
 
 def _jumps(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Tell which edges lead from one branch to another, (e,)."""
+    """Return which edges connect different branches, (e,)."""
     return np.linalg.norm(vectors[edges[:, 0]] - vectors[edges[:, 1]], axis=1) > _HALF_TURN
 
 
-def _levels(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> list[tuple[NDArray, NDArray]]:
-    """Return parents and children of every level of the spanning forest, from the roots' children on."""
+def _tree_levels(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> list[tuple[NDArray, NDArray]]:
+    """Return parents and children of every level of the spanning forest, starting with the roots' children."""
     count = len(vectors)
     turns = Rotation.from_rotvec(vectors)
     angles = (turns[edges[:, 0]] * turns[edges[:, 1]].inv()).magnitude()
-    # Lengths of zero would be no edges.
+    # The sparse graph would drop edges of weight zero.
     tree = minimum_spanning_tree(csr_array((angles + 1e-6, edges.T), shape=(count, count))).tocoo()
     roots = _roots(vectors, _regions(edges, count))
-    # One more vertex, from which the walk goes to every root first.
+    # An extra vertex connects to every root, so that one traversal visits all trees.
     rows = np.concatenate([tree.coords[0], np.full(len(roots), count)])
     columns = np.concatenate([tree.coords[1], roots])
     forest = coo_array((np.ones(len(rows)), (rows, columns)), shape=(count + 1, count + 1)).tocsr()
     order, parents = breadth_first_order(forest, count, directed=False)
     place = np.empty(count + 1, np.int64)
     place[order] = np.arange(count + 1)
-    # Parents come in the order of their children, so that the children of a level follow each other.
+    # Breadth-first order groups the children of a level, in the order of their parents.
     places = place[parents[order[1:]]]
     ends = [1, 1 + len(roots)]
     while ends[-1] < count + 1:
@@ -138,13 +139,13 @@ def _levels(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> list[tupl
 
 
 def _regions(edges: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Label `count` vertices by what edges join, (count,)."""
+    """Label `count` vertices by connected component, (count,)."""
     graph = coo_array((np.ones(len(edges), np.int8), edges.T), shape=(count, count))
     return connected_components(graph, directed=False)[1]
 
 
 def _roots(vectors: NDArray[np.float64], labels: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the vertex of every component whose vector is nearest to the component's median."""
+    """Return for every component the vertex whose vector is nearest to the median."""
     order = np.argsort(labels, kind="stable")
     members = np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
     return np.array(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rotations nearest to many matrices at once."""
+"""Nearest rotations of many matrices at once."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Newton's iteration squares what is wrong in every round: this many take any matrix that it is given to rounding.
+# Newton's iteration converges quadratically: this many rounds converge for any matrix used with it.
 _ROUNDS = 7
-# Determinants, of matrices whose largest entry is one, from which on it is given them: about a condition below 1e4.
+# Least determinant, after scaling the largest entry to one, for Newton's iteration: a condition number below about 1e4.
 _REGULAR = 1e-5
-# The row (or column) after each, and the one after that.
+# Cyclic indices of the next row (or column) and of the one after that.
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 @dataclass(frozen=True)
 class FittedTurns:
-    """Rotations, and how well they fit.
+    """Rotations and the quality of their fit.
 
     Attributes
     ----------
     rotations : (3, 3, n) float64
         The proper rotations R that maximize tr(R^T M) for matrices M.
     traces : (n,) float64
-        What they reach: the sum of the singular values of M, the least taken negatively where det M < 0.
+        The maxima reached: the sums of the singular values of M, with the least one negated where det M < 0.
     """
 
     rotations: NDArray[np.float64]
@@ -36,9 +36,9 @@ class FittedTurns:
 def nearest_rotations(matrices: NDArray[np.float64]) -> FittedTurns:
     """Find the proper rotation nearest to each matrix.
 
-    The polar factor of a matrix of positive determinant is found by Newton's iteration with scaling (N. Higham,
-    "Computing the Polar Decomposition - with Applications", SIAM J. Sci. Stat. Comput. 7, 1986), on all matrices side
-    by side, which takes a third of the time of as many singular value decompositions; the others are left to those.
+    The polar factor of a matrix with positive determinant is computed by Newton's iteration with scaling (N. Higham,
+    "Computing the Polar Decomposition - with Applications", SIAM J. Sci. Stat. Comput. 7, 1986), vectorized over all
+    matrices, which takes a third of the time of singular value decompositions. These handle the other matrices.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def nearest_rotations(matrices: NDArray[np.float64]) -> FittedTurns:
     for _ in range(_ROUNDS):
         cofactors = _cofactors(turns)
         inverses = cofactors / _determinants(turns, cofactors)
-        # The scale that brings the singular values closest to one, in Frobenius norms.
+        # The optimal scaling by Frobenius norms, which brings the singular values close to one.
         scales = np.sqrt(np.sqrt(np.square(inverses).sum(axis=(0, 1)) / np.square(turns).sum(axis=(0, 1))))
         turns = 0.5 * (scales * turns + inverses / scales)
     if not regular.all():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Smooth a density where its level sets are spongy, and nowhere else."""
+"""Smooth a density only where its level sets are spongy."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from scipy.ndimage import binary_dilation, gaussian_filter
 
 from .saddles import bridges, lids
 
-# Saddles within this share of the level, on either side, may make a sponge; so many cells around them are smoothed.
+# Saddles within this ratio of the level, on either side, may form a sponge; the density is smoothed within this many
+# cells of them.
 _NEAR = 0.75
 _AROUND = 3
 
 
 def smoothed_at_saddles(density: NDArray[np.floating], level: float, sigma: float) -> NDArray[np.floating]:
-    """Return a density that is smoothed about its saddles near a level, and goes over into the given one around them.
+    """Return a density that is smoothed around its saddles near a level and blends into the given one elsewhere.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        Not negative.
+        Nonnegative.
     level : float
-        Of the surface.
+        Level of the surface.
     sigma : float
         Standard deviation of the Gaussian, in cells.
     """

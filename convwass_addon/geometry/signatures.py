@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Signatures of the points of a surface that do not change when it is moved or bent without stretching."""
+"""Isometry-invariant signatures of points on a surface."""
 
 from __future__ import annotations
 
@@ -10,41 +10,40 @@ from numpy.typing import NDArray
 from .products import product
 from .spectrum import Spectrum
 
-# Standard deviation of the wave kernel's bands, in steps between energies, and what is left free at the upper end
-# (Aubry et al. 2011).
+# Standard deviation of the wave kernel's bands, in energy steps, and the margin at the upper end (Aubry et al. 2011).
 _BAND_STEPS = 7.0
 _UPPER_END = 1.02
-# Eigenvalues of a surface of unit area below this are zeros: constants on its pieces.
+# Eigenvalues below this, on a surface of unit area, count as zero: constants on its components.
 _ZERO = 1e-6
 
 
 def wave_kernel_signature(spectrum: Spectrum, energies: int = 100) -> NDArray[np.float64]:
-    """Return how likely a quantum particle of every energy is to be met at every vertex, (n, energies).
+    """Return the probability of measuring a quantum particle of every energy at every vertex, (n, energies).
 
-    Column e is sum_k w_ek f_k^2 with w_ek = exp(-(ln E_e - ln lambda_k)^2 / (2 s^2)), of sum one over k; energies run
-    from the first eigenvalue that is not zero nearly to the last, in even logarithmic steps, s being seven of them.
+    Column e is sum_k w_ek f_k^2 with w_ek = exp(-(ln E_e - ln lambda_k)^2 / (2 s^2)), normalized to sum one over k.
+    Energies are spaced logarithmically from the first nonzero eigenvalue almost to the last, and s is seven steps.
     M. Aubry, U. Schlickewei and D. Cremers, "The Wave Kernel Signature: A Quantum Mechanical Approach to Shape
     Analysis", ICCV Workshops, 2011.
 
     Parameters
     ----------
     spectrum : Spectrum
-        Of the surface.
+        Spectrum of the surface.
     energies : int
-        How many, at least two.
+        Number of energies, at least two.
 
     Raises
     ------
     ValueError
-        Fewer than two energies, or than two eigenvalues that are not zero.
+        Fewer than two energies, or fewer than two nonzero eigenvalues.
     """
     if energies < 2:
         raise ValueError(f"at least two energies are needed, got {energies}")
-    values, squares = _vibrations(spectrum)
+    values, squares = _nonzero_modes(spectrum)
     if len(values) < 2:
         raise ValueError("at least two eigenvalues that are not zero are needed")
     logs = np.log(values)
-    # Logarithms below zero and above move inwards alike.
+    # Move the end inwards whatever the sign of its logarithm.
     grid = np.linspace(logs[0], logs[-1] - (1.0 - 1.0 / _UPPER_END) * abs(logs[-1]), energies)
     width = _BAND_STEPS * (grid[-1] - grid[0]) / energies
     if width == 0:
@@ -55,7 +54,7 @@ def wave_kernel_signature(spectrum: Spectrum, energies: int = 100) -> NDArray[np
     return product(squares, (bands / bands.sum(axis=1, keepdims=True)).T)
 
 
-def _vibrations(spectrum: Spectrum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Eigenvalues that are not zero and squares of their functions."""
+def _nonzero_modes(spectrum: Spectrum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nonzero eigenvalues, and squares of their eigenfunctions."""
     moving = spectrum.eigenvalues > _ZERO
     return spectrum.eigenvalues[moving], np.square(spectrum.functions[:, moving])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which points lie inside a mesh, how deep, and where the nearest inside is."""
+"""Inside tests by winding number, distances to the surface, and nearest points inside."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 
-# Pairs of a point and a triangle that are handled at once: what they need is some hundred bytes each.
+# Pairs of a point and a triangle processed together; each needs a few hundred bytes.
 _PAIRS = 1 << 18
-# The surface is met again no closer than this share of the body's size behind the point where a line goes in.
+# Rays start at this fraction of the body's size behind the surface, so that they do not hit it at their origin.
 _SKIN = 1e-6
-# Lines that turn by this are tried where the straight one misses the inside.
+# Tilt of the rays that are tried if the straight one misses the inside.
 _TILT = 0.35
-# Places of the surface that are tried for a point whose closest one has no inside behind it.
+# Number of places on the surface tried for a point if there is no inside behind the nearest one.
 _FARTHER = 64
 
 
@@ -31,9 +31,9 @@ def winding_numbers(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.float64
     Parameters
     ----------
     points : (k, 3)
-        Anywhere.
+        Query points.
     mesh : TriangleMesh
-        Faces look outward; open and self-intersecting ones are fine.
+        Oriented outward; open and self-intersecting meshes are allowed.
 
     Returns
     -------
@@ -55,14 +55,14 @@ def winding_numbers(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.float64
 
 @dataclass(frozen=True)
 class NearestInside:
-    """Places inside a body that are nearest to some points.
+    """Points inside a body that are nearest to given points.
 
     Attributes
     ----------
     positions : (k, 3) float64
-        The places; the points themselves where no place was found.
+        The points inside; the given points where none was found.
     found : (k,) bool
-        Where one was.
+        Whether one was found.
     """
 
     positions: NDArray[np.float64]
@@ -70,12 +70,12 @@ class NearestInside:
 
 
 class Inside:
-    """Tells inside from outside of one body.
+    """Inside and outside tests for one body.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Faces look outward; at least one face.
+        Oriented outward, with at least one face.
     """
 
     def __init__(self, mesh: TriangleMesh) -> None:
@@ -89,7 +89,7 @@ class Inside:
         return winding_numbers(points, self._mesh)
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Tell which points, (k, 3), lie inside: a winding number above a half."""
+        """Return which points, (k, 3), lie inside: those with a winding number above one half."""
         return self.winding(points) > 0.5
 
     def distances(self, points: ArrayLike) -> NDArray[np.float64]:
@@ -97,17 +97,17 @@ class Inside:
         return self._closest.find(points).distances
 
     def nearest(self, points: ArrayLike, depth: float) -> NearestInside:
-        """Return the places inside nearest to points that lie outside.
+        """Return the points inside that are nearest to points outside.
 
-        From the point of the surface that is closest, a line goes in; where the body is less than twice `depth` thick
-        along it, the place is in the middle of the body, elsewhere at the depth.
+        A ray enters the body at the nearest surface point. The result is at `depth` on the ray, or in the middle of the
+        body where it is less than twice `depth` thick along the ray.
 
         Parameters
         ----------
         points : (k, 3)
-            Anywhere.
+            Query points.
         depth : float
-            How far below the surface, positive.
+            Depth below the surface, positive.
         """
         wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         places, found = wanted.copy(), np.zeros(len(wanted), bool)
@@ -121,10 +121,10 @@ class Inside:
         return NearestInside(places, found)
 
     def _behind_others(self, point: NDArray[np.float64], depth: float) -> NDArray[np.float64] | None:
-        """Try the triangles whose middles are nearest: the closest one of all may be a sheet that encloses nothing."""
+        """Try the triangles with the nearest centers, because the nearest one may be part of an open sheet."""
         middles = self._mesh.corners.mean(axis=1)
         order = np.argsort(np.linalg.norm(middles - point, axis=1), kind="stable")
-        # Every other of those near by, and then ever fewer: what is next to a sheet is mostly more of it.
+        # Sample ever more sparsely with the distance, because neighbors of a sheet mostly belong to it.
         chosen = np.unique(np.geomspace(1, len(order), min(_FARTHER, len(order))).astype(int)) - 1
         for triangle in order[chosen]:
             place = self._behind(middles[triangle], [-self._normals[triangle]], depth)
@@ -135,7 +135,7 @@ class Inside:
     def _behind(
         self, foot: NDArray[np.float64], directions: list[NDArray[np.float64]], depth: float
     ) -> NDArray[np.float64] | None:
-        """Return the place in the first of the directions that lies inside."""
+        """Return the result for the first direction that leads inside; None if none does."""
         for direction in directions:
             thickness = self.first_hit(foot + _SKIN * self._size * direction, direction)
             place = foot + min(depth, 0.5 * thickness) * direction
@@ -144,7 +144,7 @@ class Inside:
         return None
 
     def first_hit(self, start: NDArray[np.float64], direction: NDArray[np.float64]) -> float:
-        """How far a ray goes until it meets the surface; infinite where it does not (Möller and Trumbore 1997)."""
+        """Distance along a ray to its first hit of the surface; infinite without a hit (Möller and Trumbore 1997)."""
         a, b, c = np.moveaxis(self._mesh.corners, 1, 0)
         first, second = b - a, c - a
         across = np.cross(direction, second)
@@ -160,7 +160,7 @@ class Inside:
 
 
 def _directions(toward: NDArray[np.float64], inward: NDArray[np.float64], size: float) -> list[NDArray[np.float64]]:
-    """Return unit vectors to try: on through the surface, straight in, and a little to all sides of that."""
+    """Return unit vectors to try: on through the surface, along the inward normal, and tilted from it to all sides."""
     length = np.linalg.norm(toward)
     straight = [toward / length] if length > _SKIN * size else []
     side = np.cross(inward, np.eye(3)[np.argmin(np.abs(inward))])

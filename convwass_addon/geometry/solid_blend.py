@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A solid between several deformations of itself: its parts turn on the way, instead of shrinking to the middle."""
+"""Interpolation between deformations of a solid in which parts rotate instead of shrinking towards the middle."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from .rotations import nearest_rotations
 
 _CORNERS = np.array(list(product((0, 1), repeat=3)))
 _EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if int(np.abs(_CORNERS[a] - _CORNERS[b]).sum()) == 1)
-# Holds every connected part of the solid; so small against the stiffness of a cell that only its middle is held.
+# Holds every connected component in place; so weak compared with the stiffness of a cell that it only fixes its center.
 _HOLD = 1e-7
 
 
 class SolidNodes:
-    """The corners of those cells of a grid that hold a solid, as points that a deformation moves.
+    """The corners of the grid cells of a solid, as nodes that a deformation moves.
 
     Parameters
     ----------
     mass : (nx, ny, nz) float64
-        What each cell counts; cells above zero belong to the solid.
+        Mass of each cell; cells with positive mass belong to the solid.
 
     Attributes
     ----------
     positions : (n, 3) float64
-        Of the nodes, in cells.
+        Positions of the nodes, in cells.
     corners : (c, 8) int64
-        Nodes at the corners of every cell.
+        Indices of the nodes at the corners of every cell.
     mass : (c,) float64
-        Of every cell.
+        Mass of every cell.
     """
 
     def __init__(self, mass: NDArray[np.float64]) -> None:
@@ -51,7 +51,7 @@ class SolidNodes:
         self._number[nodes] = np.arange(len(nodes))
 
     def interpolation(self, points: NDArray[np.float64]) -> csr_array:
-        """Return the matrix, (p, n), that takes values at the nodes to points, (p, 3), in cells of the solid."""
+        """Return the interpolation matrix, (p, n), from the nodes to points, (p, 3), in cells of the solid."""
         low = np.clip(np.floor(points).astype(np.int64), 0, np.array(self._shape) - 2)
         share = points - low
         columns = self._number[np.ravel_multi_index(np.moveaxis(low[:, None] + _CORNERS, -1, 0), self._shape)]
@@ -61,20 +61,20 @@ class SolidNodes:
 
 
 class SolidBlend:
-    """Deformations of a solid, and all that lies between them.
+    """Deformations of a solid and all interpolations between them.
 
-    The gradient of every cell is split into a rotation and a stretch, F_j = R_j S_j. Between deformations j of weights
-    w_j it is exp(sum_j w_j log R_j) (sum_j w_j S_j), where the undeformed solid counts with the rest of the weight; the
-    nodes that have these gradients best are found by a Poisson equation (D. Xu, H. Zhang, Q. Wang and H. Bao, "Poisson
-    shape interpolation", SPM 2005, on cells of a grid). Their middle moves straight. At a weight of one the deformation
-    comes back as it is.
+    The gradient of every cell is split into a rotation and a stretch, F_j = R_j S_j. For deformations j with weights
+    w_j the interpolated gradient is exp(sum_j w_j log R_j) (sum_j w_j S_j), where the undeformed solid has the
+    remaining weight. A Poisson equation yields the nodes that match these gradients best (D. Xu, H. Zhang, Q. Wang and
+    H. Bao, "Poisson shape interpolation", SPM 2005, here on grid cells). Their center moves along a straight line. A
+    weight of one reproduces the deformation.
 
     Parameters
     ----------
     nodes : SolidNodes
         The solid.
     deformed : sequence of (n, 3) float64
-        Where each deformation takes the nodes, in cells.
+        The deformed nodes of each deformation, in cells.
     """
 
     def __init__(self, nodes: SolidNodes, deformed: Sequence[NDArray[np.float64]]) -> None:
@@ -94,7 +94,7 @@ class SolidBlend:
         self._factor: Factorization | None = None
 
     def at(self, weights: Sequence[float]) -> NDArray[np.float64]:
-        """Return the nodes, (n, 3) in cells, for a weight of each deformation; together they are one at most."""
+        """Return the nodes, (n, 3) in cells, for a weight of each deformation; the weights sum to at most one."""
         own = 1.0 - sum(weights)
         turn = np.zeros((len(self.nodes.corners), 3))
         pulls, middle = own * self._pulls, own * self.nodes.positions
@@ -109,7 +109,7 @@ class SolidBlend:
         return self._factor.solve(np.ascontiguousarray(right.T)).T
 
     def _system(self) -> csr_array:
-        """Laplacian of the edges of all cells, and what holds the middle."""
+        """Laplacian of the edges of all cells, plus the term that fixes the center."""
         count = len(self.nodes.positions)
         low, high = (np.concatenate([self.nodes.corners[:, edge[end]] for edge in _EDGES]) for end in (0, 1))
         mass = np.tile(self.nodes.mass, len(_EDGES))
@@ -119,17 +119,17 @@ class SolidBlend:
         return (diags_array(np.asarray(links.sum(axis=0)).ravel() + self._held) - links).tocsc()
 
     def __getstate__(self) -> dict[str, object]:
-        # The factors are a library's own, and quickly made again.
+        # The factorization cannot be pickled, and is quick to recompute.
         return {**self.__dict__, "_factor": None}
 
 
 def gradients(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mean gradient over every cell, (c, 3, 3), of a deformation of the nodes."""
+    """Return the mean deformation gradient of every cell, (c, 3, 3)."""
     return np.einsum("cki,kj->cij", images[nodes.corners], _CORNERS - 0.5) / 2.0
 
 
 def _pulls(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sum at the corners of every cell, (c, 8, 3), the deformed edges that end there, times the cell's mass."""
+    """Sum the deformed edges at the corners of every cell, (c, 8, 3), times the cell's mass."""
     at = images[nodes.corners]
     pulls = np.zeros_like(at)
     for low, high in _EDGES:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cells of a grid that a solid fills, and which of them are neighbors."""
+"""The grid cells of a solid and their adjacency."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 HALF_OF_THE_NEIGHBORS = tuple(offset for offset in product((-1, 0, 1), repeat=3) if offset > (0, 0, 0))
-"""Steps to 13 of the 26 cells around a cell; the others are opposite to them."""
+"""Offsets to 13 of the 26 neighbors of a cell; the others are their negatives."""
 
 
 @dataclass(frozen=True)
 class SolidCells:
-    """The cells of a grid that hold at least some of a solid.
+    """The grid cells that contain part of a solid.
 
     Attributes
     ----------
     mass : (nx, ny, nz) float64
-        Filled share of every cell.
+        Filled fraction of every cell.
     number : (nx, ny, nz) int64
-        Place of every cell among those of the solid; -1 outside.
+        Index of every cell among those of the solid; -1 outside.
     filled : (n,) float64
-        Filled share of the cells of the solid.
+        Filled fraction of the cells of the solid.
     """
 
     mass: NDArray[np.float64]
@@ -35,7 +35,7 @@ class SolidCells:
 
     @classmethod
     def of(cls, mass: NDArray[np.float64], least: float) -> SolidCells:
-        """Take the cells of which at least the share `least` is filled."""
+        """Select the cells whose filled fraction is at least `least`."""
         inside = mass >= least
         number = np.full(mass.shape, -1, np.int64)
         number[inside] = np.arange(np.count_nonzero(inside))
@@ -46,11 +46,11 @@ class SolidCells:
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Mask of the cells, of the grid's shape."""
+        """Mask of the cells, with the grid's shape."""
         return self.number >= 0
 
     def gathered(self, field: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at the cells, (n, ...), of a field (nx, ny, nz, ...)."""
+        """Values of a field (nx, ny, nz, ...) at the cells, (n, ...)."""
         return field[self.inside]
 
     def scattered(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -60,7 +60,7 @@ class SolidCells:
         return field
 
     def pairs(self, offset: tuple[int, int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return all pairs of cells of the solid of which the second is `offset` away from the first, (p,) each."""
+        """Return all pairs of cells of the solid whose second cell is at `offset` from the first, (p,) each."""
         here = tuple(slice(max(0, -step), size - max(0, step)) for step, size in _by_axis(offset, self.number))
         there = tuple(slice(max(0, step), size + min(0, step)) for step, size in _by_axis(offset, self.number))
         first, second = self.number[here].ravel(), self.number[there].ravel()

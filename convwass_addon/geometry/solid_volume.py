@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volume of the solid that the voxels of a mesh make, also where the mesh is open or intersects itself."""
+"""Volume of the voxelized solid of a mesh, even if the mesh is open or intersects itself."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from .occupancy import occupancy
 
 # Cells along the longest side; a mesh takes about 0.1 s of CPU time.
 _RESOLUTION = 64
-# Cells around the mesh, which `occupancy` asks for.
+# Empty cells around the mesh, required by `occupancy`.
 _MARGIN = 2
-# Most difference that the quarters of cells in which `occupancy` measures make, as a share of the volume.
+# Largest relative difference that the discretization of `occupancy`, a quarter of a cell, causes in the volume.
 _AGREEING = 0.02
 
 
 def solid_volume(mesh: TriangleMesh) -> float:
     """Return the volume that a morph gives a shape.
 
-    It is the sum of the occupancy, which closes holes and takes the union of what overlaps. The signed volume of the
-    faces lacks the cone over every hole of an open mesh and counts overlaps twice; where the mesh is closed and both
-    agree, it is the limit of the occupancy on fine grids, and returned.
+    This is the sum of the occupancy, which closes holes and takes the union of overlaps. The signed volume of the faces
+    misses the cone over every hole of an open mesh and counts overlaps twice. If the mesh is closed and both agree, the
+    signed volume is returned, because it is the limit of the occupancy on fine grids.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Facing outward (:func:`.orientation.orient_outward`), of positive size.
+        Oriented outward (:func:`.orientation.orient_outward`), of positive size.
 
     Returns
     -------
     float
-        In the units of the mesh, cubed.
+        In cubed units of the mesh.
     """
     filled = _occupied(mesh)
     is_closed = bool((edge_use(mesh.faces).count % 2 == 0).all())

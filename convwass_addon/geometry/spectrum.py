@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The vibration modes of a surface: the smallest eigenvalues of its Laplacian, with their functions."""
+"""Spectrum of a surface: the smallest eigenvalues of its Laplacian, with their eigenfunctions."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from .factorization import factorize
 from .laplacian import Laplacian
 
-# The system L + shift A is positive definite. On unit area the first eigenvalue that is not zero is of order one.
+# The system L + shift A is positive definite. On unit area the first nonzero eigenvalue is of order one.
 _SHIFT = 0.1
-# Lanczos's method needs twice as many vectors as wanted functions; on pieces with fewer than this times as many
-# vertices a dense solution is as fast, and sure to find every repeated eigenvalue: 120 functions take 0.04 CPU seconds
-# instead of 0.05 on 480 vertices, and 0.13 instead of 0.08 on 1000.
+# Lanczos's method needs twice as many vectors as functions. On components with fewer than this many vertices per
+# function a dense solver is as fast, and finds every repeated eigenvalue: 120 functions take 0.04 CPU seconds instead
+# of 0.05 on 480 vertices, and 0.13 instead of 0.08 on 1000.
 _DENSE_BELOW = 4
 
 
@@ -31,12 +31,12 @@ class Spectrum:
     Attributes
     ----------
     eigenvalues : (k,) float64
-        Not negative, ascending; as many zeros as there are pieces (up to rounding).
+        Nonnegative, ascending; one zero per connected component (up to rounding).
     functions : (n, k) float64
-        One function per column, orthonormal with respect to `areas`; zero at vertices that no triangle uses. Their
-        signs mean nothing.
+        One function per column, orthonormal with respect to `areas`; zero at vertices without triangles. Their signs
+        are arbitrary.
     areas : (n,) float64
-        Of the vertices, with sum one.
+        Areas of the vertices, of sum one.
     """
 
     eigenvalues: NDArray[np.float64]
@@ -49,16 +49,16 @@ class Spectrum:
 
 
 def spectrum(laplacian: Laplacian, count: int) -> Spectrum:
-    """Return the `count` smallest eigenvalues of a surface with their functions; all of them where there are fewer.
+    """Return the `count` smallest eigenvalues of a surface with their functions, or all if there are fewer.
 
-    Pieces are solved one by one, so that eigenvalues which they share are all found.
+    Connected components are solved separately, which finds all eigenvalues that they share.
 
     Parameters
     ----------
     laplacian : Laplacian
-        Of the surface, in any unit of length.
+        Laplacian of the surface, in any unit of length.
     count : int
-        Wanted number, at least one.
+        Number of eigenvalues, at least one.
 
     Raises
     ------
@@ -87,9 +87,9 @@ def spectrum(laplacian: Laplacian, count: int) -> Spectrum:
 def _modes(
     stiffness: csc_array, areas: NDArray[np.float64], count: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Eigenvalues (count,) and functions (n, count) of one piece.
+    """Eigenvalues (count,) and functions (n, count) of one component.
 
-    Solved as the ordinary problem A^-1/2 L A^-1/2 g = lambda g with f = A^-1/2 g, which has no mass matrix in it.
+    Solves the standard problem A^-1/2 L A^-1/2 g = lambda g with f = A^-1/2 g, which needs no mass matrix.
     """
     roots = np.sqrt(areas)
     if _DENSE_BELOW * count > len(areas):
@@ -105,7 +105,7 @@ def _modes(
 def _lanczos(
     stiffness: csc_array, roots: NDArray[np.float64], count: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Do it by Lanczos's method on the inverse of the shifted system."""
+    """Lanczos's method on the inverse of the shifted system."""
     factor = factorize((stiffness + _SHIFT * diags_array(roots**2)).tocsc())
 
     def inverse(vector: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -113,7 +113,7 @@ def _lanczos(
 
     shape = stiffness.shape
     scale = diags_array(1.0 / roots)
-    # Always the same start, so that the same surface has the same functions, signs included.
+    # A fixed start makes the functions of a surface reproducible, including their signs.
     start = np.random.default_rng(0).standard_normal(len(roots))
     return eigsh(
         (scale @ stiffness @ scale).tocsc(),

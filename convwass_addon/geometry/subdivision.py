@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles cut where edges are long or chosen, so that a surface can bend wherever it has to."""
+"""Subdivide triangles where edges are long or selected, so that a surface can bend anywhere."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from numpy.typing import NDArray
 from .edges import EdgeUse, edge_ends, edge_use
 from .mesh import TriangleMesh
 
-# An edge is halved in every round.
+# Every round halves long edges.
 _MOST_ROUNDS = 12
-# Longest edges of triangles are followed so far from an edge that is halved.
+# Number of rounds in which longest edges of affected triangles are added.
 _FOLLOWED = 3
 
 
 @dataclass(frozen=True)
 class Subdivision:
-    """A mesh with some triangles cut.
+    """A mesh with some triangles subdivided.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        The same surface. The vertices of the mesh that was cut come first.
+        The same surface. The vertices of the original mesh come first.
     parents : (m,) int64 or None
-        The triangle that each of its triangles is a part of; None where nothing was cut.
+        The original triangle of each triangle; None if nothing was subdivided.
     """
 
     mesh: TriangleMesh
@@ -35,16 +35,16 @@ class Subdivision:
 
 
 def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int) -> Subdivision:
-    """Halve all edges that are longer than `longest`, again and again; the surface stays what it is.
+    """Halve all edges longer than `longest` repeatedly; the surface does not change.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Of any topology. Triangles that share an edge share its halves.
+        Of any topology. Triangles that share an edge share its midpoint.
     longest : float
-        In the units of the mesh.
+        In units of the mesh.
     most_vertices : int
-        Cutting ends before there are more.
+        Subdivision ends before it exceeds this number.
     """
     found = Subdivision(mesh, None)
     for _ in range(_MOST_ROUNDS):
@@ -62,11 +62,11 @@ class HalvedEdges:
     Attributes
     ----------
     mesh : TriangleMesh
-        The same surface. The vertices of the mesh that was cut come first, then the middles of the edges.
+        The same surface. The vertices of the original mesh come first, then the midpoints of edges.
     parents : (m,) int64
-        The triangle that each of its triangles is a part of.
+        The original triangle of each triangle.
     ends : (s, 2) int64
-        The edge that each new vertex is the middle of.
+        The ends of the edge of each new vertex.
     """
 
     mesh: TriangleMesh
@@ -75,19 +75,19 @@ class HalvedEdges:
 
 
 def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_]) -> HalvedEdges:
-    """Halve some edges, and cut the triangles about them into two, three or four; there are no cracks.
+    """Halve some edges and split the adjacent triangles into two, three or four, without cracks.
 
-    Triangles that are not cut come first; of these, rows 2 i and 2 i + 1 that were such rows before come before others,
-    so that two triangles that make a quad there still do.
+    Unsplit triangles come first. Among these, rows 2 i and 2 i + 1 that remain such a pair come before others, so that
+    two triangles that make a quad stay together.
 
     Parameters
     ----------
     mesh : TriangleMesh
         Of any topology.
     use : EdgeUse
-        Of its faces.
+        `edge_use(mesh.faces)`.
     chosen : (e,) bool
-        Which edges, in the order of `use`.
+        Mask of the edges, in the order of `use`.
     """
     count = len(mesh.vertices)
     numbers = np.where(chosen, count + np.cumsum(chosen) - 1, -1)
@@ -100,11 +100,10 @@ def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_
 
 
 def with_longest_edges(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Add the longest edge of every triangle that is cut, so that halving edges leaves no narrow angles.
+    """Add the longest edge of every triangle that is split, which avoids narrow angles.
 
     After M.-C. Rivara, "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques",
-    International Journal for Numerical Methods in Engineering 20, 1984; triangles that are cut on the way are followed
-    a few edges far.
+    International Journal for Numerical Methods in Engineering 20, 1984; the propagation stops after a few edges.
 
     Parameters
     ----------
@@ -114,7 +113,7 @@ def with_longest_edges(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool
     Returns
     -------
     (e,) bool
-        Which edges.
+        Mask of the edges.
     """
     edges = np.empty(mesh.faces.size, np.int64)
     edges[use.side] = np.repeat(np.arange(len(use.start)), use.count)
@@ -131,7 +130,7 @@ def with_longest_edges(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool
 
 
 def _halved(mesh: TriangleMesh, longest: float) -> HalvedEdges | None:
-    """Halve every long edge once; None where there is none."""
+    """Halve every long edge once; None if there is none."""
     use = edge_use(mesh.faces)
     first, second = mesh.vertices[edge_ends(mesh.faces, use)].swapaxes(0, 1)
     long = np.linalg.norm(second - first, axis=1) > longest
@@ -141,14 +140,14 @@ def _halved(mesh: TriangleMesh, longest: float) -> HalvedEdges | None:
 def _cut(
     faces: NDArray[np.int64], middles: NDArray[np.int64], vertices: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Cut triangles at the middles of their edges, -1 where there is none; return the parts and whose they are."""
+    """Split triangles at the midpoints of their edges, -1 for none; return the parts and their original triangles."""
     number = (middles >= 0).sum(axis=1)
     whole = number == 0
     rows = np.arange(len(faces))
     paired = whole & whole[np.minimum(rows ^ 1, len(faces) - 1)] & ((rows ^ 1) < len(faces))
     owners = [rows[paired], rows[whole & ~paired]]
     parts = [faces[own] for own in owners]
-    # Corners are rolled so that the only edge that is cut, or the only one that is not, is the first.
+    # Rotate corners so that the only edge to split, or the only edge not to split, comes first.
     for wanted, is_odd in ((1, True), (2, False)):
         chosen = np.flatnonzero(number == wanted)
         owners += [chosen] * (wanted + 1)
@@ -161,7 +160,7 @@ def _cut(
             parts += [np.stack([a, ab, c], axis=1), np.stack([ab, b, c], axis=1)]
             continue
         parts.append(np.stack([bc, c, ca], axis=1))
-        # The quadrilateral is cut along its shorter diagonal.
+        # Split the quadrilateral along its shorter diagonal.
         across = np.linalg.norm(vertices[a] - vertices[bc], axis=1) <= np.linalg.norm(
             vertices[b] - vertices[ca], axis=1
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines along a surface between its vertices, and the lengths of the shortest ways that they make up."""
+"""Graphs of lines along a surface between its vertices, and shortest paths on them."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from scipy.sparse.csgraph import dijkstra
 from .edges import distinct_corners, edge_use
 from .mesh import TriangleMesh
 
-# Where two vertices lie in one place the line between them still has some length, or it would be none.
+# Relative lower limit of the length of a line, because the sparse graph would drop lines of length zero.
 _SHORTEST = 1e-12
 
 
 def surface_graph(mesh: TriangleMesh) -> csr_array:
-    """Return all edges, and lines across two triangles that share an edge, unfolded into a plane, with their lengths.
+    """Return the lengths of all edges, and of lines across two adjacent triangles unfolded into a plane.
 
-    The latter are left out where they would leave the two triangles. Shortest ways along both are longer than those on
-    the surface by a few percent, 8 % on a grid of right-angled triangles; along edges alone 15 % and 41 %.
+    Lines that would leave the two triangles are omitted. Shortest paths in this graph exceed those on the surface by a
+    few percent, 8 % on a grid of right-angled triangles; with edges alone it would be 15 % and 41 %.
 
     Returns
     -------
@@ -36,23 +36,23 @@ def surface_graph(mesh: TriangleMesh) -> csr_array:
     count = len(mesh.vertices)
     order = np.lexsort((values, columns, rows))
     rows, columns, values = rows[order], columns[order], values[order]
-    # Two ways between the same vertices: the shorter one counts.
+    # Of two lines between the same vertices, keep the shorter one.
     first = np.flatnonzero(np.diff(rows * count + columns, prepend=-1))
     one_way = coo_array((values[first], (rows[first], columns[first])), shape=(count, count)).tocsr()
     return csr_array(one_way.maximum(one_way.T))
 
 
 def surface_distances(graph: csr_array, sources: ArrayLike, limit: float = np.inf) -> NDArray[np.float64]:
-    """Return the lengths of the shortest ways from some vertices to all, (k, n); infinite beyond `limit`.
+    """Return the lengths of shortest paths from some vertices to all, (k, n); infinite beyond `limit`.
 
     Parameters
     ----------
     graph : (n, n) csr_array
-        Of :func:`surface_graph`.
+        From :func:`surface_graph`.
     sources : (k,) int
         Vertices.
     limit : float
-        Longer ways are not looked for.
+        Longest path to search for.
     """
     found = dijkstra(graph, indices=np.asarray(sources, dtype=np.int64).reshape(-1), limit=limit)
     return found.reshape(-1, graph.shape[0])
@@ -61,7 +61,7 @@ def surface_distances(graph: csr_array, sources: ArrayLike, limit: float = np.in
 def _lines_across(
     points: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the ends of lines across edges, (k, 2), the smaller index first, and their lengths (k,)."""
+    """Return the ends of lines across edges, (k, 2), the smaller index first, and their lengths, (k,)."""
     use = edge_use(faces)
     inner = use.start[use.count == 2]
     first, second = faces[use.face[inner]], faces[use.face[inner + 1]]
@@ -84,6 +84,6 @@ def _lines_across(
 def _in_plane(
     offsets: NDArray[np.float64], axis: NDArray[np.float64], length: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Coordinates along an axis and away from it."""
+    """Coordinates along an axis and perpendicular to it."""
     along = np.einsum("ij,ij->i", offsets, axis) / length
     return along, np.sqrt(np.maximum(np.square(offsets).sum(axis=1) - along**2, 0.0))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A surface drawn onto another that it nearly lies on, by a smooth field of displacements along its normals.
+"""Project a surface onto another that is close to it, by a smooth field of displacements along its normals.
 
-No vertex leaves its neighbors, so that nothing folds that was not folded before.
+The field is smooth, so the projection adds no folds.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
 
 _ROUNDS = 3
-# Points farther away than this, in sizes of the target (the square root of its area), count little.
+# Points farther away than this, relative to the square root of the target's area, have little weight.
 _REACH = 0.03
-# How much displacements resist to differ from edge to edge, against a weight of one for a point right below.
+# Weight of differences of displacements along edges, relative to a weight of one for a point right below.
 _SMOOTHNESS = 0.3
-# With this weight vertices stay where they are.
+# Least weight, which holds vertices in place that nothing else constrains.
 _LEAST = 1e-4
 
 
 def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Control) -> NDArray[np.float64]:
-    """Return new vertices, (n, 3), of a surface that nearly lies on `target`, drawn closer to it."""
+    """Return the vertices, (n, 3), of a surface close to `target` after moving them closer to it."""
     smoothness = _SMOOTHNESS * _graph_laplacian(moved)
     finder, facing = FacingPointFinder(target), triangle_normals(target.corners)
     reach = _REACH * np.sqrt(target.area)
@@ -46,7 +46,7 @@ def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Cont
 
 
 def _graph_laplacian(mesh: TriangleMesh) -> csc_array:
-    """Return the Laplacian, (n, n), of the mesh's edges with weight one each."""
+    """Return the unweighted graph Laplacian, (n, n), of the mesh's edges."""
     tails, heads = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
     apart = tails != heads
     rows, columns = tails[apart], heads[apart]

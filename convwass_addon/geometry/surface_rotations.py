@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the neighborhoods of a surface's vertices turn from one position to another."""
+"""Rotations of vertex neighborhoods between two poses of a surface."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from numpy.typing import NDArray
 from .poisson_deformation import deformation_gradients
 from .rotations import nearest_rotations
 
-# Rounds in which gradients are averaged over the triangles around: single triangles fold and turn over.
+# Rounds of averaging gradients over adjacent triangles, because single triangles may fold or flip.
 _ROUNDS = 4
 
 
 def surface_rotations(
     before: NDArray[np.float64], after: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return the rotation of every vertex, (n, 3, 3), between two positions of a surface.
+    """Return the rotation of every vertex, (n, 3, 3), between two poses of a surface.
 
     Parameters
     ----------
     before, after : (n, 3)
         Positions of the vertices.
     faces : (m, 3) int64
-        Triangles. Vertices that none uses do not turn.
+        Triangles. Vertices without triangles get the identity.
     """
     corners = before[faces]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    # Triangles without area at rest do not turn, and are to say so only where there are no others.
+    # Triangles without area at rest have the identity as gradient; it only counts where there are no others.
     areas = np.maximum(areas, 1e-9 * max(float(areas.max(initial=0.0)), np.finfo(float).tiny))
     totals = np.bincount(faces.ravel(), np.repeat(areas, 3), len(before))
     used = totals > 0

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the tangent planes at two points of a surface meet: on the crease between them, if there is one."""
+"""Intersections of tangent planes at two points of a surface, which lie on the crease between them if there is one."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-# Planes whose normals have a larger cosine are taken for parallel.
+# Planes whose normals have a larger cosine count as parallel.
 _PARALLEL = 0.95
 
 
@@ -17,7 +17,7 @@ def meeting_points(
     second: NDArray[np.float64],
     second_normals: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return the point of both tangent planes that is nearest to the middle of each pair of points, (n, 3).
+    """Return the point on both tangent planes that is nearest to the midpoint of each pair of points, (n, 3).
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def meeting_points(
     Returns
     -------
     (n, 3) float64
-        The middle itself where the planes are nearly parallel, or meet farther from it than the points are apart.
+        The midpoint itself if the planes are nearly parallel, or meet farther from it than the points are apart.
     """
     middles = 0.5 * (first + second)
     cosines = np.einsum("nd,nd->n", first_normals, second_normals)
@@ -38,7 +38,7 @@ def meeting_points(
         np.einsum("nd,nd->n", normals, points - middles)
         for points, normals in ((first, first_normals), (second, second_normals))
     ]
-    # The nearest point is the middle plus a combination of the normals.
+    # The nearest point is the midpoint plus a combination of the normals.
     determinants = np.where(crossing, 1.0 - np.square(cosines), 1.0)
     shares = [(heights[i] - cosines * heights[1 - i]) / determinants for i in (0, 1)]
     offsets = shares[0][:, None] * first_normals + shares[1][:, None] * second_normals

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A solid for surfaces that enclose nothing: everything within a distance of the triangles."""
+"""Thicken surfaces that enclose nothing: the solid within a distance of the triangles."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
-# Distance between the points that stand for the surface, in cells.
+# Spacing in cells of the points that sample the surface.
 _SPACING = 0.35
 
 
@@ -23,7 +23,7 @@ def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], t
     shape : (int, int, int)
         Cells per axis.
     thickness : float
-        In cells, one or more.
+        In cells, at least one.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], t
 
 
 def surface_points(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points on triangles in cells, (m, 3, 3), about a third of a cell apart, (p, 3)."""
+    """Sample triangles given in cells, (m, 3, 3), with about a third of a cell between points, (p, 3)."""
     lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     steps = np.maximum(np.ceil(lengths / _SPACING).astype(int), 1)
     found = []

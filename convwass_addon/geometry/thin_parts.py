@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thin parts of a density: a normalization under which one level shows them too, and figures of what is not shown.
+"""Thin parts of a density: normalize it so that one level shows them too, and measure what the surface misses.
 
-A blurred rod or sheet peaks below the density of the solid. A level at half of that density makes it thinner, or leaves
-it out; the volume it had then goes to the thick parts, since the surface encloses what was asked for.
+A blurred rod or sheet peaks below the density of the solid. A level at half of that density makes it thinner or misses
+it entirely. Its volume then goes to the thick parts, because the surface encloses a given volume.
 """
 
 from __future__ import annotations
@@ -20,46 +20,46 @@ from .near import capped_squares
 
 Box = tuple[slice, ...]
 
-# Density the solid's cells have on average counts as one. Below this share there is nothing.
+# Values are relative to the mean density of the solid's cells. Below this, a cell is empty.
 _NEGLIGIBLE = 1e-6
-# What is typical of a place is averaged over so many cells: about a thin part's radius.
+# Width in cells of the averages that give the typical density of a place: about the radius of a thin part.
 _AROUND = 1.25
 _TRUNCATE = 3.0
-# Typical density along a flat face, where half of the solid's density is the level.
+# Typical density along a flat face, where the level is half of the solid's density.
 _FLAT = 0.75
-# The density on the surface of rods of 1 to 5 cells' radius, blurred by 0.7 to 2 cells, is 0.5 (typical / 0.75)^0.65 to
-# about a tenth; a little more than that makes up for the volume that triangles cut off rods of few cells
-# (tests/geometry/test_thin_parts.py holds the volumes).
+# The density on the surface of rods with a radius of 1 to 5 cells, blurred by 0.7 to 2 cells, is 0.5 (typical /
+# 0.75)^0.65 to about a tenth; a slightly larger exponent compensates for the volume that triangles cut off narrow rods
+# (tests/geometry/test_thin_parts.py checks the volumes).
 _POWER = 0.7
-# Where the typical density is less than this there is no part, only what has been scattered.
+# Below this typical density there is no part, only scattered mass.
 _SCATTERED = 0.2
 
-# Parts must reach this density somewhere: less has been scattered.
+# A part must reach this density somewhere; less is scattered mass.
 _PART = 0.1
-# And hold this share of the mass.
+# A part must also hold this fraction of the mass.
 _LEAST_SHARE = 1e-4
-# Parts that are listed one by one.
+# Number of parts that are described individually.
 _LISTED = 16
 
 
 @dataclass(frozen=True)
 class LostPart:
-    """A connected part of a density that the surface does not show at all.
+    """A connected part of a density that the surface misses entirely.
 
     Attributes
     ----------
     share : float
-        Of the whole mass.
+        Fraction of the total mass.
     cells : float
-        Its volume in cells, were it shown as solid as the rest.
+        Its volume in cells, if it had the density of the solid.
     center : (float, float, float)
-        Center of mass in cells; voxel (i, j, k) is the unit cube whose low corner is (i, j, k).
+        Center of mass in cells; voxel (i, j, k) is the unit cube whose lower corner is (i, j, k).
     length : float
-        In cells, of the rod whose mass is spread as far along its axis.
+        In cells: the length of a rod whose mass has the same variance along its axis.
     thickness : float
-        In cells, the diameter of the rod of this length and volume.
+        In cells: the diameter of a rod of this length and volume.
     low, high : (int, int, int)
-        The box of voxels it lies in, `high` excluded.
+        Bounding box in voxels, `high` excluded.
     """
 
     share: float
@@ -71,7 +71,7 @@ class LostPart:
     high: tuple[int, int, int]
 
     def moved(self, offset: Sequence[int]) -> LostPart:
-        """Return the part at another place, (3,) cells away."""
+        """Return the part translated by `offset`, (3,) cells."""
         center, low, high = (
             tuple(type(x)(x + d) for x, d in zip(place, offset, strict=True))
             for place in (self.center, self.low, self.high)
@@ -81,18 +81,18 @@ class LostPart:
 
 @dataclass(frozen=True)
 class LostParts:
-    """What a surface leaves out of a density, as shares of the whole mass.
+    """The mass that a surface misses, as fractions of the total mass.
 
     Attributes
     ----------
     share : float
-        Parts that are not shown at all.
+        Mass of parts that are missed entirely.
     scattered : float
-        Far from the surface and too thin or too small to be a part.
+        Mass that is far from the surface and too thin or too small to be a part.
     count : int
-        How many parts are not shown.
+        Number of missed parts.
     parts : tuple of LostPart
-        The largest of them, largest first.
+        The largest of them, in descending order.
     """
 
     share: float
@@ -105,35 +105,35 @@ class LostParts:
         return asdict(self)
 
     def moved(self, offset: Sequence[int]) -> LostParts:
-        """Return the same on a grid of which this one is a part that begins at a cell, (3,)."""
+        """Return the same parts on a larger grid in which this one begins at cell `offset`, (3,)."""
         return replace(self, parts=tuple(part.moved(offset) for part in self.parts))
 
 
 def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[np.float32]:
-    """Raise thin parts of a density until a level that suits the thick ones suits them too.
+    """Raise thin parts of a density until one level suits thick and thin parts.
 
-    The density is divided by what it is on the surface of a part of the same thickness, which is a function of the
-    density that is typical of the place: the mean of the densities around as seen by the mass there, G(u^2) / G(u) with
-    G a narrow Gaussian. In thick parts nothing is divided and level sets stay; what is too faint to be a part is raised
-    by one factor, of 2.5, and stays below any level.
+    The density is divided by its value on the surface of a part of the same thickness, which is a function of the
+    typical density of the place. That is the mean of the surrounding densities weighted by mass, G(u^2) / G(u), with G
+    a narrow Gaussian. Thick parts are divided by one, so their level sets do not change. Mass too faint to be a part is
+    raised by one common factor of 2.5, which leaves it below any level.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        Not negative, slightly blurred, as surfaces are read.
+        Nonnegative, slightly blurred like all densities to be meshed.
     volume : float
-        Cells the surface is going to enclose; with the mass it gives the density of the solid.
+        Number of cells that the surface will enclose; together with the mass it gives the density of the solid.
 
     Returns
     -------
     (nx, ny, nz) float32
-        For `surface_enclosing`. At thick parts, the density in units of the solid's; zero where that is below 1e-6. A
-        constant factor of the density changes nothing.
+        For `surface_enclosing`. In thick parts, the density in units of the solid's; zero where that is below 1e-6. The
+        result does not depend on a constant factor of the density.
 
     Raises
     ------
     InputError
-        No mass, or no volume.
+        No mass or no volume.
     """
     solid = _in_solids(density, volume)
     result = np.zeros(solid.shape, np.float32)
@@ -142,7 +142,7 @@ def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[
     around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
     typical = gaussian_filter(values * values, _AROUND, truncate=_TRUNCATE, mode="constant")
     np.divide(typical, around, out=typical, where=values > 0.0)
-    # Most cells hold nothing, or belong to thick parts.
+    # Most cells are empty or belong to thick parts.
     thin = np.flatnonzero((values > 0.0) & (typical < _FLAT))
     values.ravel()[thin] *= (_FLAT / np.maximum(typical.ravel()[thin], _SCATTERED)) ** np.float32(_POWER)
     result[box] = values
@@ -150,27 +150,27 @@ def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[
 
 
 def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: float) -> LostParts:
-    """Find the mass that a surface does not show, as opposed to the rim that a blur leaves around what it shows.
+    """Find the mass that a surface misses, excluding the blurred rim of what it shows.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        Not negative; as solved, before anything is done to it to find a level.
+        Nonnegative; as solved, before any change to find a level.
     shown : (nx, ny, nz) bool
         Cells inside the surface.
     reach : float
-        How far a blur carries mass from the surface, in cells; what lies farther belongs to something else. Three
+        Distance in cells that a blur carries mass from the surface; mass farther away belongs to something else. Three
         standard deviations are enough.
 
     Returns
     -------
     LostParts
-        Where a lost part meets a shown one, what lies closer to the shown one is not counted.
+        Where a lost part touches a shown one, cells closer to the shown one are not counted.
 
     Raises
     ------
     InputError
-        No mass, nothing shown, or arrays that do not match.
+        No mass, nothing shown, or shapes that do not match.
     """
     if shown.shape != density.shape or not shown.any():
         raise InputError("What a surface shows must be some of the cells of its density.")
@@ -201,7 +201,7 @@ def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: f
 
 @dataclass(frozen=True)
 class _Parts:
-    """Cells of parts that are not shown, in the box that holds them all: 1, 2, ..., and zero elsewhere."""
+    """Labels 1, 2, ... of the cells of parts that are not shown, zero elsewhere, within their common box."""
 
     box: Box
     labels: NDArray[np.int32]
@@ -212,8 +212,8 @@ class _Parts:
 
 
 def _in_solids(density: NDArray[np.floating], volume: float) -> NDArray[np.float32]:
-    """Return the density in units of that which the mass would have, spread evenly in the volume."""
-    # Sums of very large or very small densities may overflow or vanish.
+    """Return the density in units of the density that the mass would have if spread evenly over the volume."""
+    # Sums of very large or very small densities may overflow or underflow.
     peak = float(density.max(initial=0.0))
     if not 0.0 < peak < np.inf or not volume > 0.0:
         raise InputError("A density without mass, or no volume for it, has no parts.")
@@ -223,7 +223,7 @@ def _in_solids(density: NDArray[np.floating], volume: float) -> NDArray[np.float
 
 
 def _box(wanted: NDArray[np.bool_], margin: int) -> Box:
-    """Return the smallest box of the array that holds these cells, and so many more on every side where there are."""
+    """Return the bounding box of True cells with a margin, clipped to the array."""
     spans = []
     for axis, size in enumerate(wanted.shape):
         along = np.flatnonzero(wanted.any(axis=tuple(a for a in range(wanted.ndim) if a != axis)))
@@ -232,7 +232,7 @@ def _box(wanted: NDArray[np.bool_], margin: int) -> Box:
 
 
 def _parted(values: NDArray[np.float32], away: NDArray[np.integer], far: NDArray[np.bool_], reach: float) -> _Parts:
-    """Give a number to every part that is not shown: what is connected far from the surface, and the rim of that."""
+    """Label every part that is not shown: connected components far from the surface, extended by their rims."""
     seeds = far & (values > _PART)
     if not seeds.any():
         return _Parts.none()
@@ -250,14 +250,14 @@ def _measured(
     box: Box,
     volume: float,
 ) -> LostPart:
-    """Measure one part: its moments give the length, its mass the thickness that goes with it."""
+    """Measure one part: its moments determine the length, and its mass the corresponding thickness."""
     where = np.argwhere(part[box] == index)
     weights = values[box][tuple(where.T)]
     low, high = (np.array(ends) for ends in zip(*((span.start, span.stop) for span in box), strict=True))
     cells = float(weights.sum())
     center = weights @ where / cells
     spread = where - center
-    # A cell is itself a cube, whose variance along an axis is a twelfth.
+    # A cell is itself a cube, with a variance of one twelfth along each axis.
     covariance = (spread * weights[:, None]).T @ spread / cells + np.eye(3) / 12.0
     length = float(np.sqrt(12.0 * np.linalg.eigvalsh(covariance)[-1]))
     return LostPart(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh rescaled to unit area, with what is needed to compare it with another."""
+"""A mesh rescaled to unit area, with the quantities needed to compare it with others."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .surface_graph import surface_graph
 
 @dataclass(frozen=True)
 class UnitShape:
-    """A mesh of unit area around the origin.
+    """A mesh of unit area centered at the origin.
 
     Attributes
     ----------
     mesh : TriangleMesh
     laplacian : Laplacian
-        Of it, with areas of sum one.
+        Its Laplacian, with areas of sum one.
     """
 
     mesh: TriangleMesh
@@ -32,12 +32,12 @@ class UnitShape:
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> UnitShape:
-        """Rescale a mesh and move it.
+        """Rescale and center a mesh.
 
         Raises
         ------
         InputError
-            It has no area.
+            The mesh has no area.
         """
         found = laplacian(mesh)
         total = found.areas.sum()
@@ -59,9 +59,9 @@ class UnitShape:
 
     @cached_property
     def graph(self) -> csr_array:
-        """Lines along the surface, (n, n)."""
+        """Graph of lines along the surface, (n, n); see :func:`surface_graph`."""
         return surface_graph(self.mesh)
 
     def mirrored(self) -> UnitShape:
-        """Return the mirror image, its faces turned over so that they look outward again."""
+        """Return the mirror image, with its faces flipped so that they point outward again."""
         return UnitShape(TriangleMesh(self.vertices * (-1.0, 1.0, 1.0), self.mesh.flipped().faces), self.laplacian)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Islands of a UV map and the seams between them."""
+"""Islands (charts) of a UV map and the seams between them."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from scipy.sparse.csgraph import connected_components
 
 @dataclass(frozen=True)
 class SharedEdges:
-    """The edges between two triangles, once each.
+    """The edges shared by two triangles, once each.
 
     Attributes
     ----------
     faces : (e, 2) int64
-        The triangles on both sides.
+        The two triangles of each edge.
     corners : (e, 2, 2) int64
-        On each side the places, 0 to 2, of the edge's two vertices in the triangle, in the same order on both.
+        For each triangle, the indices (0 to 2) of the edge's two vertices in it, in the same order for both triangles.
     vertices : (e, 2) int64
-        These vertices.
+        The two vertices of each edge.
     """
 
     faces: NDArray[np.int64]
@@ -32,7 +32,7 @@ class SharedEdges:
 
     @classmethod
     def of(cls, faces: NDArray[np.int64]) -> SharedEdges:
-        """Find them; edges of more than two triangles join each of them to the next."""
+        """Find the shared edges; a non-manifold edge gives one pair for each two consecutive triangles."""
         tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
         keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
         order = np.argsort(keys, kind="stable")
@@ -46,9 +46,9 @@ class SharedEdges:
         return cls(owner, ends, np.stack([low, np.maximum(tails, heads)[halves[:, 0]]], axis=1))
 
     def values(self, corner_values: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Return values at the corners of triangles, (f, 3, d), at both ends of each edge, on both sides: (e, 2, 2, d).
+        """Return values given at the corners of triangles, (f, 3, d), at both ends of each edge: (e, 2, 2, d).
 
-        The second axis are the sides, the third the ends.
+        The second axis is the triangle, the third the end of the edge.
         """
         return corner_values[self.faces[:, :, None], self.corners]
 
@@ -56,10 +56,10 @@ class SharedEdges:
 def chart_labels(
     faces: NDArray[np.int64], uvs: NDArray[np.floating], shared: SharedEdges | None = None
 ) -> NDArray[np.int64]:
-    """Label triangles, (m, 3), by the island that they belong to in a UV map, (m, 3, 2): (m,) from 0 on.
+    """Label triangles, (m, 3), by their island in a UV map, (m, 3, 2): (m,), starting at 0.
 
-    Triangles that share an edge belong to the same island where they have the same UVs at both of its ends, but for
-    rounding to float32.
+    Triangles that share an edge belong to the same island if their UVs agree at both of its ends, up to float32
+    rounding.
     """
     shared = shared or SharedEdges.of(faces)
     ends = shared.values(uvs)
@@ -71,13 +71,13 @@ def chart_labels(
 
 
 def uv_sizes(corners: NDArray[np.floating], uvs: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Return how long a unit of length on each triangle, (m, 3, 3), is in its UVs, (m, 3, 2), at the most: (m,).
+    """Return the largest stretch from each triangle, (m, 3, 3), to its UVs, (m, 3, 2): (m,).
 
     0 for triangles without area.
     """
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     one, other = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
-    # The largest singular value of the map of the plane that takes the edges to those in the UVs.
+    # The largest singular value of the plane map from the edges to the UV edges.
     length = np.linalg.norm(first, axis=1)
     safe = np.where(length > 0, length, 1.0)
     along = np.einsum("nd,nd->n", first, second) / safe

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Join vertices that lie in one place: files of separate triangles have no holes for that."""
+"""Merge coincident vertices, since files of separate triangles would otherwise seem to be full of holes."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from .mesh import TriangleMesh
 
 
 def welded(mesh: TriangleMesh) -> TriangleMesh:
-    """Return the mesh with one vertex in every place, and without triangles that are none then.
+    """Return the mesh with coincident vertices merged and degenerate triangles removed.
 
-    Vertices that no triangle uses are left out.
+    Unused vertices are removed as well.
     """
     is_used = np.zeros(len(mesh.vertices), bool)
     is_used[mesh.faces] = True
     used = np.flatnonzero(is_used)
-    # Sorted column by column, a tenth of the time that np.unique takes for rows.
+    # Sorting by columns takes a tenth of the time of np.unique for rows.
     order = used[np.lexsort(mesh.vertices[used].T[::-1])]
     points = mesh.vertices[order]
     is_first = np.ones(len(order), bool)

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Generalized winding number of a mesh at all voxel centers, by counting along lattice lines.
+"""Generalized winding number of a mesh at all voxel centers, from crossings along lattice lines.
 
 The winding number at a point is the mean, over all directions, of the signed crossings seen from it (Jacobson et al.,
 "Robust Inside-Outside Segmentation using Generalized Winding Numbers", 2013). Here the mean is taken over the 26
-directions of 13 lattice lines, and every line serves all the voxels on it, so the cost does not grow with voxels times
-triangles. Exact on closed meshes; close enough to tell inside from outside on open and self-intersecting ones.
+directions of 13 families of lattice lines. Every line serves all voxels on it, so the cost is not voxels times
+triangles. Exact on closed meshes; accurate enough to tell inside from outside on open and self-intersecting ones.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from ..progress import UNINTERRUPTED, Control
 from .rays import crossings
 
-# No line passes exactly through an edge or a vertex of a mesh that is aligned with the grid.
+# Offset of the lines, so that none passes exactly through an edge or vertex of a mesh aligned with the grid.
 _NUDGE = (1.23e-5, 2.77e-5)
 
-# (axis, shear along the next axis, shear along the one after): 3 axes, 6 face diagonals, 4 body diagonals, each with
-# the solid angle of its cell among the 26 directions.
+# (axis, shear along the next axis, shear along the one after, weight): 3 axes, 6 face diagonals and 4 body diagonals.
+# The weight is the solid angle of the direction's Voronoi cell among the 26 directions.
 _LINES = (
     *((axis, 0, 0, 0.1) for axis in range(3)),
     *((2, a, b, 0.0748) for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))),
@@ -37,12 +37,12 @@ def lattice_winding(
     Parameters
     ----------
     corners : (m, 3, 3) float64
-        Triangles in cells: voxel (i, j, k) is the unit cube whose low corner is (i, j, k). The triangles must keep one
-        cell of distance from the walls of the grid.
+        Triangles in cells: voxel (i, j, k) is the unit cube whose lower corner is (i, j, k). They must be at least one
+        cell away from the boundary of the grid.
     shape : (int, int, int)
         Cells per axis.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def lattice_winding(
     by_axis = [np.zeros(shape, np.float32) for _ in range(3)]
     for axis, alone in enumerate(by_axis):
         _add_line_winding(_turned(alone, axis), corners, axis, 0, 0, 0.5, control)
-    # On a closed mesh every line sees a whole number, the same from both of its ends.
+    # On a closed mesh every line yields an integer, the same from both of its ends.
     if not any(np.any(alone - np.rint(alone)) for alone in by_axis):
         return _median(*by_axis)
     winding = sum(np.float32(line[3] / total) * alone for line, alone in zip(_LINES[:3], by_axis, strict=True))
@@ -64,7 +64,7 @@ def lattice_winding(
 
 
 def _median(first: NDArray[np.float32], second: NDArray[np.float32], third: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the middle one of three arrays, which differ where the surface passes through a nudge from a center."""
+    """Return the median of three arrays, which only differ at centers that nearly lie on the surface."""
     differs = (first != second) | (second != third)
     if differs.any():
         first[differs] = np.median([first[differs], second[differs], third[differs]], axis=0)
@@ -85,7 +85,7 @@ def _add_line_winding(
     weight: float,
     control: Control,
 ) -> None:
-    """Add `weight` times the crossings seen behind and ahead along one lattice direction.
+    """Add `weight` times the crossings behind and ahead of each voxel along one lattice direction.
 
     `along` is a view of the volume with axes (axis, next, one after), so that layers along the line come first.
     """
@@ -127,7 +127,7 @@ def _scatter(
 
 
 def _shift(plane: NDArray[np.int16], by_a: int, by_b: int) -> NDArray[np.int16]:
-    """Move a plane by at most one cell along either axis; zeros come in."""
+    """Shift a plane by at most one cell along either axis, filling with zeros."""
     if not by_a and not by_b:
         return plane
     moved = np.zeros_like(plane)
