@@ -266,6 +266,49 @@ def test_frames_look_like_their_inputs_near_them(bare_scene, make_object, tmp_pa
     np.testing.assert_allclose(colors[0], colors[1], atol=0.06)
 
 
+def glowing(name, light, strength):
+    """Return a black material that only glows."""
+    made = material(name, (0, 0, 0, 1))
+    shader = principled(made)
+    shader.inputs["Specular IOR Level"].default_value = 0.0
+    shader.inputs["Emission Color"].default_value = light
+    shader.inputs["Emission Strength"].default_value = strength
+    return made
+
+
+def test_light_that_inputs_emit_is_mixed(bare_scene, make_object, tmp_path):
+    """The shader of one input is a Principled BSDF, that of the other an Emission."""
+    red, green = glowing("Red", RED, 0.4), material("Green")
+    emission = green.node_tree.nodes.new("ShaderNodeEmission")
+    emission.inputs["Color"].default_value, emission.inputs["Strength"].default_value = GREEN, 0.8
+    output = next(node for node in green.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
+    green.node_tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
+    inputs = [add_shape(make_object, "A", ball(points=300), red), add_shape(make_object, "B", ball(points=300), green)]
+    half = frame_objects(bake(bare_scene, inputs))[1]
+    principled(half.data.materials[0]).inputs["Specular IOR Level"].default_value = 0.0
+    for link in list(principled(half.data.materials[0]).inputs["Specular IOR Level"].links):
+        half.data.materials[0].node_tree.links.remove(link)
+    bare_scene.frame_set(2)
+    np.testing.assert_allclose(rendered_color(bare_scene, tmp_path, half), (0.2, 0.4, 0.0), atol=0.01)
+
+
+@pytest.mark.parametrize("faces", ["TRIANGLES", "QUADS"])
+def test_frames_keep_the_slots_of_their_inputs(bare_scene, make_object, faces):
+    """Of two balls side by side the right ones have a slot of their own, which glows in one input."""
+    inputs = []
+    for name, own in (("Near", glowing("Lamp", WHITE, 2.0)), ("Far", material("Bulb"))):
+        pair = joined(ball(0.5, (-0.7, 0, 0), 300), ball(0.5, (0.7, 0, 0), 300))
+        obj = add_shape(make_object, name, pair, material(f"{name} Body"), own)
+        for polygon in obj.data.polygons:
+            polygon.material_index = int(polygon.center.x > 0)
+        inputs.append(obj)
+    mesh = frame_objects(bake(bare_scene, inputs, options={"faces": faces}))[1].data
+    assert [own.name for own in mesh.materials] == ["Morph Near and Far", "Morph Lamp and Bulb"]
+    lit = [principled(own).inputs["Emission Strength"].default_value for own in mesh.materials]
+    assert lit == [0.0, 1.0]
+    assert all(polygon.material_index == int(polygon.center.x > 0) for polygon in mesh.polygons)
+
+
 def test_an_input_that_is_painted_and_has_no_material_wears_that_of_the_frames(bare_scene, make_object):
     painted = add_shape(make_object, "Painted", ball(points=300))
     paint(painted, np.tile((0.2, 0.4, 0.6, 1), (len(painted.data.vertices), 1)))

@@ -226,6 +226,52 @@ def carried(
     return Carried(tuple(float(weight) for weight in weights), seen)
 
 
+@dataclass(frozen=True)
+class FaceSlots:
+    """Which material slots of the inputs meet on the triangles of a blend.
+
+    Attributes
+    ----------
+    combinations : list of tuple of int
+        One slot of every input; 0 for those without weight.
+    faces : (m,) int64
+        The combination of every triangle.
+    """
+
+    combinations: list[tuple[int, ...]]
+    faces: NDArray[np.int64]
+
+
+def face_slots(
+    look: Carried, faces: NDArray[np.int64], triangles: NDArray[np.int32] | None, looks: Sequence[Look]
+) -> FaceSlots:
+    """Tell from which material slots the triangles of a blend come.
+
+    Parameters
+    ----------
+    look : Carried
+        What the vertices of the blend bring.
+    faces : (m, 3) int64
+        Of the blend.
+    triangles : (k, m) int32 or None
+        The triangle of every input that each triangle lies on, -1 for none; without it, the slot that most corners of a
+        triangle come from.
+    looks : sequence of Look
+        One per input.
+    """
+    slots = np.zeros((len(faces), len(looks)), np.int64)
+    for index, seen in look.inputs.items():
+        if not looks[index].materials.any():
+            continue
+        a, b, c = seen.materials[faces].T
+        slots[:, index] = np.where(b == c, b, a)
+        if triangles is not None:
+            known = triangles[index] >= 0
+            slots[known, index] = looks[index].materials[triangles[index][known]]
+    combinations, own = np.unique(slots, axis=0, return_inverse=True)
+    return FaceSlots([tuple(map(int, row)) for row in combinations], own.reshape(-1))
+
+
 def _softened(seen: Seen, faces: NDArray[np.int64]) -> Seen:
     """Replace colors by their means over the faces about every vertex; of faces, by those over their corners."""
     corners, count = faces.ravel(), len(seen.colors)

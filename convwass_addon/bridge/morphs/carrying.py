@@ -12,23 +12,24 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...applications.morphs.layouts import Blend
-from ...applications.morphs.looks import Carried, carried
+from ...applications.morphs.looks import Carried, FaceSlots, carried, face_slots
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.origins import velocities
 from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...progress import Work
-from ..handles import Handle, found
+from ..handles import Handle
 from .looks import (
     COLOR,
     SOURCE_WEIGHT,
     read_look,
     read_shading,
     write_carried,
+    write_materials,
     write_normals,
     write_own_look,
     write_velocity,
 )
-from .materials import carrying_material
+from .mixed_materials import MixedMaterials
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class CarriedFrame(MorphFrame):
     """A finished frame with what it brings along from the inputs."""
 
     carried: Carried | None = None
+    slots: FaceSlots | None = None
     normals: FrameNormals | None = None
 
 
@@ -72,10 +74,10 @@ class Carrying:
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]
         self._beside = _beside_shapes(blends)
         self._passing: dict[Blend, list[_Passing]] = {}
-        firsts = [next((own for own in mesh.materials if own), None) for mesh in frozen]
         name = "Morph " + " and ".join(obj.name for obj in inputs)
-        material = carrying_material(name, COLOR, SOURCE_WEIGHT, firsts)
-        self._material = Handle.of("materials", material)
+        slots = [list(mesh.materials) or [None] for mesh in frozen]
+        self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots)
+        material = self._materials.of([0] * len(slots))
         for index, mesh in enumerate(frozen):
             if write_own_look(mesh, index, len(frozen)):
                 mesh.materials.clear()
@@ -87,7 +89,8 @@ class Carrying:
             frame = report.payload
             if isinstance(frame, MorphFrame) and frame.origins is not None:
                 look = carried(frame.origins, frame.mesh.faces, self._looks, frame.blend.weights)
-                carrying = CarriedFrame(**vars(frame), carried=look, normals=self._normals(frame))
+                slots = face_slots(look, frame.mesh.faces, frame.triangles, self._looks)
+                carrying = CarriedFrame(**vars(frame), carried=look, slots=slots, normals=self._normals(frame))
                 report = replace(report, payload=carrying)
             yield report
 
@@ -106,13 +109,13 @@ class Carrying:
             write_velocity(mesh, velocity)
             for shape in self._beside.get(frame.blend, ()):
                 self._pass(shape, _Passing(frame.origins[shape.source], velocity))
-        material = self._material.find()
-        if isinstance(frame, CarriedFrame) and material is not None:
+        if isinstance(frame, CarriedFrame):
             write_carried(mesh, frame.carried)
             if frame.normals is not None:
                 write_normals(mesh, frame.normals, frame.mesh)
-            mesh.materials.clear()
-            mesh.materials.append(material)
+            materials = [self._materials.of(slots) for slots in frame.slots.combinations]
+            if None not in materials:
+                write_materials(mesh, materials, frame.slots.faces, frame.mesh)
 
     def _pass(self, shape: Blend, passing: _Passing) -> None:
         """Let an input that a path goes through move as fast as, in the mean, the blends on both sides of it."""
@@ -126,8 +129,8 @@ class Carrying:
             both.clear()
 
     def drop_unused(self) -> None:
-        """Remove the material if no frame wears it."""
-        bpy.data.batch_remove([block for block in found([self._material]) if block.users == 0])
+        """Remove the materials that no frame wears."""
+        self._materials.drop_unused()
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from .materials import base_color
+from .mixed_materials import emission_node
 
 COLOR, VELOCITY = "Color", "velocity"
 """Point attributes of frames: the mixed color, and scene units per second, which is what renderers expect."""
@@ -136,6 +137,33 @@ def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
     mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
 
 
+def write_materials(
+    mesh: bpy.types.Mesh, materials: Sequence[bpy.types.Material], faces: np.ndarray, surface: TriangleMesh
+) -> None:
+    """Give a frame its materials.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The frame, of triangles or of quads; what it wore is taken off.
+    materials : sequence of bpy.types.Material
+        Its slots.
+    faces : (m,) int
+        Slot of every triangle.
+    surface : TriangleMesh
+        That of the frame, as it was written.
+    """
+    mesh.materials.clear()
+    for material in materials:
+        mesh.materials.append(material)
+    if len(materials) == 1:
+        return
+    if len(mesh.polygons) != len(faces):
+        polygons = Polygons.of_quads(surface)
+        faces = faces[polygons.sources[polygons.starts] // 3]
+    mesh.polygons.foreach_set("material_index", np.ascontiguousarray(faces, dtype=np.int32))
+
+
 def write_velocity(mesh: bpy.types.Mesh, velocity: np.ndarray) -> None:
     """Write how fast the points of a frame move, (n, 3), in local units per second.
 
@@ -212,6 +240,8 @@ def _paint(
     if material is None:
         attribute = _render_colors(mesh)
         return Plain(tuple(color)) if attribute is None else _painted(attribute, faces, loops)
+    if emission_node(material) is not None:
+        return Plain((0.0, 0.0, 0.0, 1.0))
     base = base_color(material)
     if base is None:
         return Plain(tuple(material.diffuse_color))

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import bpy
 
 from ..node_trees import own_tree
@@ -26,7 +24,7 @@ def morph_material() -> bpy.types.Material:
     material = bpy.data.materials.get(MATERIAL_NAME)
     if material is None:
         material = bpy.data.materials.new(MATERIAL_NAME)
-        _wire(material)
+        wire(material)
     return material
 
 
@@ -80,55 +78,8 @@ def _color_source(material: bpy.types.Material | None) -> str | None:
 
 def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
     """Return the base color of the first Principled BSDF; None where there is none."""
-    principled = _principled(material)
+    principled = principled_of(material)
     return principled.inputs["Base Color"] if principled else None
-
-
-def carrying_material(
-    name: str, color: str, weight: str, materials: Sequence[bpy.types.Material | None]
-) -> bpy.types.Material:
-    """Make a material for frames that carry the looks of their inputs: they are mixed at every point.
-
-    Its base color is a color attribute. Its roughness and its metallic are those of the inputs' first materials, by the
-    share of every input; what has no such attributes is as rough as other frames.
-
-    Parameters
-    ----------
-    name : str
-        What to call it; Blender may add a number.
-    color : str
-        Name of the color attribute.
-    weight : str
-        Name of the attributes that hold the shares of the inputs, with ``{}`` for the number of an input from 1.
-    materials : sequence of bpy.types.Material or None
-        First materials of the inputs.
-    """
-    material = bpy.data.materials.new(name)
-    _wire(material)
-    tree = material.node_tree
-    principled = _principled(material)
-    _take_color_from(material, color)
-    mark_as_frames(material)
-    shares = []
-    for index in range(1, len(materials) + 1):
-        share = tree.nodes.new("ShaderNodeAttribute")
-        share.attribute_name = weight.format(index)
-        share.location = (-1100.0, -200.0 * index)
-        shares.append(share.outputs["Fac"])
-    for place, (key, usual) in enumerate((("Roughness", ROUGHNESS), ("Metallic", 0.0))):
-        mixed = None
-        for index, (share, own) in enumerate(zip(shares, materials, strict=True)):
-            sums = tree.nodes.new("ShaderNodeMath")
-            sums.operation = "MULTIPLY_ADD"
-            sums.location = (-900.0 + 160.0 * index, -200.0 - 400.0 * place)
-            tree.links.new(share, sums.inputs[0])
-            sums.inputs[1].default_value = _plain_value(own, key, usual) - usual
-            sums.inputs[2].default_value = usual
-            if mixed is not None:
-                tree.links.new(mixed, sums.inputs[2])
-            mixed = sums.outputs[0]
-        tree.links.new(mixed, principled.inputs[key])
-    return material
 
 
 def mark_as_frames(material: bpy.types.Material) -> None:
@@ -146,8 +97,8 @@ def attribute_material(name: str, color: str) -> bpy.types.Material:
     material = bpy.data.materials.get(name)
     if material is None:
         material = bpy.data.materials.new(name)
-        _wire(material)
-        _take_color_from(material, color)
+        wire(material)
+        take_color_from(material, color)
     return material
 
 
@@ -156,18 +107,18 @@ def object_property_material(name: str, key: str) -> bpy.types.Material:
     material = bpy.data.materials.get(name)
     if material is None:
         material = bpy.data.materials.new(name)
-        _wire(material)
+        wire(material)
         tree = material.node_tree
         (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
         tree.nodes.remove(source)
         colors = tree.nodes.new("ShaderNodeAttribute")
         colors.attribute_type, colors.attribute_name = "OBJECT", key
         colors.location = (-500.0, 0.0)
-        tree.links.new(colors.outputs["Color"], _principled(material).inputs["Base Color"])
+        tree.links.new(colors.outputs["Color"], principled_of(material).inputs["Base Color"])
     return material
 
 
-def _take_color_from(material: bpy.types.Material, attribute: str) -> None:
+def take_color_from(material: bpy.types.Material, attribute: str) -> None:
     """Replace the object's color by a color attribute."""
     tree = material.node_tree
     (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
@@ -175,24 +126,17 @@ def _take_color_from(material: bpy.types.Material, attribute: str) -> None:
     colors = tree.nodes.new("ShaderNodeVertexColor")
     colors.layer_name = attribute
     colors.location = (-500.0, 0.0)
-    tree.links.new(colors.outputs["Color"], _principled(material).inputs["Base Color"])
+    tree.links.new(colors.outputs["Color"], principled_of(material).inputs["Base Color"])
 
 
-def _plain_value(material: bpy.types.Material | None, name: str, usual: float) -> float:
-    """Return a value of a material's Principled BSDF, or the usual one where it has none or is not even."""
-    principled = _principled(material) if material else None
-    if principled is None or principled.inputs[name].is_linked:
-        return usual
-    return float(principled.inputs[name].default_value)
-
-
-def _principled(material: bpy.types.Material) -> bpy.types.Node | None:
+def principled_of(material: bpy.types.Material) -> bpy.types.Node | None:
+    """Return the first Principled BSDF of a material; None where there is none."""
     nodes = material.node_tree.nodes if material.node_tree else ()
     return next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
 
 
-def _wire(material: bpy.types.Material) -> None:
-    """Let the object's color be the base color."""
+def wire(material: bpy.types.Material) -> None:
+    """Give a material new nodes: let the object's color be the base color."""
     tree = own_tree(material)
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")

@@ -1,0 +1,194 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The materials of frames that carry looks: the shaders of the inputs' material slots, mixed at every point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..handles import Handle, found
+from .materials import ROUGHNESS, mark_as_frames, principled_of, take_color_from, wire
+
+EMISSION = "Emission Color"
+"""Socket whose value stands for the emitted light: color times strength."""
+
+_STRENGTH = "Emission Strength"
+# Emitted light is mixed as a whole, and the base color comes from an attribute.
+_LEFT_OUT = ("Base Color", EMISSION, _STRENGTH, "Weight")
+
+Value = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ShaderValues:
+    """The plain values of a material's shader, by the names of the Principled BSDF's sockets.
+
+    Attributes
+    ----------
+    values : dict of str to tuple of float
+        Numbers have one component and colors four. Sockets that something is linked to are left out, as are those of
+        other shaders; `EMISSION` is there where light is emitted.
+    """
+
+    values: Mapping[str, Value] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, material: bpy.types.Material | None) -> ShaderValues:
+        """Read a material."""
+        if material is None:
+            return cls()
+        emitter = emission_node(material)
+        if emitter is not None:
+            return cls({EMISSION: _emitted(emitter.inputs["Color"], emitter.inputs["Strength"])})
+        shader = principled_of(material)
+        if shader is None:
+            return cls()
+        values = {socket.name: _value(socket) for socket in shader.inputs if _is_mixed(socket)}
+        light = _emitted(shader.inputs[EMISSION], shader.inputs[_STRENGTH])
+        return cls(values | ({EMISSION: light} if any(light[:3]) else {}))
+
+
+def emission_node(material: bpy.types.Material) -> bpy.types.Node | None:
+    """Return the Emission shader that is all of a material's surface, if it is."""
+    nodes = material.node_tree.nodes if material.node_tree else ()
+    output = next((node for node in nodes if node.type == "OUTPUT_MATERIAL" and node.is_active_output), None)
+    links = output.inputs["Surface"].links if output is not None else ()
+    node = links[0].from_node if links else None
+    return node if node is not None and node.type == "EMISSION" else None
+
+
+class MixedMaterials:
+    """The materials of one morph's frames, one for every combination of the inputs' slots that meets on a face.
+
+    Parameters
+    ----------
+    name : str
+        What to call the material of the first slots; Blender may add a number.
+    color, weight : str
+        Names of the attribute of the base color, and of those that hold the shares of the inputs, with ``{}`` for the
+        number of an input from 1.
+    slots : sequence of sequence of bpy.types.Material or None
+        The material slots of every input, at least one each.
+    """
+
+    def __init__(
+        self, name: str, color: str, weight: str, slots: Sequence[Sequence[bpy.types.Material | None]]
+    ) -> None:
+        self._color, self._weight = color, weight
+        self._values = [[ShaderValues.of(own) for own in slots_of] for slots_of in slots]
+        self._names = [["" if own is None else own.name for own in slots_of] for slots_of in slots]
+        self._made: dict[tuple[int, ...], Handle] = {}
+        self._make((0,) * len(slots), name)
+
+    def of(self, slots: Sequence[int]) -> bpy.types.Material | None:
+        """Return the material of faces that come from these slots, one per input; None where it was deleted."""
+        key = tuple(slots)
+        if key not in self._made:
+            own = [names[slot] for names, slot in zip(self._names, key, strict=True)]
+            self._make(key, "Morph " + " and ".join(dict.fromkeys(filter(None, own))))
+        return self._made[key].find()
+
+    def drop_unused(self) -> None:
+        """Remove those that no frame wears."""
+        bpy.data.batch_remove([block for block in found(list(self._made.values())) if block.users == 0])
+
+    def _make(self, key: tuple[int, ...], name: str) -> None:
+        values = [values[slot] for values, slot in zip(self._values, key, strict=True)]
+        self._made[key] = Handle.of("materials", carrying_material(name, self._color, self._weight, values))
+
+
+def carrying_material(name: str, color: str, weight: str, shaders: Sequence[ShaderValues]) -> bpy.types.Material:
+    """Make a material that mixes shaders at every point.
+
+    Its base color is a color attribute. All other plain values of the shaders are mixed by the share of every input;
+    what has no such attributes, and values that a shader lacks, are as in other frames.
+
+    Parameters
+    ----------
+    name : str
+        What to call it; Blender may add a number.
+    color : str
+        Name of the color attribute.
+    weight : str
+        Name of the attributes that hold the shares of the inputs, with ``{}`` for the number of an input from 1.
+    shaders : sequence of ShaderValues
+        One per input.
+    """
+    material = bpy.data.materials.new(name)
+    wire(material)
+    take_color_from(material, color)
+    mark_as_frames(material)
+    tree, principled = material.node_tree, principled_of(material)
+    shares = _shares(tree, weight, len(shaders))
+    for socket in principled.inputs:
+        if _is_mixed(socket):
+            usual = (ROUGHNESS,) if socket.name == "Roughness" else _value(socket)
+            _mix(tree, socket, shares, [one.values.get(socket.name, usual) for one in shaders], usual)
+    light = [one.values.get(EMISSION, (0.0, 0.0, 0.0, 1.0)) for one in shaders]
+    if any(any(own[:3]) for own in light):
+        principled.inputs[_STRENGTH].default_value = 1.0
+        _mix(tree, principled.inputs[EMISSION], shares, light, (0.0, 0.0, 0.0, 1.0))
+    return material
+
+
+def _shares(tree: bpy.types.NodeTree, weight: str, count: int) -> list[bpy.types.NodeSocket]:
+    """Return the shares of the inputs."""
+    sockets = []
+    for index in range(1, count + 1):
+        share = tree.nodes.new("ShaderNodeAttribute")
+        share.attribute_name = weight.format(index)
+        share.location = (-1100.0, -200.0 * index)
+        sockets.append(share.outputs["Fac"])
+    return sockets
+
+
+def _mix(
+    tree: bpy.types.NodeTree,
+    socket: bpy.types.NodeSocket,
+    shares: Sequence[bpy.types.NodeSocket],
+    values: Sequence[Value],
+    usual: Value,
+) -> None:
+    """Let a socket be the usual value plus the differences of the inputs from it, by their shares."""
+    if all(own == values[0] for own in values):
+        _set(socket, values[0])
+        return
+    is_number = len(usual) == 1
+    mixed = None
+    for index, (share, own) in enumerate(zip(shares, values, strict=True)):
+        sums = tree.nodes.new("ShaderNodeMath" if is_number else "ShaderNodeVectorMath")
+        sums.operation = "MULTIPLY_ADD"
+        sums.location = (-900.0 + 160.0 * index, socket.node.location.y - 60.0 * list(socket.node.inputs).index(socket))
+        tree.links.new(share, sums.inputs[0])
+        _set(sums.inputs[1], tuple(a - b for a, b in zip(own, usual, strict=True)))
+        _set(sums.inputs[2], usual)
+        if mixed is not None:
+            tree.links.new(mixed, sums.inputs[2])
+        mixed = sums.outputs[0]
+    tree.links.new(mixed, socket)
+
+
+def _is_mixed(socket: bpy.types.NodeSocket) -> bool:
+    """Tell whether a socket of a shader has a plain value that frames mix."""
+    return socket.type in ("VALUE", "RGBA") and socket.name not in _LEFT_OUT and not socket.is_linked
+
+
+def _value(socket: bpy.types.NodeSocket) -> Value:
+    return (socket.default_value,) if socket.type == "VALUE" else tuple(socket.default_value)
+
+
+def _set(socket: bpy.types.NodeSocket, value: Value) -> None:
+    if socket.type == "VALUE":
+        socket.default_value = value[0]
+    else:
+        socket.default_value = value[: len(socket.default_value)]
+
+
+def _emitted(color: bpy.types.NodeSocket, strength: bpy.types.NodeSocket) -> Value:
+    """Return color times strength as far as they are plain: something linked to the color counts as white."""
+    power = 0.0 if strength.is_linked else float(strength.default_value)
+    plain = (1.0, 1.0, 1.0) if color.is_linked else tuple(color.default_value)[:3]
+    return (*(power * channel for channel in plain), 1.0)
