@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Literal
 
@@ -105,6 +106,12 @@ class BlendSolver:
     def __init__(self, problem: TransportProblem, control: Control = UNINTERRUPTED) -> None:
         self._problem = problem
         self._parts = [_PartSolver(part, problem, control) for part in problem.parts]
+
+    def branched(self) -> BlendSolver:
+        """Return another solver that starts its next blend from the same one."""
+        other = copy(self)
+        other._parts = [copy(part) for part in self._parts]
+        return other
 
     def solve(self, blend: Blend, volumes: NDArray[np.float64], sketch: Sequence[PartSketch] = ()) -> SolvedBlend:
         """Solve a blend whose parts have `volumes`, (p,) cells, going on from its sketch where there is one."""

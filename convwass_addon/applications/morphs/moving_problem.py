@@ -40,6 +40,39 @@ _SLACK_CELLS = 2
 
 
 @dataclass(frozen=True)
+class MovedBlend:
+    """One blend of inputs that have been moved towards each other.
+
+    Attributes
+    ----------
+    blend : Blend
+        Its weights, without those that are zero.
+    problem : MorphProblem
+        The moved inputs of positive weight.
+    shapes : list of MovedShape
+        Those.
+    active : (a,) int64
+        Which of all inputs they are.
+    occupancies : list of (nx, ny, nz) float64
+        Share of every cell that each fills.
+    solids : CoincidingSolids
+        Their mean where they coincide.
+    """
+
+    blend: Blend
+    problem: MorphProblem
+    shapes: list[MovedShape]
+    active: NDArray[np.int64]
+    occupancies: list[NDArray[np.float64]]
+    solids: CoincidingSolids
+
+    @property
+    def coincides(self) -> bool:
+        """Whether nothing is left to transport."""
+        return self.solids.disagreement <= _LEAST_REST
+
+
+@dataclass(frozen=True)
 class MovingProblem:
     """What all blends of moving inputs have in common; can be sent to another process.
 
@@ -104,15 +137,10 @@ class MovingProblem:
         """Solve one blend; an input with a weight of one is shown as it is."""
         if blend.source is not None:
             return solve_blends(self.still, [blend], control)[0]
-        moved = self.motion.moved(blend.weights)
-        control.check()
-        active = np.flatnonzero(blend.weights)
-        shapes = [moved[i] for i in active]
-        alone = Blend(tuple(blend.weights[i] for i in active))
-        problem = self._problem_of(blend, shapes, active, control)
-        occupancies = [problem.transport.occupancy(i) for i in range(len(active))]
-        solids = CoincidingSolids.of(occupancies, alone.weights)
-        if solids.disagreement <= _LEAST_REST:
+        moved = self.moved_blend(blend, control)
+        problem, alone, solids = moved.problem, moved.blend, moved.solids
+        shapes, active, occupancies = moved.shapes, moved.active, moved.occupancies
+        if moved.coincides:
             solved = self._coinciding(problem, alone, solids)
         else:
             solver = BlendSolver(problem.transport, control)
@@ -127,6 +155,18 @@ class MovingProblem:
         tangents = moved_tangents(places, self.motion, blend.weights, mesh.vertices)
         triangles = None if surface.triangles is None else self._of_inputs(surface.triangles, shapes, active)
         return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents, triangles=triangles)
+
+    def moved_blend(self, blend: Blend, control: Control) -> MovedBlend:
+        """Move the inputs of one blend that have weight, and voxelize them."""
+        moved = self.motion.moved(blend.weights)
+        control.check()
+        active = np.flatnonzero(blend.weights)
+        shapes = [moved[i] for i in active]
+        alone = Blend(tuple(blend.weights[i] for i in active))
+        problem = self._problem_of(blend, shapes, active, control)
+        occupancies = [problem.transport.occupancy(i) for i in range(len(active))]
+        solids = CoincidingSolids.of(occupancies, alone.weights)
+        return MovedBlend(alone, problem, shapes, active, occupancies, solids)
 
     def _of_inputs(
         self, triangles: Sequence[NDArray[np.int64]], shapes: Sequence[MovedShape], active: NDArray[np.int64]

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solve single blends, and read their level fields: of shapes that stand still, of shapes that move, of coarse ones."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import affine_transform
+
+from ...geometry.isosurface import surface_enclosing
+from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control
+from ..morphs.blend_solver import BlendSolver
+from ..morphs.layouts import Blend
+from ..morphs.morph_problem import MorphProblem
+from ..morphs.moving_problem import MovingProblem
+from ..morphs.reading import LevelDensity, level_density
+from ..morphs.volumes import Lattice
+from .level_fields import OUTSIDE, FieldBox, LevelField
+
+# Cells around shapes that their blends may reach: what the blurs carry out of them.
+_MARGIN = 3
+# Solved blends that others start from: enough for the rim of what is filled around the hand.
+_KEPT = 8
+
+
+class FieldSource(Protocol):
+    """Gives level fields of blends, all in one box."""
+
+    def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
+        """Solve the blend with these weights, which sum to 1."""
+        ...
+
+
+def box_of_shapes(shapes: Sequence[TriangleMesh], lattice: Lattice) -> FieldBox:
+    """Return the cells of a lattice that hold all blends of shapes that stand still.
+
+    A barycenter lies within the weighted mean of the bounds of its shapes, each about its center.
+    """
+    about = [shape.bounds - center for shape, center in zip(shapes, lattice.centers, strict=True)]
+    low, high = np.min([own[0] for own in about], axis=0), np.max([own[1] for own in about], axis=0)
+    begin = np.floor((low - lattice.origin) / lattice.spacing).astype(np.int64) - _MARGIN
+    end = np.ceil((high - lattice.origin) / lattice.spacing).astype(np.int64) + _MARGIN
+    return FieldBox.between(np.maximum(begin, 0), np.minimum(end, lattice.shape))
+
+
+class TransportSource:
+    """Blends by transport alone, each started from the nearest of those solved last.
+
+    Parameters
+    ----------
+    problem : MorphProblem
+        The shapes; their connectivity does not matter.
+    box : FieldBox
+        Of the fields.
+    control : Control
+        Ends a solve when cancelled.
+    """
+
+    def __init__(self, problem: MorphProblem, box: FieldBox, control: Control = UNINTERRUPTED) -> None:
+        self._problem, self._box = problem, box
+        self._cold = BlendSolver(problem.transport, control)
+        self._warm: deque[tuple[NDArray[np.float64], BlendSolver]] = deque(maxlen=_KEPT)
+
+    def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
+        """Solve the blend with these weights; a shape itself is read from the cells that it fills."""
+        control.check()
+        found = self.density(weights)
+        return LevelField.of(found.density, found.low, found.level, found.volume, self._box)
+
+    def density(self, weights: Sequence[float]) -> LevelDensity:
+        """Solve a blend for its density."""
+        transport, blend = self._problem.transport, Blend(tuple(float(weight) for weight in weights))
+        if blend.source is not None:
+            occupancy = transport.occupancy(blend.source)
+            return level_density(occupancy, float(occupancy.sum()), self._problem.settings)
+        weights = np.array(blend.weights)
+        solver = self._nearest(weights).branched()
+        merged = solver.solve(blend, transport.blend_volumes(blend)).merged()
+        self._warm.append((weights, solver))
+        return level_density(merged.density, merged.volume, self._problem.settings)
+
+    def _nearest(self, weights: NDArray[np.float64]) -> BlendSolver:
+        """Return the solver whose last blend is the nearest, of those that gave weight to the same shapes."""
+        active = weights > 0
+        known = [(np.abs(own - weights).sum(), solver) for own, solver in self._warm if np.array_equal(own > 0, active)]
+        return min(known, key=lambda one: one[0])[1] if known else self._cold
+
+
+class MovingSource:
+    """Blends of shapes that move towards each other.
+
+    Parameters
+    ----------
+    problem : MovingProblem
+        The shapes and their motion.
+    """
+
+    def __init__(self, problem: MovingProblem) -> None:
+        self._problem = problem
+        still, moving = problem.still.lattice, problem.lattice
+        # Fields count cells from the first cell of the lattice of the shapes where they stand.
+        self._shift = np.rint((moving.origin - still.origin) / still.spacing).astype(np.int64)
+        self.box = FieldBox(self._shift + 1, tuple(int(n) for n in np.array(moving.shape) - 2))
+
+    def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
+        """Move the shapes, and solve for what they still differ by."""
+        found = self._density(Blend(tuple(float(weight) for weight in weights)), control)
+        return LevelField.of(found.density, found.low + self._shift, found.level, found.volume, self.box)
+
+    def _density(self, blend: Blend, control: Control) -> LevelDensity:
+        moved = self._problem.moved_blend(blend, control)
+        volumes = moved.problem.transport.blend_volumes(moved.blend)
+        if moved.coincides:
+            volume = float(volumes.sum())
+            surface = surface_enclosing(moved.solids.density, volume)
+            return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, volume)
+        merged = BlendSolver(moved.problem.transport, control).solve(moved.blend, volumes).merged()
+        return level_density(merged.density, merged.volume, self._problem.still.settings, moved.solids)
+
+
+class StandInSource:
+    """Blends on a coarser lattice, as fields on a finer one, until those are there.
+
+    Parameters
+    ----------
+    problem : MorphProblem
+        The shapes on the coarser lattice.
+    lattice : Lattice
+        The finer one.
+    box : FieldBox
+        Of the fields.
+    """
+
+    def __init__(self, problem: MorphProblem, lattice: Lattice, box: FieldBox) -> None:
+        self._coarse = TransportSource(problem, box)
+        self._lattice, self._box, self._own = lattice, box, problem.lattice
+
+    def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
+        """Solve the blend with these weights coarsely."""
+        control.check()
+        found = self._coarse.density(weights)
+        ratio = self._lattice.spacing / self._own.spacing
+        first = self._first_center(found.low)
+        excess = np.maximum(found.density / np.float32(found.level) + np.float32(OUTSIDE), np.float32(OUTSIDE))
+        values = affine_transform(
+            excess, np.full(3, ratio), first, self._box.shape, np.float32, order=1, mode="constant", cval=OUTSIDE
+        )
+        return LevelField.of_values(values, found.volume / ratio**3, self._box)
+
+    def _first_center(self, low: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return where the center of the first cell of the box is among the samples of a coarse density, (3,)."""
+        place = (self._box.low + 0.5) * self._lattice.spacing + self._lattice.origin
+        return (place - self._own.origin) / self._own.spacing - 0.5 - low

@@ -1,0 +1,248 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A lattice of level fields that is filled from coarse to fine, and blends of what is there, without jumps.
+
+Every level of the lattice has a weight at every node: 0 until the node and all its neighbors are there, then rising to
+1 within a short time, and interpolated between nodes. The finest level counts as much as its weight says, the next
+coarser one takes that share of the rest, and so on. Blends are thus continuous in their weights and in time.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .level_fields import FieldBox, LevelField
+from .weight_layouts import Node, WeightLayout
+
+LEVELS = (4, 8, 12)
+"""Steps from one shape to the next, from coarse to fine."""
+
+FINEST = 24
+"""Steps where neighbors of the last level still differ by more than `FAR`."""
+
+FAR = 0.25
+"""How much the solids of neighbors may differ, as a share of their volume; beyond, mixtures show both."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A node that is to be filled.
+
+    Attributes
+    ----------
+    node : Node
+        In steps of 1 / `FINEST`.
+    weights : tuple of float
+        Of its blend.
+    """
+
+    node: Node
+    weights: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """What a blend is mixed from.
+
+    Attributes
+    ----------
+    fields : tuple of LevelField
+        Those that are there.
+    shares : tuple of float
+        One each, positive.
+    rest : float
+        What is missing from a sum of 1.
+    """
+
+    fields: tuple[LevelField, ...]
+    shares: tuple[float, ...]
+    rest: float
+
+
+class FillingLattice:
+    """Level fields of a layout, added by one thread while another one mixes them.
+
+    Parameters
+    ----------
+    layout : WeightLayout
+        Where the blends lie.
+    levels : sequence of int
+        Some of `LEVELS`, from coarse to fine.
+    most : int
+        Most nodes that there is memory for; levels that are not refined further fit.
+    fade : float
+        Seconds within which a finer level takes over.
+    """
+
+    def __init__(self, layout: WeightLayout, levels: Sequence[int], most: int, fade: float) -> None:
+        self._layout, self._most, self._fade = layout, most, fade
+        self._fields: dict[Node, LevelField] = {}
+        # When a node of a level and all its neighbors were there.
+        self._since: dict[tuple[int, Node], float] = {}
+        # Nodes of the finest level that are wanted.
+        self._refined: dict[Node, tuple[float, ...]] = {}
+        self._lock = threading.Lock()
+        self.levels = tuple(levels)
+
+    def add(self, node: Node, field: LevelField, now: float) -> None:
+        """Add the field of a node, in steps of 1 / `FINEST`, at a time in seconds."""
+        with self._lock:
+            self._fields[node] = field
+            for steps in (*self.levels, FINEST):
+                own = _in_steps(node, steps)
+                for one in () if own is None else (own, *self._layout.neighbors(own, steps)):
+                    if self._is_surrounded(one, steps):
+                        self._since.setdefault((steps, _unit(one, steps)), now)
+            if self.levels[-1] == LEVELS[-1]:
+                self._refine(node)
+
+    def extend(self, levels: Sequence[int], now: float) -> None:
+        """Add finer levels."""
+        with self._lock:
+            self.levels = tuple(levels)
+            fields = dict(self._fields)
+        for node, field in fields.items():
+            self.add(node, field, now)
+
+    def enlarge(self, box: FieldBox) -> None:
+        """Bring all fields to a larger box."""
+        with self._lock:
+            self._fields = {node: field.within(box) for node, field in self._fields.items()}
+
+    def next_wanted(self, hand: Sequence[float]) -> Wanted | None:
+        """Return the next node to fill: of the coarsest level that is not whole, the nearest to some weights, (k,)."""
+        for steps in self.levels:
+            missing = [one for one in self._nodes[steps] if one.node not in self._fields]
+            if missing:
+                return _nearest(missing, hand)
+        refined = [Wanted(node, weights) for node, weights in self._refined.items() if node not in self._fields]
+        return _nearest(refined, hand) if refined else None
+
+    def mixture(self, weights: Sequence[float], now: float) -> Mixture:
+        """Return what a blend is mixed from at a time in seconds."""
+        with self._lock:
+            shares: dict[Node, float] = {}
+            rest = 1.0
+            for steps in (FINEST, *reversed(self.levels)):
+                stencil = self._layout.stencil(weights, steps)
+                units = [_unit(node, steps) for node in stencil.nodes]
+                taken = rest * sum(
+                    share * self._ready(steps, node, now) for node, share in zip(units, stencil.shares, strict=True)
+                )
+                if taken > 0.0:
+                    for node, share in zip(units, stencil.shares, strict=True):
+                        shares[node] = shares.get(node, 0.0) + taken * share
+                rest = max(rest - taken, 0.0)
+            return Mixture(tuple(self._fields[node] for node in shares), tuple(shares.values()), rest)
+
+    def is_whole(self, steps: int) -> bool:
+        """Tell whether all nodes of a level are there."""
+        return all(one.node in self._fields for one in self._nodes[steps])
+
+    def has_taken_over(self, now: float) -> bool:
+        """Tell whether nothing but this lattice is needed any more, for any blend."""
+        return self._is_ready(self.levels[0], now)
+
+    def settle(self, now: float) -> None:
+        """Drop coarser levels once the last one has taken over everywhere."""
+        if len(self.levels) == 1 or self.levels[-1] != LEVELS[-1] or not self._is_ready(self.levels[-1], now):
+            return
+        with self._lock:
+            self.levels = self.levels[-1:]
+            kept = {one.node for one in self._nodes[self.levels[-1]]} | self._refined.keys()
+            # Nodes of other levels may have made the finest one whole in some places.
+            for node in [node for steps, node in self._since if steps == FINEST]:
+                kept |= {node, *self._layout.neighbors(node, FINEST)}
+            self._fields = {node: field for node, field in self._fields.items() if node in kept}
+
+    @property
+    def filled(self) -> int:
+        """How many nodes there are."""
+        return len(self._fields)
+
+    @property
+    def fraction(self) -> float:
+        """Share of the nodes that are there, of those that are known to be wanted."""
+        wanted = {one.node for steps in self.levels for one in self._nodes[steps]} | self._refined.keys()
+        return len(self._fields) / max(len(wanted), 1)
+
+    @property
+    def bytes(self) -> int:
+        """Memory that the fields take."""
+        return sum(field.values.nbytes for field in self._fields.values())
+
+    @cached_property
+    def _nodes(self) -> dict[int, list[Wanted]]:
+        return {
+            steps: [Wanted(_unit(node, steps), self._layout.weights(node, steps)) for node in self._layout.nodes(steps)]
+            for steps in LEVELS
+        }
+
+    def _is_ready(self, steps: int, now: float) -> bool:
+        return all(self._ready(steps, one.node, now) == 1.0 for one in self._nodes[steps])
+
+    def _is_surrounded(self, node: Node, steps: int) -> bool:
+        around = (node, *self._layout.neighbors(node, steps))
+        return all(_unit(one, steps) in self._fields for one in around)
+
+    def _ready(self, steps: int, node: Node, now: float) -> float:
+        since = self._since.get((steps, node))
+        if since is None:
+            return 0.0
+        return 1.0 if self._fade <= 0.0 else min(max((now - since) / self._fade, 0.0), 1.0)
+
+    def _refine(self, node: Node) -> None:
+        """Ask for nodes half way to the neighbors of a node that differ from it too much, and for those around them."""
+        own = _in_steps(node, LEVELS[-1])
+        if own is None:
+            return
+        for other in self._layout.neighbors(own, LEVELS[-1]):
+            field = self._fields.get(_unit(other, LEVELS[-1]))
+            if field is None or field.difference(self._fields[node]) <= FAR:
+                continue
+            middle = tuple((a + b) // 2 for a, b in zip(node, _unit(other, LEVELS[-1]), strict=True))
+            self._ask_for([middle, *self._layout.neighbors(middle, FINEST)])
+
+    def _ask_for(self, nodes: Iterable[Node]) -> None:
+        coarse = sum(len(self._nodes[steps]) for steps in self.levels)
+        for node in nodes:
+            if node not in self._fields and coarse + len(self._refined) < self._most:
+                self._refined[node] = self._layout.weights(node, FINEST)
+
+
+def fitting_levels(layout: WeightLayout, most: int) -> tuple[int, ...]:
+    """Return those of `LEVELS` that so many nodes suffice for, at least the first."""
+    nodes: set[Node] = set()
+    fitting = []
+    for steps in LEVELS:
+        nodes |= {_unit(node, steps) for node in layout.nodes(steps)}
+        if len(nodes) <= most or not fitting:
+            fitting.append(steps)
+    return tuple(fitting)
+
+
+def count_of_nodes(layout: WeightLayout, levels: Sequence[int]) -> int:
+    """Return how many nodes some levels have together."""
+    return len({_unit(node, steps) for steps in levels for node in layout.nodes(steps)})
+
+
+def _unit(node: Node, steps: int) -> Node:
+    """Return a node in steps of 1 / FINEST."""
+    return tuple(place * (FINEST // steps) for place in node)
+
+
+def _in_steps(node: Node, steps: int) -> Node | None:
+    """Return a node in other steps than those of 1 / FINEST, or None where it is not on that level."""
+    size = FINEST // steps
+    return None if any(place % size for place in node) else tuple(place // size for place in node)
+
+
+def _nearest(wanted: Sequence[Wanted], hand: Sequence[float]) -> Wanted:
+    weights: NDArray[np.float64] = np.array([one.weights for one in wanted])
+    return wanted[int(np.argmin(np.abs(weights - np.asarray(hand)).sum(axis=1)))]

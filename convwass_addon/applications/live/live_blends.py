@@ -1,0 +1,429 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A live morph: blends of two to four shapes at any weights, while the lattice they are mixed from is being filled.
+
+One thread points at weights and takes the shape there; another one works. It solves the blend that is pointed at until
+the lattice around it is there, fills the lattice from coarse to fine and nearest to the hand first, looks for the
+motion of the shapes and fills a lattice of moved shapes, and solves the blend in full where the hand rests.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import Cancelled, ConvwassError
+from ...geometry.mesh import TriangleMesh
+from ...geometry.orientation import orient_outward
+from ...progress import Control, Progress, Result, Work, within
+from ...sentence import Sentence
+from ..memory import available_memory
+from ..morphs.bake_plan import pairs_of
+from ..morphs.blending import solve_blends
+from ..morphs.layouts import Blend
+from ..morphs.morph_problem import MorphFrame, MorphProblem
+from ..morphs.morph_settings import MorphSettings
+from ..morphs.moving_problem import MovingProblem
+from ..morphs.part_labels import Matching
+from ..morphs.preparing import sketchable_problem, with_connectivity
+from ..morphs.volumes import Lattice
+from ..motions.choosing import MotionChoice, chosen_motion
+from ..motions.guides import Guide
+from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
+from .filling_lattice import LEVELS, FillingLattice, count_of_nodes, fitting_levels
+from .level_fields import FieldBox, LevelField, mixed
+from .live_settings import LiveSettings
+from .weight_layouts import checked_weights, layout_of
+
+FADE = 0.4
+"""Seconds within which a finer level of the lattice takes over."""
+
+# On finer lattices blends are solved on one of so many cells until the lattice is there.
+_FINE, _STAND_IN = 64, 48
+# Smaller weights are zero: a frame of a long bake has no smaller ones.
+_LEAST_WEIGHT = 1.0 / 500.0
+# Below this share of a blend, what is not in the lattice is left out.
+_LEAST_REST = 1e-3
+# Share of the free memory that fields may take.
+_MEMORY_SHARE = 0.25
+# Plain transport is filled to this level while the motion is not known.
+_WITHOUT_MOTION = LEVELS[:2]
+# Shares of the progress: until the plain lattice is filled, and until the motion is found.
+_PLAIN_SHARE, _MOTION_SHARE = 0.3, 0.5
+
+
+@dataclass(frozen=True)
+class LiveShapes:
+    """What is blended.
+
+    Attributes
+    ----------
+    meshes : tuple of TriangleMesh
+        Two to four, in one space.
+    names : tuple of str
+        What messages call them.
+    matching : Matching
+        Their parts that travel together.
+    guides : tuple of mappings from int to int
+        Points that belong together; see :func:`.morph.morph`.
+    """
+
+    meshes: tuple[TriangleMesh, ...]
+    names: tuple[str, ...]
+    matching: Matching
+    guides: tuple[Guide, ...] = ()
+
+
+@dataclass(frozen=True)
+class LiveShape:
+    """A blend to be shown.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        In scene units about `center`.
+    center : (3,) float64
+        Where the blend is in the scene.
+    is_solved : bool
+        Whether it was solved in full; otherwise it was mixed.
+    """
+
+    mesh: TriangleMesh
+    center: NDArray[np.float64]
+    is_solved: bool = False
+
+
+@dataclass(frozen=True)
+class _SolvedHand:
+    """The blend that was pointed at, as a field."""
+
+    weights: tuple[float, ...]
+    field: LevelField
+
+
+class LiveBlends:
+    """Blends at any weights, and the work that makes them better.
+
+    Parameters
+    ----------
+    shapes : LiveShapes
+        What to blend.
+    settings : MorphSettings
+        How; the resolution is that of `live`.
+    live : LiveSettings
+        Resolution and memory.
+    choice : MotionChoice, optional
+        How the shapes move, where that is known; otherwise it is found when plain blends are there.
+    clock : callable
+        Seconds that pass while finer levels take over.
+
+    Raises
+    ------
+    InputError, ResourceError
+        Another number of shapes than two to four, or settings that cannot work.
+    """
+
+    def __init__(
+        self,
+        shapes: LiveShapes,
+        settings: MorphSettings,
+        live: LiveSettings,
+        choice: MotionChoice | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.layout = layout_of(len(shapes.meshes))
+        self.notices: list[Sentence] = []
+        self._shapes, self._live, self._choice, self._clock = shapes, live, choice, clock
+        self._settings = replace(settings, resolution=live.live_resolution, carry=False)
+        self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
+        self._box = box_of_shapes(shapes.meshes, self._lattice)
+        self._lock = threading.Lock()
+        # The newest first; older ones go once it has taken over.
+        self._layers: list[FillingLattice] = []
+        self._problem: MorphProblem | None = None
+        self._finished: MorphProblem | None = None
+        self._moving: MovingProblem | None = None
+        self._nodes: FieldSource | None = None
+        self._at_hand: FieldSource | None = None
+        self._hand_field: _SolvedHand | None = None
+        self._hand = tuple(np.full(len(shapes.meshes), 1.0 / len(shapes.meshes)).tolist())
+        self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
+        self._rests = False
+        self._rest_control: Control | None = None
+        self._solved: MorphFrame | None = None
+        self._fraction = 0.0
+        self.version = 0
+
+    # For the thread that shows blends.
+
+    @property
+    def hand(self) -> tuple[float, ...]:
+        """The weights that are pointed at, (k,), of sum 1."""
+        return self._hand
+
+    def point(self, weights: Sequence[float]) -> None:
+        """Point at other weights, (k,): negative ones count as zero, and they need not sum to 1.
+
+        Raises
+        ------
+        InputError
+            Another number of weights than shapes, or weights that are no numbers or all zero.
+        """
+        values = checked_weights(weights, len(self._hand))
+        values = np.where(values < _LEAST_WEIGHT, 0.0, values)
+        hand = tuple((values / values.sum()).tolist())
+        if hand == self._hand:
+            return
+        self._hand, self._rests = hand, False
+        if self._rest_control is not None:
+            self._rest_control.cancel()
+
+    def rest(self) -> None:
+        """Ask for a full solve of the blend that is pointed at, until another one is."""
+        self._rests = True
+
+    @property
+    def has_work(self) -> bool:
+        """Whether :meth:`work` would find something to do."""
+        return self._nodes is None or self._next_task() is not None
+
+    def settle(self) -> None:
+        """Forget what finer levels and newer lattices have taken over from."""
+        now = self._clock()
+        with self._lock:
+            newest = self._layers[:1]
+            if len(self._layers) > 1 and newest[0].has_taken_over(now):
+                self._layers = newest
+        for layer in newest:
+            layer.settle(now)
+
+    def shown(self) -> LiveShape | None:
+        """Return the blend that is pointed at as well as it is known by now; None before the first one is there."""
+        now, hand, solved = self._clock(), self._hand, self._solved
+        center = np.asarray(hand) @ self._lattice.centers
+        if solved is not None and solved.blend.weights == hand:
+            mesh = solved.mesh if solved.mesh is not None else self._shapes.meshes[solved.blend.source]
+            return LiveShape(mesh.moved(-center), center, is_solved=True)
+        with self._lock:
+            fields, shares = self._ingredients(hand, now)
+        if not fields:
+            return None
+        mesh = mixed(fields, np.array(shares) / sum(shares)).surface()
+        placed = TriangleMesh(mesh.vertices * self._lattice.spacing + self._lattice.origin, mesh.faces)
+        return LiveShape(placed, center)
+
+    def _ingredients(self, hand: Sequence[float], now: float) -> tuple[list[LevelField], list[float]]:
+        """Return fields and shares of a blend: of the newest lattice what it covers, and so on, and of the hand's."""
+        fields: list[LevelField] = []
+        shares: list[float] = []
+        rest = 1.0
+        for layer in self._layers:
+            found = layer.mixture(hand, now)
+            fields += found.fields
+            shares += [rest * share for share in found.shares]
+            rest *= found.rest
+            if rest < _LEAST_REST:
+                return fields, shares
+        if self._hand_field is not None:
+            fields.append(self._hand_field.field)
+            shares.append(rest)
+        return fields, shares
+
+    @property
+    def bytes(self) -> int:
+        """Memory that the fields take."""
+        return sum(layer.bytes for layer in self._layers)
+
+    @property
+    def filled(self) -> int:
+        """Blends in the lattice."""
+        return sum(layer.filled for layer in self._layers)
+
+    # For the thread that works.
+
+    def work(self, control: Control) -> Work[None]:
+        """Do all there is to do, the most urgent first; call again when :attr:`has_work`.
+
+        Raises
+        ------
+        InputError, ResourceError
+            Shapes that cannot be blended.
+        """
+        yield from self._prepared(control)
+        while (task := self._next_task()) is not None:
+            control.check()
+            yield from task(control)
+
+    def _next_task(self) -> Callable[[Control], Work[None]] | None:
+        urgent = self._urgent_task()
+        if urgent is not None:
+            return urgent
+        if self._layers[0].next_wanted(self._hand) is not None:
+            return self._fill_node
+        return None if self._motion_is_known else self._find_motion
+
+    def _urgent_task(self) -> Callable[[Control], Work[None]] | None:
+        """Return what the user is waiting for."""
+        hand = self._hand
+        if not self._layers or self._layers[-1].mixture(hand, self._clock()).rest >= _LEAST_REST:
+            known = self._hand_field is not None and self._hand_field.weights == hand
+            is_base_there = bool(self._layers) and self._layers[-1].is_whole(LEVELS[0])
+            return None if known or is_base_there else self._solve_hand
+        waits = self._rests and self._motion_is_known and self._layers[0].is_whole(LEVELS[0])
+        known = self._solved is not None and self._solved.blend.weights == hand
+        return self._solve_rest if waits and not known else None
+
+    def _prepared(self, control: Control) -> Work[None]:
+        """Voxelize the shapes; of fine lattices a coarser one first, on which the first blend is solved."""
+        if self._nodes is not None:
+            return
+        if self._settings.resolution > _FINE:
+            coarse = replace(self._settings, resolution=_STAND_IN, blur=None)
+            problem = yield from self._voxelized(coarse, control)
+            self._at_hand = StandInSource(problem, self._lattice, self._box)
+            yield from self._solve_hand(control)
+        self._problem = yield from self._voxelized(self._settings, control)
+        if self._at_hand is None:
+            self._at_hand = TransportSource(self._problem, self._box, control)
+        self._nodes = TransportSource(self._problem, self._box, control)
+        levels = self._fitting(self._box)
+        if not self._motion_is_known:
+            levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
+        self._layers = [FillingLattice(self.layout, levels, self._most(self._box), FADE)]
+
+    def _voxelized(self, settings: MorphSettings, control: Control) -> Work[MorphProblem]:
+        shapes = self._shapes
+        work = sketchable_problem(
+            shapes.meshes, shapes.names, shapes.matching, settings, 1, len(shapes.meshes), control
+        )
+        return (yield from within(work, 0.0, 0.0))
+
+    def _most(self, box: FieldBox) -> int:
+        """Return how many fields there is memory for."""
+        allowed, free = self._live.live_memory * 1e6, available_memory()
+        if free is not None:
+            allowed = min(allowed, _MEMORY_SHARE * free)
+        return int(allowed // box.field_bytes)
+
+    def _fitting(self, box: FieldBox) -> tuple[int, ...]:
+        """Return the levels of the lattice that there is memory for, and say so where these are not all."""
+        levels = fitting_levels(self.layout, self._most(box))
+        if levels != LEVELS:
+            needed = count_of_nodes(self.layout, LEVELS) * box.field_bytes / 1e6
+            notice = Sentence(
+                "A lattice of {finest} steps needs {needed:.0f} MB; there is memory for {levels} steps",
+                {"finest": LEVELS[-1], "needed": needed, "levels": levels[-1]},
+            )
+            self.notices.append(notice)
+        return levels
+
+    def _report(self, message: Sentence, fraction: float = 0.0) -> Progress[None]:
+        self._fraction = max(self._fraction, fraction)
+        return Progress(self._fraction, message)
+
+    def _solve_hand(self, control: Control) -> Work[None]:
+        """Solve the blend that is pointed at."""
+        hand = self._hand
+        field = self._at_hand.field(hand, control)
+        with self._lock:
+            # The box may have grown since.
+            self._hand_field = _SolvedHand(hand, field.within(self._box))
+        self.version += 1
+        yield self._report(Sentence("Blending"))
+
+    def _fill_node(self, control: Control) -> Work[None]:
+        """Solve the blend at the next node of the newest lattice."""
+        layer = self._layers[0]
+        wanted = layer.next_wanted(self._hand)
+        layer.add(wanted.node, self._nodes.field(wanted.weights, control), self._clock())
+        self.version += 1
+        yield self._report(Sentence("{count} blends", {"count": self.filled}), self._share_of(layer))
+
+    def _share_of(self, layer: FillingLattice) -> float:
+        """Return the share of the work that is done from how far a lattice is filled."""
+        if self._moving is not None:
+            return _MOTION_SHARE + (1.0 - _MOTION_SHARE) * layer.fraction
+        return layer.fraction * (1.0 if self._motion_is_known else _PLAIN_SHARE)
+
+    def _solve_rest(self, control: Control) -> Work[None]:
+        """Solve the blend that is pointed at as a bake does, unless the hand moves on."""
+        yield self._report(Sentence("Solving the blend in full"))
+        blend = Blend(self._hand)
+        self._rest_control = Control(control)
+        try:
+            if blend.weights != self._hand:
+                return
+            frame = self._frame(blend, self._rest_control)
+        except Cancelled:
+            control.check()
+            return
+        finally:
+            self._rest_control = None
+        self._solved = frame
+        self.version += 1
+        yield self._report(Sentence("Solved"))
+
+    def _frame(self, blend: Blend, control: Control) -> MorphFrame:
+        if self._moving is not None:
+            return self._moving.frame(blend, control)
+        if self._finished is None:
+            whole = with_connectivity(replace(self._problem, meshes=self._shapes.meshes), 1)
+            self._finished = whole.with_detail_of(self._shapes.meshes)
+        return solve_blends(self._finished, [blend], control)[0]
+
+    def _find_motion(self, control: Control) -> Work[None]:
+        """Find how the shapes move, and begin a lattice of moved shapes; or go on with this one."""
+        blends = [Blend(self.layout.weights(node, LEVELS[0])) for node in self.layout.nodes(LEVELS[0])]
+        if self._choice is None:
+            try:
+                self._choice = yield from self._attended(self._choosing(blends, control), control)
+            except Cancelled:
+                raise
+            except ConvwassError as error:
+                self.notices.append(Sentence("Transported without a motion: {reason}", {"reason": error.sentence}))
+                self._choice = MotionChoice("transport", "FAILED")
+        self._motion_is_known = True
+        if self._choice.motion is None:
+            self._layers[0].extend(self._fitting(self._box), self._clock())
+            return
+        still = with_connectivity(replace(self._problem, motion=self._choice.record()), 1)
+        names, matching = self._shapes.names, self._shapes.matching
+        self._begin_motion(MovingProblem.of(still, self._choice.motion, blends, names, matching, control))
+
+    def _choosing(self, blends: Sequence[Blend], control: Control) -> Work[MotionChoice]:
+        shapes, settings = self._shapes, self._settings
+        outward = [orient_outward(mesh) for mesh in shapes.meshes]
+        work = chosen_motion(
+            outward, shapes.names, pairs_of(blends), settings.motion, settings.coherence, shapes.guides, control
+        )
+        return (yield from within(work, _PLAIN_SHARE, _MOTION_SHARE))
+
+    def _begin_motion(self, moving: MovingProblem) -> None:
+        """Lay a lattice of moved shapes over the one of plain transport, in a box that holds both."""
+        source = MovingSource(moving)
+        box = self._box.union(source.box)
+        source.box = box
+        layer = FillingLattice(self.layout, self._fitting(box), self._most(box), FADE)
+        with self._lock:
+            for plain in self._layers:
+                plain.enlarge(box)
+            if self._hand_field is not None:
+                self._hand_field = replace(self._hand_field, field=self._hand_field.field.within(box))
+            self._box, self._layers = box, [layer, *self._layers]
+        self._nodes, self._moving = source, moving
+
+    def _attended(self, work: Work[Result], control: Control) -> Work[Result]:
+        """Do some work, and between two of its reports what the user is waiting for."""
+        while True:
+            try:
+                report = next(work)
+            except StopIteration as done:
+                return done.value
+            yield self._report(report.message, report.fraction)
+            while (task := self._urgent_task()) is not None:
+                yield from task(control)

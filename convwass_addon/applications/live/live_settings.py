@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a live morph is asked for besides the settings of a morph."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...schema import Settings, setting
+
+
+@dataclass(frozen=True)
+class LiveSettings(Settings):
+    """How a live morph is made."""
+
+    live_resolution: int = setting(
+        64,
+        "Resolution",
+        "Cells along the longest side of the volume while the morph is live; 48 is quick, 100 is fine",
+        least=24,
+        most=256,
+        soft_most=128,
+        unit="cells",
+    )
+    live_memory: int = setting(
+        512,
+        "Memory",
+        "Most memory for the blends that are kept; where it does not do, the lattice of blends is coarser",
+        least=16,
+        most=16_384,
+        unit="MB",
+    )
