@@ -165,7 +165,7 @@ def test_the_motion_that_was_chosen_is_told(motion, expected):
 def test_every_template_can_be_filled():
     values = {"resolution": 64, "name": "{x}", "cells": 1.0, "better": 96, "frames": "1-2", "share": 0.1}
     values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x", "score": 0.8, "failure": "x"}
-    values |= {"pieces": 3, "most": 1, "holes": 2}
+    values |= {"pieces": 3, "most": 1, "holes": 2, "materials": "x", "names": "x", "sockets": "x"}
     for kind in TEXTS:
         assert HealthNote(kind, values).text
 

@@ -11,10 +11,11 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.looks import Carried, Painted, Plain, Seen, Textured
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.dropped_looks import dropped_looks, dropped_notes
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.looks import read_look, read_shading, seen_colors, write_carried
-from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_health
 from convwass_addon.bridge.objects import frozen_copy
 from convwass_addon.geometry.normals import triangle_normals
 from tests.shapes import ball, box, joined
@@ -307,6 +308,60 @@ def test_frames_keep_the_slots_of_their_inputs(bare_scene, make_object, faces):
     lit = [principled(own).inputs["Emission Strength"].default_value for own in mesh.materials]
     assert lit == [0.0, 1.0]
     assert all(polygon.material_index == int(polygon.center.x > 0) for polygon in mesh.polygons)
+
+
+def test_looks_that_frames_do_not_show_are_named(bare_scene, make_object):
+    """A procedural color, a normal map and a texture of the roughness in one input; another one is plain."""
+    noisy = material("Noisy")
+    linked(noisy, "ShaderNodeTexNoise")
+    rough = material("Rough", RED)
+    links, nodes = rough.node_tree.links, rough.node_tree.nodes
+    links.new(nodes.new("ShaderNodeNormalMap").outputs["Normal"], principled(rough).inputs["Normal"])
+    links.new(nodes.new("ShaderNodeTexImage").outputs["Color"], principled(rough).inputs["Roughness"])
+    unused = material("Unused")
+    linked(unused, "ShaderNodeTexNoise")
+    shape = add_shape(make_object, "A", ball(points=300), noisy, rough, unused)
+    for polygon in shape.data.polygons:
+        polygon.material_index = int(polygon.center.z > 0)
+    plain = add_shape(make_object, "B", ball(points=300), glowing("Lamp", RED, 2.0))
+    notes = stored_health(bake(bare_scene, [shape, plain]))
+    assert [(note.kind, note.values["materials"]) for note in notes] == [
+        ("LOOK_PROCEDURAL", "Noisy"),
+        ("LOOK_NORMALS", "Rough"),
+        ("LOOK_MAPS", "Rough"),
+    ]
+    assert "Roughness of Rough (A)" in notes[-1].text
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        ("texture", ["LOOK_BLURRED"]),
+        ("corrected", ["LOOK_NODES", "LOOK_BLURRED"]),
+        ("missing", ["LOOK_MISSING"]),
+        ("glass", ["LOOK_SHADER"]),
+        ("object", []),
+    ],
+)
+def test_what_frames_do_not_show_of_a_material(make_object, depsgraph, kind, expected):
+    made = material("Own")
+    obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
+    if kind == "glass":
+        glass = made.node_tree.nodes.new("ShaderNodeBsdfGlass")
+        output = next(node for node in made.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
+        made.node_tree.links.new(glass.outputs["BSDF"], output.inputs["Surface"])
+    elif kind == "corrected":
+        between = linked(made, "ShaderNodeInvert")
+        picture = made.node_tree.nodes.new("ShaderNodeTexImage")
+        picture.image = image(np.ones((2, 2, 4)))
+        made.node_tree.links.new(picture.outputs["Color"], between.inputs["Color"])
+    else:
+        node = linked(made, "ShaderNodeObjectInfo" if kind == "object" else "ShaderNodeTexImage")
+        if kind == "texture":
+            node.image = image(np.ones((2, 2, 4)))
+    frozen = frozen_copy(obj, depsgraph)
+    notes = dropped_notes(["Shape"], [dropped_looks(frozen, read_look(frozen, WHITE))])
+    assert [note.kind for note in notes] == expected
 
 
 def test_an_input_that_is_painted_and_has_no_material_wears_that_of_the_frames(bare_scene, make_object):

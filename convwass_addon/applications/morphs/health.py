@@ -34,6 +34,18 @@ TEXTS: dict[str, str] = {
     "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "NO_MOTION": "Mass takes the nearest free place: no motion between the shapes could be made ({failure})",
+    "LOOK_PROCEDURAL": "Procedural colors of {materials} ({names}) became one color: bake them to an image or to "
+    "vertex colors",
+    "LOOK_SHADER": "Frames do not have the shaders of {materials} ({names}): only Principled BSDF and Emission are "
+    "mixed",
+    "LOOK_MISSING": "The image of {materials} ({names}) could not be read, or there is no UV map: its color is that of "
+    "the viewport",
+    "LOOK_NODES": "Nodes between texture and base color of {materials} ({names}) were left out: bake them into the "
+    "image",
+    "LOOK_NORMALS": "Normal maps, bump and displacement of {materials} ({names}) were left out",
+    "LOOK_MAPS": "Textures of {sockets} of {materials} ({names}) were left out",
+    "LOOK_TILES": "Of the UDIM tiles of {materials} ({names}) only the first one was read",
+    "LOOK_BLURRED": "Textures of {materials} ({names}) became colors of vertices, as sharp as the cells",
     "PREVIEWS": "The bake was stopped before its first frame: these are previews, coarser than asked for; bake again",
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
 }
@@ -51,6 +63,9 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY"), "INFO"),
     "NO_MOTION": "WARNING",
+    **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
+    **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS"), "WARNING"),
+    "LOOK_BLURRED": "INFO",
     "PREVIEWS": "WARNING",
     "GOOD": "INFO",
 }
@@ -106,6 +121,7 @@ def health(
     settings: Mapping[str, object],
     names: Sequence[str],
     numbers: Sequence[int] | None = None,
+    looks: Sequence[HealthNote] = (),
 ) -> list[HealthNote]:
     """Say what is wrong with a bake and what to do about it, the worst first.
 
@@ -120,6 +136,8 @@ def health(
         Of the shapes.
     numbers : sequence of int, optional
         What to call the frames; 1, 2, ... by default.
+    looks : sequence of HealthNote
+        What frames do not show of the looks of the shapes.
     """
     if any(record.get("preview") for record in records):
         return [HealthNote("PREVIEWS", {})]
@@ -135,6 +153,7 @@ def health(
         *_at_the_wall(calls),
         *_widened(calls, settings, resolution),
         *_notices(figures),
+        *looks,
     ]
     return [*(notes or [HealthNote("GOOD", {})]), *_motion(figures)]
 

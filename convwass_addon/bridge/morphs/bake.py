@@ -11,7 +11,7 @@ from typing import Self
 import bpy
 import numpy as np
 
-from ...applications.morphs.health import health
+from ...applications.morphs.health import HealthNote, health
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph_problem import MorphFrame
 from ...errors import ConvwassError, InputError
@@ -235,7 +235,7 @@ class MorphBake:
         quads = self._stored.settings.get("faces") == "QUADS"
         write_mesh(data, mesh, Polygons.of_quads(mesh) if quads else None)
 
-    def finish(self, hide_inputs: bool) -> bpy.types.Collection:
+    def finish(self, hide_inputs: bool, looks: Sequence[HealthNote] = ()) -> bpy.types.Collection:
         """Store the settings, show the first frame, and return the collection.
 
         After an early stop the finished frames are a morph of their own: each is visible until the next one that there
@@ -245,6 +245,8 @@ class MorphBake:
         ----------
         hide_inputs : bool
             Hide the inputs in viewport and render, since the morph shows them.
+        looks : sequence of HealthNote
+            What frames do not show of the looks of the inputs.
 
         Raises
         ------
@@ -270,7 +272,8 @@ class MorphBake:
             index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
         ]
         figures = [self._finished[index].record for index in sorted(frames)]
-        store_health(collection, health(figures, self._stored.settings, self._stored.inputs, numbers))
+        notes = health(figures, self._stored.settings, self._stored.inputs, numbers, looks)
+        store_health(collection, notes)
         self._drop_unused()
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)

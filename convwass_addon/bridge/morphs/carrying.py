@@ -18,6 +18,7 @@ from ...applications.morphs.origins import velocities
 from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...progress import Work
 from ..handles import Handle
+from .dropped_looks import dropped_looks, dropped_notes
 from .looks import (
     COLOR,
     SOURCE_WEIGHT,
@@ -55,6 +56,11 @@ class Carrying:
         the frames, so that nothing changes color when the morph begins.
     blends : sequence of Blend
         What the bake makes.
+
+    Attributes
+    ----------
+    dropped : list of HealthNote
+        What frames do not show of the looks of the inputs.
     """
 
     def __init__(
@@ -69,12 +75,14 @@ class Carrying:
             for obj, mesh in zip(inputs, frozen, strict=True)
         ]
         self._shadings = [read_shading(mesh) for mesh in frozen]
+        names = [obj.name for obj in inputs]
+        self.dropped = dropped_notes(names, [dropped_looks(*own) for own in zip(frozen, self._looks, strict=True)])
         per_second = scene.render.fps / scene.render.fps_base
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]
         self._beside = _beside_shapes(blends)
         self._passing: dict[Blend, list[_Passing]] = {}
-        name = "Morph " + " and ".join(obj.name for obj in inputs)
+        name = "Morph " + " and ".join(names)
         slots = [list(mesh.materials) or [None] for mesh in frozen]
         self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots)
         material = self._materials.of([0] * len(slots))

@@ -145,7 +145,9 @@ class MorphJob:
     def notices(self) -> list[Sentence]:
         """What the user should know about the inputs and their parts, once frames are finished."""
         found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
-        return [*self._animated, *(notice.sentence for notice in found)]
+        dropped = self._carrying.dropped if self._carrying else []
+        looks = [note.sentence for note in dropped if note.severity != "INFO"]
+        return [*self._animated, *(notice.sentence for notice in found), *looks]
 
     def write(self, report: Progress[MorphFrame | MorphPreview]) -> None:
         """Put a finished frame into the scene, or a preview until there is one."""
@@ -161,7 +163,7 @@ class MorphJob:
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
         try:
-            return self._bake.finish(hide_inputs)
+            return self._bake.finish(hide_inputs, self._carrying.dropped if self._carrying else ())
         finally:
             self._drop_unused()
 

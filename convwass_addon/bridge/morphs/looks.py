@@ -247,7 +247,7 @@ def _paint(
         return Plain(tuple(material.diffuse_color))
     if not base.is_linked:
         return Plain(tuple(base.default_value))
-    for node in _upstream(base):
+    for node in upstream_nodes(base):
         if node.type == "OBJECT_INFO":
             return Plain(tuple(color))
         if node.type in ("VERTEX_COLOR", "ATTRIBUTE"):
@@ -260,7 +260,7 @@ def _paint(
     return Plain(tuple(material.diffuse_color))
 
 
-def _upstream(socket: bpy.types.NodeSocket) -> list[bpy.types.Node]:
+def upstream_nodes(socket: bpy.types.NodeSocket) -> list[bpy.types.Node]:
     """Return the nodes that lead to an input, the nearest first."""
     found: list[bpy.types.Node] = [link.from_node for link in socket.links]
     for node in found:
@@ -276,7 +276,7 @@ def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarra
 
 def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, texture_size: int) -> Textured | None:
     """Return the paint of an image node; None where it has no picture, or the mesh no texture coordinates."""
-    named = [other.uv_map for other in _upstream(node.inputs["Vector"]) if other.type == "UVMAP"]
+    named = [other.uv_map for other in upstream_nodes(node.inputs["Vector"]) if other.type == "UVMAP"]
     layer = mesh.uv_layers.get(named[0]) if named else None
     if layer is None:
         layer = next((own for own in mesh.uv_layers if own.active_render), mesh.uv_layers.active)
