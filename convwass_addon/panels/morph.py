@@ -8,6 +8,8 @@ import bpy
 from bl_ui.utils import PresetPanel
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..applications.memory import available_memory
+from ..applications.morphs.memory_needs import estimated_bytes
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_kinds import is_shape, looks_flat
 from ..bridge.morphs.morph_request import MorphRequest
@@ -29,6 +31,8 @@ from .sidebar import Sidebar, draw_wrapped, fill_operator
 # Selected shapes that are named; of more only the number is told.
 _NAMED = 8
 _NEEDED = {"GRID": 4, "TRIANGLE": 3}
+# Bytes from which on the memory that a bake takes is told.
+_MUCH_MEMORY = 2e9
 _ICONS = {
     "FONT": "OUTLINER_OB_FONT",
     "CURVE": "OUTLINER_OB_CURVE",
@@ -93,6 +97,8 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         column.prop(settings, "flat_resolution" if flat else "resolution")
         if flat:
             column.prop(settings, "words")
+        if not flat:
+            _draw_memory(column, context, [obj for obj in shapes if obj is not None], settings.resolution)
         draw_settings(column, settings, MorphSettings, "motion")
 
         needed = _NEEDED.get(settings.layout)
@@ -146,6 +152,24 @@ def _draw_selection(
     row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
     column.operator(CONVWASS_OT_add_morph_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
     return shapes
+
+
+def _draw_memory(
+    layout: bpy.types.UILayout, context: bpy.types.Context, shapes: list[bpy.types.Object], resolution: int
+) -> None:
+    """Say how much memory a bake will take, where that is much, and warn where there is less."""
+    if len(shapes) < 2:
+        return
+    # As many threads solve as fit, one at least.
+    needed = estimated_bytes([obj.dimensions for obj in shapes], resolution, workers=1)
+    if needed < _MUCH_MEMORY:
+        return
+    free = available_memory()
+    text, icon = iface_("Takes about {:.0f} GB of memory").format(needed / 1e9), "INFO"
+    if free is not None and needed > free:
+        text = iface_("Takes about {:.0f} GB of memory, {:.0f} GB are free").format(needed / 1e9, free / 1e9)
+        icon = "ERROR"
+    draw_wrapped(layout, context, text, icon)
 
 
 def _hint(layout: str) -> str:

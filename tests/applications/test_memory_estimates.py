@@ -13,6 +13,7 @@ from convwass_addon.applications.flat.flat_problem import flat_problem, pieces_o
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.memory_needs import estimated_bytes
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
@@ -39,6 +40,13 @@ def test_of_solids(shapes):
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
     peak = peak_of(lambda: morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
     assert 0.3 < peak / lattice.memory(shapes, 1, 1) < 1.0
+
+
+@pytest.mark.parametrize("shapes", [[ball(), box()], [torus(1.0, 0.2), box((2.0, 0.3, 0.3))]], ids=["full", "slender"])
+def test_before_shapes_are_read(shapes):
+    sizes = [shape.bounds[1] - shape.bounds[0] for shape in shapes]
+    needed = Lattice.around(shapes, 128, 1.0).memory(shapes, 2, 1)
+    assert 0.5 < estimated_bytes(sizes, 128, 2) / needed < 2.0
 
 
 def test_of_flat_shapes():

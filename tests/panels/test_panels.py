@@ -151,6 +151,14 @@ def test_a_list_that_is_too_short_says_why_the_button_is_gray(shapes, layout):
     assert hint in draw_all()
 
 
+def test_much_memory_is_told_before_a_bake(shapes):
+    settings().resolution = 1000
+    assert settings().resolution == 1000
+    assert any(text.startswith("Takes about ") for _, text in draw(bpy.types.CONVWASS_PT_morph))
+    settings().resolution = 100
+    assert not any(text.startswith("Takes about ") for _, text in draw(bpy.types.CONVWASS_PT_morph))
+
+
 def test_flat_shapes_have_settings_of_their_own():
     for text in ("A", "B"):
         bpy.ops.object.text_add()

@@ -20,6 +20,7 @@ from ...geometry.thicken import shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid
 from ..memory import available_memory, check_memory
+from .memory_needs import peak_bytes
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 8
@@ -29,12 +30,6 @@ _MARGIN = 4
 _LEAST_CELLS = 20.0
 # Sheets are given at least this thickness, in cells: what survives a morph.
 _LEAST_THICKNESS = 2.0
-# Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of every shape and of every thread that
-# solves: for all cells of the grid, for those that the largest shape fills, and for every further part.
-_BYTES_PER_SHAPE, _BYTES_PER_SHAPE_FILLED, _BYTES_PER_SHAPE_PART = 18, 80, 4
-_BYTES_PER_WORKER, _BYTES_PER_WORKER_FILLED, _BYTES_PER_WORKER_PART = 90, 330, 12
-# Thin shapes fill little of the grid; what the solver keeps of them does not fall below this.
-_LEAST_FILLED = 0.03
 
 
 @dataclass(frozen=True)
@@ -106,10 +101,7 @@ class Lattice:
         """Bytes at the peak of a job with these shapes, threads that solve and parts of every shape."""
         cells = float(np.prod(self.shape))
         filled = max(abs(shape.volume) for shape in shapes) / (self.spacing**3 * cells)
-        filled = float(np.clip(filled, _LEAST_FILLED, 1.0))
-        of_shape = _BYTES_PER_SHAPE + _BYTES_PER_SHAPE_FILLED * filled + _BYTES_PER_SHAPE_PART * (parts - 1)
-        of_worker = _BYTES_PER_WORKER + _BYTES_PER_WORKER_FILLED * filled + _BYTES_PER_WORKER_PART * (parts - 1)
-        return int(cells * (len(shapes) * of_shape + workers * of_worker))
+        return peak_bytes(cells, filled, len(shapes), workers, parts)
 
     def holding(self, low: NDArray[np.float64], high: NDArray[np.float64], slack: int = 0) -> Lattice:
         """Return a lattice with the same cells and as many more as a box needs.
