@@ -23,6 +23,7 @@ from convwass_addon.applications.morphs.volumes import Lattice, voxelize
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import payloads
 from convwass_addon.transport import barycenter
 
 ASSETS = Path(__file__).resolve().parent.parent / "assets" / "shapes"
@@ -120,4 +121,5 @@ def baked_frames(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSet
     """Bake a path from the first shape to the second; return all frames, in the space of the shapes."""
     names = [f"shape {index}" for index in range(len(shapes))]
     steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
-    return [step.payload for step in steps if step.payload is not None]
+    # A frame may come again.
+    return list({frame.blend: frame for frame in payloads(steps, MorphFrame)}.values())

@@ -26,6 +26,7 @@ from scipy.ndimage import gaussian_filter
 
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice, voxelize
 from convwass_addon.bridge.imports import import_objects
@@ -33,6 +34,7 @@ from convwass_addon.bridge.objects import triangle_mesh, write_mesh
 from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.isosurface import surface_enclosing
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import payloads
 
 STEPS = 4
 TIMES = tuple(step / STEPS for step in range(STEPS + 1))
@@ -174,7 +176,7 @@ def held_together(ends: Ends) -> list[TriangleMesh]:
 def _morphed(ends: Ends, motion: str) -> list[TriangleMesh]:
     settings = MorphSettings(resolution=ends.cells, motion=motion)
     steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), settings, workers=1)
-    frames = [step.payload for step in steps if step.payload is not None]
+    frames = {frame.blend: frame for frame in payloads(steps, MorphFrame)}.values()
     return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 
 

@@ -123,6 +123,19 @@ def test_a_frame_takes_the_place_of_its_preview(bare_scene, inputs, morph_frames
     assert all(obj.data.vertices[0].co.x == 8.0 for obj in frame_objects(collection)[1:-1])
 
 
+def test_a_frame_that_comes_again_takes_the_place_of_the_one_before(bare_scene, inputs, morph_frames):
+    blends = path_blends(2, 4)
+    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    frames = morph_frames(blends)
+    for frame in frames:
+        bake.add(frame)
+    bake.add(replace(frames[2], mesh=frames[2].mesh.moved((7, 0, 0)), record={**RECORD, "found": {"handles": 3}}))
+    collection = bake.finish(hide_inputs=True)
+    assert visible_over_time(bare_scene, collection) == expected_over_time(5)
+    assert [obj.data.vertices[0].co.x for obj in frame_objects(collection)[1:4]] == [1.0, 8.0, 1.0]
+    assert len(stored_morph(collection).records) == 5
+
+
 def test_previews_do_not_outlive_an_early_stop(bare_scene, inputs, morph_frames, inventory):
     before, blends = inventory(), path_blends(2, 4)
     for count in (0, 3):

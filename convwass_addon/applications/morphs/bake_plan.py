@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -38,6 +38,7 @@ from .runs import (
     runs_in_threads,
     sketched_runs_in_threads,
 )
+from .solving_again import Asked, again_elsewhere, again_in_threads
 from .volumes import fitting_workers
 
 # Shares of the progress that previews take, where there are any, and the motion.
@@ -67,10 +68,13 @@ class BegunRuns:
         The index of the run for each future.
     fraction : float
         Share of the work that is done by then.
+    problem : MorphProblem or MovingProblem
+        What they are runs of, perhaps without the connectivity of the shapes.
     """
 
     pending: Pending
     fraction: float
+    problem: MorphProblem | MovingProblem
 
 
 @dataclass(frozen=True)
@@ -104,15 +108,9 @@ class BakePlan:
         """Begin all runs; the stack ends what computes them."""
         if self._shows:
             yield from self._glanced(control)
-        side_by_side = min(self.workers or 1, len(self.runs))
-        problem = yield from sketchable_problem(
-            self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
-        )
-        choice = yield from self._motion(control)
-        problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
-        if choice.motion is not None:
-            return (yield from self._moving(problem, choice, stack, control))
-        problem = problem.with_detail_of(self.shapes)
+        problem = yield from self.prepared(control)
+        if isinstance(problem, MovingProblem):
+            return (yield from self._moving(problem, stack, control))
         if self._shows and problem.transport.sketch_depth:
             return (yield from self._sketched(problem, stack, control))
         most = self._fitting(problem)
@@ -121,7 +119,34 @@ class BakePlan:
             pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most))
         else:
             pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.executor))
-        return BegunRuns(pending, self._chosen_at)
+        return BegunRuns(pending, self._chosen_at, problem)
+
+    def prepared(self, control: Control) -> Work[MorphProblem | MovingProblem]:
+        """Return what all blends have in common; of shapes that do not move, without their connectivity."""
+        side_by_side = min(self.workers or 1, len(self.runs))
+        problem = yield from sketchable_problem(
+            self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
+        )
+        choice = yield from self._motion(control)
+        problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
+        if choice.motion is None:
+            return problem.with_detail_of(self.shapes)
+        still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)))
+        moving = MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control)
+        check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
+        return moving
+
+    @contextmanager
+    def again(
+        self, problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, control: Control
+    ) -> Iterator[Pending]:
+        """Make blends of some runs once more; see :func:`.solving_again.solve_again`."""
+        if self.executor is None:
+            work = again_in_threads(problem, runs, asked, control, self._fitting(problem))
+        else:
+            work = again_elsewhere(problem, runs, asked, self.executor)
+        with work as pending:
+            yield pending
 
     @property
     def _shows(self) -> bool:
@@ -149,13 +174,8 @@ class BakePlan:
         work = chosen_motion(outward, self.names, pairs_of(self.blends), asked, coherence, self.guides, control)
         return (yield from within(work, VOXEL_SHARE, self._chosen_at))
 
-    def _moving(
-        self, problem: MorphProblem, choice: MotionChoice, stack: ExitStack, control: Control
-    ) -> Work[BegunRuns]:
+    def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Begin runs of inputs that move."""
-        still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)))
-        moving = MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control)
-        check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
         fraction = self._chosen_at
         if self._shows:
             yield from self._moved_previews(moving, control)
@@ -164,7 +184,7 @@ class BakePlan:
             runs = moving_runs_in_threads(moving, self.runs, control, self._fitting(moving))
         else:
             runs = runs_elsewhere(moving, self.runs, self.executor)
-        return BegunRuns(stack.enter_context(runs), fraction)
+        return BegunRuns(stack.enter_context(runs), fraction, moving)
 
     def _sketched(self, problem: MorphProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Begin runs by their coarse levels, and show these."""
@@ -172,10 +192,8 @@ class BakePlan:
         needed = problem.lattice.memory(self.shapes, most, self.matching.count)
         chosen = self._previewed(problem.transport.sketch_bytes, needed)
         sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most))
-        # Threads keep what they need of it.
-        del problem
         yield from self._previews(sketched, control)
-        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE)
+        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem)
 
     def _glanced(self, control: Control) -> Work[None]:
         """Show one blend at once, more coarsely than the other previews."""

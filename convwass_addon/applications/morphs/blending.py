@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -24,6 +24,7 @@ from .part_potentials import PartPotentials
 from .reading import own_surface, read_surface
 from .spare_threads import at_once
 from .thin_shapes import thin_parts, wall_share
+from .transport_problem import TransportProblem
 
 HandOver = Callable[[Callable[[], "MorphFrame"]], Callable[[], "MorphFrame"]]
 """Takes what makes a frame, and returns what waits for it."""
@@ -98,6 +99,35 @@ def solve_blends(
     return [frame() for frame in frames]
 
 
+def solve_some_blends(
+    transport: TransportProblem,
+    blends: Sequence[Blend],
+    problems: Sequence[MorphProblem | None],
+    control: Control = UNINTERRUPTED,
+) -> list[MorphFrame]:
+    """Solve a run of blends, each started from the one before, and make the frames of some of them.
+
+    Parameters
+    ----------
+    transport : TransportProblem
+        What the blends are barycenters of.
+    blends : sequence of Blend
+        Neighbors, in order.
+    problems : sequence of MorphProblem or None
+        For the first of the blends, how to make the frame of each, or None where it is not wanted; those after them are
+        not solved.
+    control : Control
+        Ends the work when cancelled.
+    """
+    solver = BlendSolver(transport, control)
+    frames = []
+    for blend, problem in zip(blends, problems, strict=False):
+        if blend.source is None:
+            solved = solver.solve(blend, transport.blend_volumes(blend))
+            frames += [] if problem is None else [surfaced_frame(problem, solved)]
+    return frames
+
+
 def _solved(
     problem: MorphProblem, solver: BlendSolver, blend: Blend, sketch: Sequence[PartSketch]
 ) -> Callable[[], MorphFrame]:
@@ -116,7 +146,10 @@ def _input_itself(problem: MorphProblem, blend: Blend) -> MorphFrame:
 
 def _input_measured(problem: MorphProblem, blend: Blend) -> MorphFrame:
     frame = _input_itself(problem, blend)
-    return replace(frame, record={**frame.record, "thin": thin_parts(problem.transport.occupancy(blend.source))})
+    measured = {"thin": thin_parts(problem.transport.occupancy(blend.source))}
+    if problem.connectivity:
+        measured["found"] = asdict(problem.connectivity[blend.source])
+    return replace(frame, record={**frame.record, **measured})
 
 
 def _sketched_frame(problem: MorphProblem, blend: Blend, parts: Sequence[PartSketch]) -> MorphFrame:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import ConvwassError, InputError
+from ...geometry.connectivity import Connectivity
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..motions.guides import Guide
@@ -204,13 +205,34 @@ class BakeCache:
         ConvwassError
             A file cannot be written.
         """
-        for blend, frame, path, key in zip(run, frames, self.paths(run), self._keys(run), strict=True):
-            try:
-                write_frame(path, key, StoredFrame(**{name: vars(frame)[name] for name in _KEPT}))
-            except OSError as error:
-                # Windows replaces no file that another machine is reading, which then is the same frame.
-                if self._read(path, key, blend) is None:
-                    self._cache.missed(error)
+        for frame, path, key in zip(frames, self.paths(run), self._keys(run), strict=True):
+            self._write(path, key, frame)
+
+    def _write(self, path: Path, key: str, frame: MorphFrame) -> None:
+        try:
+            write_frame(path, key, StoredFrame(**{name: vars(frame)[name] for name in _KEPT}))
+        except OSError as error:
+            # Windows replaces no file that another machine is reading, which then is the same frame.
+            if self._read(path, key, frame.blend) is None:
+                self._cache.missed(error)
+
+    def load_again(self, run: Sequence[Blend], blend: Blend, asked: Connectivity) -> MorphFrame | None:
+        """Return a blend of a run that was made with no more pieces and handles than asked, if that is there."""
+        stored = self._read(*self._again(run, blend, asked), blend)
+        if stored is None:
+            return None
+        self._cache.reused += 1
+        return MorphFrame(blend=blend, **vars(stored))
+
+    def save_again(self, run: Sequence[Blend], frame: MorphFrame, asked: Connectivity) -> None:
+        """Put one into the cache; raises ConvwassError where a file cannot be written."""
+        self._write(*self._again(run, frame.blend, asked), frame)
+
+    def _again(self, run: Sequence[Blend], blend: Blend, asked: Connectivity) -> tuple[Path, str]:
+        """Return the file and the key of a blend that is made once more."""
+        own = self._keys(run)[run.index(blend)]
+        key = hashlib.sha256(f"{own} {json.dumps(vars(asked))}".encode()).hexdigest()
+        return self._cache.folder / f"{key}.frame", key
 
     def _keys(self, run: Sequence[Blend]) -> list[str]:
         """Name every frame of a run; it depends on the blends before it, from which its solve was started."""

@@ -24,7 +24,12 @@ from .layouts import Blend
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
+from .remaking import decided_again
 from .runs import Run, SolvedRun, as_solved, runs_of
+from .steady_topology import SteadyTopology
+
+# Share of the progress at which all blends are there for the first time.
+_DECIDED_FROM = 0.95
 
 
 def morph(
@@ -82,8 +87,9 @@ def morph(
     Yields
     ------
     Progress
-        The payloads are every finished :class:`.morph_problem.MorphFrame`, once and in the order of the blends, and
-        every :class:`.bake_plan.MorphPreview`.
+        The payloads are every finished :class:`.morph_problem.MorphFrame` in the order of the blends, and every
+        :class:`.bake_plan.MorphPreview`. A frame that is changed once all frames between two shapes are known comes
+        again after them, and takes the place of the one before; see :mod:`.steady_topology`.
 
     Raises
     ------
@@ -100,30 +106,36 @@ def morph(
     runs = runs_of(blends, wanted)
     store = None if cache is None else cache.of(shapes, names, labels, settings, guides)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
+    plan = BakePlan(
+        shapes=shapes,
+        names=names,
+        blends=blends,
+        settings=settings,
+        matching=matching,
+        guides=guides,
+        runs=missing,
+        keeps_potentials=store is not None and store.keeps_potentials,
+        workers=workers,
+        executor=executor,
+        previews=previews,
+        looked_at=looked_at,
+    )
+    # Part of a morph may be made elsewhere: only whoever has all of it decides over all of it.
+    topology = SteadyTopology(blends if wanted is None else ())
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
-        fraction = 0.0
+        fraction, problem = 0.0, None
         if missing:
-            plan = BakePlan(
-                shapes=shapes,
-                names=names,
-                blends=blends,
-                settings=settings,
-                matching=matching,
-                guides=guides,
-                runs=missing,
-                keeps_potentials=store is not None and store.keeps_potentials,
-                workers=workers,
-                executor=executor,
-                previews=previews,
-                looked_at=looked_at,
-            )
             begun = yield from plan.begun(stack, control)
-            solved, fraction = as_solved(begun.pending, control), begun.fraction
+            solved, fraction, problem = as_solved(begun.pending, control), begun.fraction, begun.problem
         total = sum(map(len, runs))
+        span = (_DECIDED_FROM if topology.legs else 1.0) - fraction
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
-            share = fraction + (1.0 - fraction) * done / total
+            topology.hear(frame)
+            ends = done == total and not topology.asked()
+            share = 1.0 if ends else fraction + span * done / total
             yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
+        yield from decided_again(plan, runs, topology, store, problem, control, begin=fraction + span)
 
 
 def in_order(

@@ -131,6 +131,10 @@ class MorphProblem:
         shapes = range(len(self.transport.volumes))
         return replace(self, connectivity=tuple(each(self.shape_connectivity, shapes)), meshes=())
 
+    def limited(self, most: Connectivity) -> MorphProblem:
+        """Return the same for blends that are to have no more than `most`, whatever the shapes have."""
+        return replace(self, connectivity=(most,) * len(self.transport.volumes), meshes=())
+
     def shape_connectivity(self, index: int) -> Connectivity:
         """Tell how shape `index` is connected: what its cells show, less what only they show.
 

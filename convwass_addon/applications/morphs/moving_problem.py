@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
+from ...geometry.connectivity import Connectivity
 from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
@@ -123,6 +124,10 @@ class MovingProblem:
         """
         lattice = _grown(still.lattice, motion, blends, control)
         return cls(still, motion, lattice, tuple(names), matching)
+
+    def limited(self, most: Connectivity) -> MovingProblem:
+        """Return the same for blends that are to have no more than `most`, whatever the inputs have."""
+        return replace(self, still=self.still.limited(most))
 
     def effort(self, blend: Blend) -> float:
         """Estimate how long a blend takes beside others."""

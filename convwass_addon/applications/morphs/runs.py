@@ -246,14 +246,20 @@ def moving_runs_in_threads(
 
 @contextmanager
 def runs_elsewhere(
-    problem: MorphProblem | MovingProblem, runs: dict[int, Run], executor: Executor
+    problem: MorphProblem | MovingProblem,
+    runs: dict[int, Run],
+    executor: Executor,
+    solve: Callable[[MorphProblem | MovingProblem, Run], list[MorphFrame]] | None = None,
 ) -> Iterator[Pending]:
-    """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled."""
+    """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled.
+
+    Other processes call `solve`, by default :func:`solve_apart`.
+    """
     shared = executor.share(problem) if isinstance(executor, SharingExecutor) else problem
     pending: Pending = {}
     try:
         for index, run in runs.items():
-            pending[executor.submit(solve_apart, shared, run)] = index
+            pending[executor.submit(solve or solve_apart, shared, run)] = index
         yield pending
     finally:
         for future in pending:

@@ -133,7 +133,7 @@ class MorphBake:
         return [self._living(shape.mesh) for shape in self._inputs]
 
     def add(self, frame: MorphFrame) -> bpy.types.Object:
-        """Make the object of a finished frame, out of that of its preview if there is one.
+        """Make the object of a finished frame, out of that of its preview, or of the frame as it was before.
 
         In a path it is visible in its frame alone, the first one also before and the last one also after the path. In
         a sheet it stands in its column (along +X) and row (downwards), shifted so that inputs that stand apart in
@@ -146,8 +146,10 @@ class MorphBake:
         """
         self._living(self._collection)
         index = self._blends.index(frame.blend)
-        previewed = self._previews.pop(index, None)
-        obj = None if previewed is None else previewed.find()
+        before = self._previews.pop(index, None)
+        if before is None and index in self._finished:
+            before = self._finished[index].obj
+        obj = None if before is None else before.find()
         if obj is None:
             obj = self._shown_object(frame, index)
         elif frame.mesh is not None:

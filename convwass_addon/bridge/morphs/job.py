@@ -68,7 +68,7 @@ class MorphJob:
     ) -> None:
         if len(inputs) < 2:
             raise InputError("A morph needs at least two shapes; select or name one more.")
-        self.records: list[dict[str, object]] = []
+        self._records: dict[Blend, dict[str, object]] = {}
         self._names = [obj.name for obj in inputs]
         self._animated = animation_notices(inputs, scene.frame_current)
         self._labels: list[FaceLabels] | None = None
@@ -142,6 +142,11 @@ class MorphJob:
         return work if self._carrying is None else self._carrying.looked_up(work)
 
     @property
+    def records(self) -> list[dict[str, object]]:
+        """What the solver says about every finished frame, in the order of the frames."""
+        return list(self._records.values())
+
+    @property
     def notices(self) -> list[Sentence]:
         """What the user should know about the inputs and their parts, once frames are finished."""
         found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
@@ -158,7 +163,7 @@ class MorphJob:
             obj = self._bake.add(found)
             if self._carrying is not None:
                 self._carrying.write(obj.data, found)
-            self.records.append(found.record)
+            self._records[found.blend] = found.record
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
         """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blends that are made once more with fewer pieces and handles, of the same barycenters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from functools import partial
+
+from ...geometry.connectivity import Connectivity
+from ...progress import UNINTERRUPTED, Control
+from ..workers import one_blas_thread
+from .blending import HandOver, solve_some_blends
+from .layouts import Blend
+from .morph_problem import MorphFrame, MorphProblem
+from .moving_problem import MovingProblem
+from .runs import Pending, Run, runs_elsewhere, solved_in_threads
+
+Asked = Mapping[Blend, Connectivity]
+"""What some blends should have at the most."""
+
+
+def solve_again(
+    problem: MorphProblem | MovingProblem, run: Run, asked: Asked, control: Control = UNINTERRUPTED
+) -> list[MorphFrame]:
+    """Make some blends of a run once more.
+
+    Parameters
+    ----------
+    problem : MorphProblem or MovingProblem
+        That of the run; the connectivity of its shapes is not needed.
+    run : tuple of Blend
+        Whose blends start from each other.
+    asked : mapping of Blend to Connectivity
+        Which blends, and what each should have at the most.
+    control : Control
+        Ends the work when cancelled.
+
+    Returns
+    -------
+    list of MorphFrame
+        In the order of the run.
+    """
+    if isinstance(problem, MovingProblem):
+        return [problem.limited(asked[blend]).frame(blend, control) for blend in run if blend in asked]
+    limited = [problem.limited(asked[blend]) if blend in asked else None for blend in run]
+    while limited and limited[-1] is None:
+        limited.pop()
+    return solve_some_blends(problem.transport, run, limited, control)
+
+
+def solve_again_apart(problem: MorphProblem | MovingProblem, run: Run, asked: Asked) -> list[MorphFrame]:
+    """Do the same in a process that may not be ours: BLAS keeps to one thread meanwhile."""
+    with one_blas_thread():
+        return solve_again(problem, run, asked)
+
+
+@contextmanager
+def again_in_threads(
+    problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, control: Control, workers: int
+) -> Iterator[Pending]:
+    """Do the same for several runs in threads; see :func:`.runs.solved_in_threads`."""
+
+    def solve(run: Run, control: Control, _hand_over: HandOver) -> list[MorphFrame]:
+        return solve_again(problem, run, asked, control)
+
+    with solved_in_threads(solve, lambda blend: float(blend in asked), runs, control, workers) as pending:
+        yield pending
+
+
+@contextmanager
+def again_elsewhere(
+    problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, executor: Executor
+) -> Iterator[Pending]:
+    """Do the same wherever an executor of the caller's does; see :func:`.runs.runs_elsewhere`."""
+    with runs_elsewhere(problem, runs, executor, partial(solve_again_apart, asked=asked)) as pending:
+        yield pending

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How often pieces and handles change on the way between shapes whose topology is known."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.errors import Cancelled
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import Control, payloads
+from tests.shapes import ball, box, joined, torus
+
+BLENDS = path_blends(2, 12)
+
+
+def turned(mesh):
+    return TriangleMesh(Rotation.from_euler("y", 90, degrees=True).apply(mesh.vertices), mesh.faces)
+
+
+def window():
+    """Five bars with two openings between them."""
+    across = [box((2.0, 0.3, 0.3), (0, y, 0)) for y in (-0.8, 0.0, 0.8)]
+    return joined(*across, *[box((0.3, 1.9, 0.3), (x, 0, 0)) for x in (-0.85, 0.85)])
+
+
+def made(shapes, resolution, **options):
+    """All frames as they come; some come twice."""
+    settings = MorphSettings(motion="transport", resolution=resolution)
+    return list(payloads(morph(shapes, ["a", "b"], BLENDS, settings, **options), MorphFrame))
+
+
+def counts(frames, kind):
+    """What every blend has in the end."""
+    return [frame.record["found"][kind] for frame in {frame.blend: frame for frame in frames}.values()]
+
+
+def changes(values):
+    return sum(abs(after - before) for before, after in pairwise(values))
+
+
+def test_two_spheres_that_touch_part_once():
+    touching, apart = (joined(ball(0.7, (-x, 0, 0)), ball(0.7, (x, 0, 0))) for x in (0.69, 1.2))
+    pieces = counts(made((touching, apart), 24), "pieces")
+    assert (pieces[0], pieces[-1], changes(pieces)) == (1, 2, 1)
+
+
+def test_the_hole_of_a_torus_closes_once_on_the_way_to_a_ball():
+    frames = made((torus(1.0, 0.35), ball(0.9)), 24)
+    handles = counts(frames, "handles")
+    assert (handles[0], handles[-1], changes(handles)) == (1, 0, 1)
+    assert counts(frames, "pieces") == [1] * len(BLENDS)
+
+
+@pytest.fixture(scope="module")
+def flickering(tmp_path_factory):
+    """A window that becomes a ring: its second opening closes, opens and closes where every blend is by itself."""
+    shapes = (window(), turned(torus(1.0, 0.3)))
+    cache = FrameCache(tmp_path_factory.mktemp("cache"))
+    return shapes, made(shapes, 20, cache=cache), cache
+
+
+def test_a_hole_that_flickers_closes_once(flickering):
+    _, frames, _ = flickering
+    by_themselves, together = (counts(own, "handles") for own in (frames[: len(BLENDS)], frames))
+    assert changes(by_themselves) > 1
+    assert (together[0], together[-1], changes(together)) == (2, 1, 1)
+    again = frames[len(BLENDS) :]
+    assert [frame.blend for frame in again] == sorted((frame.blend for frame in again), key=BLENDS.index)
+    assert all(frame.record["most"]["handles"] == 2 for frame in again)
+
+
+def test_decided_frames_are_the_same_from_the_cache_and_elsewhere(flickering):
+    shapes, expected, cache = flickering
+    reused = cache.reused
+    from_cache = made(shapes, 20, cache=cache)
+    assert cache.reused - reused == len(expected)
+    with ThreadPoolExecutor(2) as executor:
+        elsewhere = made(shapes, 20, executor=executor)
+    for found in (from_cache, elsewhere):
+        assert [frame.blend for frame in found] == [frame.blend for frame in expected]
+        for one, other in zip(found, expected, strict=True):
+            if one.mesh is not None:
+                np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
+
+
+def test_a_part_of_a_bake_is_not_decided_over(flickering):
+    shapes, expected, cache = flickering
+    part = made(shapes, 20, cache=cache, wanted=range(len(BLENDS)))
+    assert [frame.blend for frame in part] == [frame.blend for frame in expected[: len(BLENDS)]]
+
+
+def test_a_bake_can_be_stopped_while_it_decides(flickering):
+    shapes, expected, _ = flickering
+    control = Control()
+    steps = payloads(
+        morph(shapes, ["a", "b"], BLENDS, MorphSettings(motion="transport", resolution=20), control), MorphFrame
+    )
+    with pytest.raises(Cancelled):
+        for count, _ in enumerate(steps, start=1):
+            if count == len(BLENDS):
+                control.cancel()
+    assert count == len(BLENDS) < len(expected)

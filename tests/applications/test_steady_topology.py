@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import pytest
+
+from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.applications.morphs.steady_topology import SteadyTopology, legs_of
+from convwass_addon.geometry.connectivity import Connectivity
+
+BLENDS = path_blends(2, 6)
+RINGS = Connectivity(1, 1, 0)
+
+
+def frame(blend, found, most=RINGS):
+    record = {"found": asdict(found), **({} if blend.source is not None else {"most": asdict(most)})}
+    return MorphFrame(blend, None, record)
+
+
+def heard(handles, pieces=None, most=RINGS):
+    """What is asked for, of six blends, after frames with so many handles and pieces."""
+    topology = SteadyTopology(BLENDS)
+    for blend, holes, parts in zip(BLENDS, handles, pieces or [1] * len(handles), strict=True):
+        topology.hear(frame(blend, Connectivity(parts, holes, 0), most))
+    return topology
+
+
+def test_legs_lie_between_shapes():
+    three = path_blends(3, 4)
+    first, second = legs_of(three)
+    assert (first.first, first.last, second.last) == (three[0], three[4], three[8])
+    assert first.between + second.between == (*three[1:4], *three[5:8])
+    assert legs_of(three[1:4]) == legs_of(grid_blends(4, 3)) == []
+
+
+def test_a_hole_that_comes_and_goes_is_asked_away():
+    assert heard([1, 1, 0, 1, 0, 0, 1]).asked() == {BLENDS[3]: Connectivity(1, 0, 0)}
+    assert heard([1, 1, 1, 0, 0, 1, 1]).asked() == {}
+
+
+def test_a_piece_that_comes_and_goes_is_asked_away():
+    two = Connectivity(2, 0, 0)
+    assert heard([0] * 7, [1, 1, 2, 1, 2, 2, 2], two).asked() == {BLENDS[2]: Connectivity(1, 0, 0)}
+
+
+def test_what_could_not_be_mended_is_not_asked_for_again():
+    assert heard([1, 1, 0, 2, 0, 0, 1]).asked() == {}
+
+
+def test_what_cannot_be_made_is_asked_for_once():
+    topology = heard([1, 1, 0, 1, 0, 0, 1])
+    ((blend, most),) = topology.asked().items()
+    assert topology.better(frame(blend, RINGS, most), most) is None
+    assert topology.asked() == {}
+
+
+def test_what_is_made_again_keeps_what_its_shapes_have():
+    topology = heard([1, 1, 0, 1, 0, 0, 1])
+    ((blend, most),) = topology.asked().items()
+    better = topology.better(frame(blend, Connectivity(1, 0, 0), most), most)
+    assert better.record["most"] == asdict(RINGS)
+    assert topology.asked() == {}
+
+
+@pytest.mark.parametrize("record", [{}, {"found": 1}, {"found": {"pieces": 1}}, {"found": dict.fromkeys("abc", 1)}])
+def test_nothing_is_asked_for_where_a_frame_is_not_known(record):
+    topology = SteadyTopology(BLENDS)
+    for blend, handles in zip(BLENDS, [1, 1, 0, 1, 0, 0, 1], strict=True):
+        topology.hear(
+            frame(blend, Connectivity(1, handles, 0)) if blend.frame != 2 else MorphFrame(blend, None, record)
+        )
+    assert topology.asked() == {}
