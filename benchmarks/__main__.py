@@ -100,7 +100,7 @@ def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=64, help="cells along the longest side (%(default)s)")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
     parser.add_argument("--clean-only", action="store_true", help="only whether the frames of twelve pairs are clean")
-    parser.add_argument("--held-back", action="store_true", help="take the pairs that no parameter was chosen by")
+    parser.add_argument("--held-back", action="store_true", help="all pairs that no parameter was chosen by")
     parser.add_argument("--meshing-only", action="store_true", help="only what meshes are like beside Blender's Remesh")
     parser.set_defaults(
         run=lambda options: (

@@ -19,7 +19,7 @@ largest    the largest distance of a step over that mean
 changes    of genus and of the number of pieces along the way, beyond the least possible
 ends       mean distance from a shape to the frame beside it over the mean distance of the steps inside, the worse end
 area lost  from a shape to the frame beside it, relative to the shapes' area interpolated, the worse end
-detail     mean distance from a shape to the frame beside it, in cells, the worse end
+detail     mean distance from a shape, moved as the motion moves it, to the frame beside it, in cells, the worse end
 angle      first percentile of the smallest angles of a frame's triangles, degrees, the worst frame
 crossing   share of triangles that cross others, the worst of every fourth frame
 triangles  of a frame, the mean

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
+from convwass_addon.applications.motions.motion import Motion
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.schema import setting_of
@@ -114,10 +115,11 @@ def passage(
         return {"error": str(error)}
     if keep is not None:
         _write(Path(keep), bake)
-    figures = {**held(bake, ends), **clean(bake), "records": [_brief(record) for record in bake.records]}
-    if noted:
-        figures["residual"] = left_to_transport(noted[-1], [ends.first, ends.second])
-        figures["motion"] = noted[-1].record()
+    motion = noted[-1] if noted else None
+    figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
+    if motion is not None:
+        figures["residual"] = left_to_transport(motion, [ends.first, ends.second])
+        figures["motion"] = motion.record()
     return figures
 
 
@@ -146,18 +148,27 @@ def held(bake: Bake, ends: Ends) -> dict[str, object]:
     }
 
 
-def clean(bake: Bake) -> dict[str, object]:
-    """Measure whether frames run evenly and what their meshes are like."""
+def clean(bake: Bake, motion: Motion | None = None) -> dict[str, object]:
+    """Measure whether frames run evenly and what their meshes are like; the motion is that of the bake."""
     between = bake.meshes[1:-1]
     first, last = (Along.of(bake.meshes, bake.times).area[i] for i in (0, -1))
     return {
         **asdict(Evenness.of(steps_between(bake.meshes, bake.spacing))),
         "changes": changes_of_topology(bake.meshes),
+        "detail": max(lost_detail(bake, motion, end) for end in (0, 1)),
         "lost_area": float(1.0 - min(first, last)),
         "angle": min(worst_angle(mesh) for mesh in between),
         "crossing": max(crossing_share(mesh) for mesh in between[::_CROSSINGS_EVERY]),
         "triangles": int(np.mean([len(mesh.faces) for mesh in between])),
     }
+
+
+def lost_detail(bake: Bake, motion: Motion | None, end: int) -> float:
+    """Return the mean distance of the frame beside a shape to that shape, as the motion has moved it, in cells."""
+    beside = (1, -2)[end]
+    frame, t = bake.meshes[beside], bake.times[beside]
+    shape = bake.meshes[-end] if motion is None else motion.moved((1.0 - t, t))[end].mesh
+    return steps_between([shape, frame], bake.spacing)[0].mean
 
 
 def read_frames(path: Path) -> list[TriangleMesh]:

@@ -63,14 +63,11 @@ class Evenness:
         The largest distance of a step, over the mean of all steps.
     at_ends : float
         Mean distance from a shape to the frame beside it over that of the steps inside, the worse end.
-    detail : float
-        Mean distance from a shape to the frame beside it, in cells, the worse end.
     """
 
     jumps: int
     largest: float
     at_ends: float
-    detail: float
 
     @classmethod
     def of(cls, steps: Sequence[Step]) -> Evenness:
@@ -82,7 +79,6 @@ class Evenness:
             jumps=int((largest > _JUMP * largest.mean()).sum()),
             largest=float(largest.max() / largest.mean()),
             at_ends=ends / float(means[1:-1].mean()),
-            detail=ends,
         )
 
 

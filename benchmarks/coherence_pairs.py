@@ -270,6 +270,11 @@ HELD_BACK = (
 )
 """Other bodies, not looked at while parameters are chosen."""
 
+_TWELVE = (
+    *("man raises arm", "octopus moves", "horse to cow", "chair to man", "star to cross", "ball to knot"),
+    *("giraffe grazes", "goat rears", "ogre to child", "cactus to child", "shark to airplane", "starfish to hand"),
+)
+
 _FOLDER_PAIRS = (("spot", "bob", True), ("blub", "spot", False))
 
 
@@ -297,6 +302,11 @@ def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair
     if unknown:
         raise ValueError(f"no pair {unknown[0]}; there are: {', '.join(known)}")
     return [known[name] for name in names]
+
+
+def twelve() -> tuple[CoherencePair, ...]:
+    """Return six pairs of each half, of all kinds of shapes."""
+    return tuple(pairs_named(_TWELVE, None))
 
 
 def half(folder: Path | None, *, tuned: bool) -> tuple[CoherencePair, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from statistics import mean
 
 from .clean_frames import print_clean_frames
-from .coherence_pairs import half
+from .coherence_pairs import half, twelve
 from .meshing import print_meshes
 from .processes import PROJECT, measured
 
@@ -76,10 +76,11 @@ def main(cells: int, meshes: Path | None, *, clean_only: bool = False, held_back
     clean_only : bool
         Print only whether frames are clean.
     held_back : bool
-        See whether frames are clean on the pairs that are not looked at while parameters are chosen.
+        See whether frames are clean on all pairs that are not looked at while parameters are chosen, instead of on
+        twelve, half of which are.
     """
     folder = None if meshes is None else str(meshes.absolute())
-    print_clean_frames(half(meshes, tuned=not held_back), cells, frames=24, meshes=folder)
+    print_clean_frames(half(meshes, tuned=False) if held_back else twelve(), cells, frames=24, meshes=folder)
     if clean_only:
         return
     pairs = [*((str(SHAPES / f"{a}.ply"), str(SHAPES / f"{b}.ply")) for a, b in PAIRS), *_further_pairs(meshes)]

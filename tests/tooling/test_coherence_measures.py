@@ -51,12 +51,11 @@ def test_one_point_that_jumps_is_a_jump_and_not_a_mean_step():
 
 def test_even_steps_have_no_jump_and_arrive_evenly():
     even = Evenness.of([Step(0.5, 1.0)] * 6)
-    assert (even.jumps, even.largest, even.at_ends, even.detail) == (0, 1.0, 1.0, 0.5)
+    assert (even.jumps, even.largest, even.at_ends) == (0, 1.0, 1.0)
     uneven = Evenness.of([Step(0.9, 1.0), Step(0.3, 1.0), Step(0.3, 6.0), Step(0.3, 1.0), Step(0.3, 1.0)])
     assert uneven.jumps == 1
     assert uneven.largest == pytest.approx(3.0)
     assert uneven.at_ends == pytest.approx(3.0)
-    assert uneven.detail == pytest.approx(0.9)
 
 
 @pytest.mark.parametrize(("values", "more"), [([1, 1, 1], 0), ([0, 0, 1, 2], 0), ([0, 1, 0, 1], 2), ([0, 2, 0], 4)])
