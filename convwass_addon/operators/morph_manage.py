@@ -16,7 +16,7 @@ from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
-from ..bridge.morphs.stored import MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
+from ..bridge.morphs.stored import FRAMES_KEY, MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
 from ..bridge.workshop import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
@@ -32,6 +32,8 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
         *(active.users_collection if active else ()),
         context.collection,
     ]
+    # Frames that are hidden are in a collection of their own.
+    candidates = [one.get(FRAMES_KEY, one) if one else None for one in candidates]
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
 
 

@@ -8,7 +8,7 @@ import bpy
 
 from ..bridge.morphs.blend_pad import make_blend_pad, require_sheet
 from ..bridge.morphs.player import make_player, require_path
-from ..bridge.morphs.stand_ins import remove_stand_ins, stand_ins
+from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
 from .morph_manage import OnActiveMorph, active_morph, select_only
@@ -93,7 +93,7 @@ class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
             return False
         morph = active_morph(context)
         # Somebody may have deleted the player itself, and the objects are still hidden.
-        if not (stand_ins(morph) or morph.hide_viewport or morph.hide_render):
+        if shows_frames(morph) and not stand_ins(morph):
             cls.poll_message_set("The active morph has neither a player nor a blend pad")
             return False
         return True

@@ -9,7 +9,8 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.player import is_player, morph_value, playback
-from ..bridge.morphs.stored import ALONE_KEY, WEIGHTS_KEY, stored_health
+from ..bridge.morphs.stand_ins import shows_frames
+from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_health
 from ..operators.morph_manage import active_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
@@ -76,7 +77,7 @@ def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> No
     """Draw what else can be made of a morph."""
     column = layout.column(align=True)
     # Its own objects are hidden while something else shows it.
-    if morph.hide_viewport:
+    if not shows_frames(morph):
         column.operator("convwass.remove_player", icon="LOOP_BACK")
     else:
         name, icon = ("player", "PLAY") if _is_animation(morph) else ("blend_pad", "EMPTY_AXIS")
@@ -88,7 +89,7 @@ def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> No
 
 def _is_animation(morph: bpy.types.Collection) -> bool:
     """Tell a path, whose frames are shown one at a time, from a sheet."""
-    frame = next((obj for obj in morph.objects if WEIGHTS_KEY in obj), None)
+    frame = next(iter(frame_objects(morph)), None)
     return frame is not None and frame.animation_data is not None
 
 

@@ -19,8 +19,8 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.frame_colors import COLOR
-from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, stand_ins
-from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, shows_frames, stand_ins
+from convwass_addon.bridge.morphs.stored import frame_objects, hidden_frames
 from convwass_addon.errors import InputError
 
 SHEETS = {"grid": grid_blends(4, 5), "triangle": triangle_blends(3, 4)}
@@ -179,8 +179,8 @@ def test_it_names_the_shapes_and_renders_the_blend_alone(bake):
     assert sorted(obj.data.body for obj in bpy.data.objects if obj.type == "FONT") == ["Shape A", "Shape B", "Shape C"]
     meshes = [obj for obj in stand_ins(collection) if obj.type != "EMPTY" and not obj.hide_render]
     assert meshes == [made.result]
-    assert collection.hide_render
-    assert collection.hide_viewport
+    assert hidden_frames(collection).hide_render
+    assert hidden_frames(collection).hide_viewport
     drawn = {i.object.name for i in bpy.context.evaluated_depsgraph_get().object_instances}
     assert not drawn & {obj.name for obj in frame_objects(collection)}
 
@@ -195,8 +195,7 @@ def test_the_way_back(bake, inventory):
     # Blender keeps its own font until the file is saved.
     assert {block for block in inventory() if block[0] != "FONT"} == before
     assert [obj.matrix_world for obj in frame_objects(collection)] == shown
-    assert not collection.hide_render
-    assert not collection.hide_viewport
+    assert shows_frames(collection)
 
 
 def test_what_the_user_put_beside_the_pad_stays(bake, make_object):

@@ -28,7 +28,7 @@ from convwass_addon.bridge.morphs.player import (
     refresh_player,
 )
 from convwass_addon.bridge.morphs.removal import remove_bake
-from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, stand_ins
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, set_shown, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.sequence import MODIFIER
@@ -283,6 +283,32 @@ def test_the_way_back_after_the_player_was_deleted(collection):
     assert seen() == []  # noqa: F821
     make_player(collection)
     assert heights([FIRST + 1]) == shown
+    remove_stand_ins(collection)
+    assert heights([FIRST + 1]) == shown
+
+
+def test_a_linked_collection_plays_in_another_file(collection, tmp_path):
+    make_player(collection)
+    name, path = collection.name, str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {collection})
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.collections = [name]
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
+    bpy.context.scene.collection.objects.link(instance)
+    assert heights([FIRST, FIRST + 5]) == [[0], [5]]
+
+
+def test_a_morph_whose_player_an_earlier_version_made_is_shown_again(collection, bare_scene):
+    """The player stood beside the collection of the morph, which was hidden."""
+    shown, player = heights([FIRST + 1]), make_player(collection)
+    set_shown(collection, True)
+    collection.hide_viewport = collection.hide_render = True
+    collection.objects.unlink(player)
+    bare_scene.collection.objects.link(player)
+    assert heights([FIRST + 1]) == shown
+    refresh_player(collection)
     remove_stand_ins(collection)
     assert heights([FIRST + 1]) == shown
 

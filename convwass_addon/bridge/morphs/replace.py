@@ -12,7 +12,7 @@ from .disk_output import remove_disk_outputs
 from .player import is_player, refresh_player
 from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
-from .stored import HEALTH_KEY, MORPH_KEY, frame_objects
+from .stored import HEALTH_KEY, MORPH_KEY, frame_objects, hidden_frames
 from .written_files import WRITTEN_KEY
 
 
@@ -35,8 +35,9 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     """
     remove_frames(old)
     remove_disk_outputs(old)
+    home = hidden_frames(old) or old
     for obj in frame_objects(new):
-        old.objects.link(obj)
+        home.objects.link(obj)
     for key in (MORPH_KEY, HEALTH_KEY, SIGNATURES_KEY, WRITTEN_KEY):
         if key in new:
             old[key] = new[key]

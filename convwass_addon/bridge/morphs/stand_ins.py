@@ -9,6 +9,7 @@ from collections.abc import Iterable
 import bpy
 
 from ...errors import InputError
+from .stored import FRAMES_KEY, frame_objects, hidden_frames
 
 SHOWS_KEY = "convwass_shows"
 """Custom property of all that stands in for a morph: the morph's collection."""
@@ -65,14 +66,49 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
 
 
 def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
-    """Show or hide the objects of a morph in all viewports and renders; their own visibility is left alone."""
-    collection.hide_viewport = collection.hide_render = not shown
+    """Show or hide the frame objects of a morph in all viewports and renders; their own visibility is left alone.
+
+    Hidden ones are in a collection of their own inside that of the morph, so that the morph's can be linked or appended
+    with what shows it.
+    """
+    hidden = hidden_frames(collection)
+    if not shown:
+        hidden = hidden or _made_hidden(collection)
+        _move(frame_objects(collection), collection, hidden)
+        return
+    # Earlier versions hid the collection itself.
+    collection.hide_viewport = collection.hide_render = False
+    if hidden is not None:
+        _move(list(hidden.objects), hidden, collection)
+        bpy.data.collections.remove(hidden)
+
+
+def shows_frames(collection: bpy.types.Collection) -> bool:
+    """Tell whether the frame objects of a morph are shown."""
+    return hidden_frames(collection) is None and not (collection.hide_viewport or collection.hide_render)
 
 
 def homes(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
-    """Return the collections that a morph's collection is in; the context's scene where there is none."""
+    """Return where what stands in for a morph goes: its collection, or the context's scene where no scene has that."""
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
-    return [root for root in roots if collection in set(root.children)] or [bpy.context.scene.collection]
+    is_linked = any(collection in set(root.children) for root in roots)
+    return [collection] if is_linked else [bpy.context.scene.collection]
+
+
+def _made_hidden(collection: bpy.types.Collection) -> bpy.types.Collection:
+    hidden = bpy.data.collections.new(f"{collection.name} Frames")
+    hidden[FRAMES_KEY] = collection
+    hidden.hide_viewport = hidden.hide_render = True
+    collection.children.link(hidden)
+    return hidden
+
+
+def _move(objects: Iterable[bpy.types.Object], source: bpy.types.Collection, target: bpy.types.Collection) -> None:
+    for obj in objects:
+        if obj.name in source.objects:
+            source.objects.unlink(obj)
+        if obj.name not in target.objects:
+            target.objects.link(obj)
 
 
 def _remove_unused(blocks: Iterable[bpy.types.ID]) -> None:

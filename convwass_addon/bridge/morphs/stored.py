@@ -33,6 +33,9 @@ ALONE_KEY = "convwass_alone"
 HEALTH_KEY = "convwass_health"
 """Custom property of a morph's collection: JSON of what to know about the bake, kinds of notes and their values."""
 
+FRAMES_KEY = "convwass_frames_of"
+"""Custom property of the collection that holds the frame objects of a morph while they are hidden: the morph's own."""
+
 FIRST_FRAMES = (0, 1_048_574)
 """Least and greatest frame that Blender lets a scene start with."""
 
@@ -142,8 +145,15 @@ def is_there(name: str) -> bool:
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a morph in their order."""
-    frames = sorted((obj for obj in collection.objects if _weight_count(obj)), key=_place)
+    hidden = hidden_frames(collection)
+    there = [*collection.objects, *(() if hidden is None else hidden.objects)]
+    frames = sorted((obj for obj in there if _weight_count(obj)), key=_place)
     return [obj for obj in frames if _weight_count(obj) == _weight_count(frames[0])]
+
+
+def hidden_frames(collection: bpy.types.Collection) -> bpy.types.Collection | None:
+    """Return the collection inside that of a morph which holds its frame objects while something else shows it."""
+    return next((child for child in collection.children if FRAMES_KEY in child), None)
 
 
 def shown_frames(collection: bpy.types.Collection) -> range:
