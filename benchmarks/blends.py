@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications.morphs import blending, reading
+from convwass_addon.applications.morphs import blending, extraction
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame, MorphProblem
@@ -107,7 +107,7 @@ def surface_at(
 
 def own_surface(filled: NDArray[np.floating]) -> TriangleMesh:
     """Return the surface of a shape's own occupancy, read as the application reads that of a blend."""
-    return reading.own_surface(filled, MorphSettings()).mesh
+    return extraction.own_surface(filled, MorphSettings()).mesh
 
 
 def baked(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[TriangleMesh]:

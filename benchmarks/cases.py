@@ -119,7 +119,7 @@ def path(cells: int, frames: int) -> dict[str, object]:
         settings = MorphSettings(resolution=cells, motion="transport")
         job = MorphJob(bpy.context.scene, depsgraph, inputs, blends, settings, {"layout": "PATH", "frames": frames}, 1)
     blend_solver.barycenter = watch.timed("solve", blend_solver.barycenter)
-    blending.read_surface = watch.timed("surface", blending.read_surface)
+    blending.extract_surface = watch.timed("surface", blending.extract_surface)
     steps = job.steps()
     with watch.stage("voxelize"):
         next(steps)

@@ -37,19 +37,19 @@ def register() -> None:
     _require_packages()
     done = []
     try:
-        for room in _rooms():
-            room.register()
-            done.append(room)
+        for package in _packages():
+            package.register()
+            done.append(package)
     except Exception:
-        for room in reversed(done):
-            room.unregister()
+        for package in reversed(done):
+            package.unregister()
         raise
 
 
 def unregister() -> None:
     """Take away what `register` added, in the opposite order."""
-    for room in reversed(_rooms()):
-        room.unregister()
+    for package in reversed(_packages()):
+        package.unregister()
 
 
 def _require_packages() -> None:
@@ -63,7 +63,7 @@ def _require_packages() -> None:
             raise ModuleNotFoundError(message, name=package)
 
 
-def _rooms() -> tuple[ModuleType, ...]:
+def _packages() -> tuple[ModuleType, ...]:
     # Imported here, since they import bpy and the rest of the package must do without.
     from . import (
         cli,

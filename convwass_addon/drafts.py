@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
 
-from .disk_room import require_whole
+from .disk_space import require_whole
 from .errors import ConvwassError
 
 _DRAFT = re.compile(r"\.convwass-[0-9a-f]{16}(\.\w+)?")

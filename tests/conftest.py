@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all rooms of the tests share: a Blender that is nobody's, and an empty scene in it."""
+"""Fixtures for all tests: a clean Blender profile with an empty scene."""
 
 from __future__ import annotations
 

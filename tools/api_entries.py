@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which functions and classes outside of ``transport`` scripts are meant to use: by room, module by module."""
+"""The public functions and classes outside ``transport``, by package and module."""
 
 from __future__ import annotations
 

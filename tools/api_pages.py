@@ -154,7 +154,7 @@ def pages_of_registered() -> dict[str, str]:
     return {
         INDEX: f"{_MADE}\n\n{_INDEX}" + _index(functions),
         f"{FOLDER}/transport.md": _page(_TRANSPORT, _written(functions)),
-        f"{FOLDER}/applications.md": _page(_APPLICATIONS, [*_rooms(), *_bridge()]),
+        f"{FOLDER}/applications.md": _page(_APPLICATIONS, [*_application_packages(), *_bridge()]),
         f"{FOLDER}/operators.md": _page(_OPERATORS, [*_written(operators), _SCENES, *_written(scenes, "###")]),
         f"{FOLDER}/command_line.md": _page(_COMMAND_LINE, _written(commands)),
     }
@@ -173,12 +173,12 @@ def _written(entries: Iterable[Entry], marks: str = "##") -> list[str]:
     return ["\n".join([f"{marks} {entry.name}", "", *entry.lines, "", ""]) for entry in entries]
 
 
-def _rooms() -> list[str]:
-    """Return the applications, room by room, and the mesh that all of them take."""
+def _application_packages() -> list[str]:
+    """Return the applications, package by package, and the mesh that all of them take."""
     parts = ["## geometry.mesh\n\nWhat all of them take.\n\n", *_written([_entry("TriangleMesh", TriangleMesh)], "###")]
-    for room, modules in APPLICATIONS.items():
-        package = importlib.import_module(f"{applications.__name__}.{room}")
-        parts.append(f"## applications.{room}\n\n{plain(parsed(package.__doc__).text)}\n\n")
+    for name, modules in APPLICATIONS.items():
+        package = importlib.import_module(f"{applications.__name__}.{name}")
+        parts.append(f"## applications.{name}\n\n{plain(parsed(package.__doc__).text)}\n\n")
         for module, names in modules.items():
             parts += _of_module(f"{package.__name__}.{module}", names)
     return parts
@@ -202,12 +202,12 @@ def _of_module(path: str, names: Iterable[str]) -> list[str]:
 
 
 def _index(functions: Iterable[Entry]) -> str:
-    """Return the contents of the page on transport, which has no rooms."""
+    """Return the contents of the page on transport, which has no packages."""
     lines = [
         f"- [{entry.name}](api/transport.md#{entry.name.lower().replace(' ', '-')}): {entry.summary}"
         for entry in functions
     ]
-    return "\n".join(["## Transport at a glance", "", *lines, ""])
+    return "\n".join(["## Overview of transport", "", *lines, ""])
 
 
 if __name__ == "__main__":

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import convwass_addon
-from convwass_addon.applications.morphs.health import TEXTS
+from convwass_addon.applications.morphs.diagnostics import TEXTS
 from convwass_addon.errors import ConvwassError
 
 if TYPE_CHECKING:
     import bpy
 
 PACKAGE = Path(convwass_addon.__file__).parent
-ROOMS = ("operators", "panels", "bridge")
+PACKAGES = ("operators", "panels", "bridge")
 
 _TRANSLATORS = {"rpt_", "tip_", "iface_", "poll_message_set"}
 # They make errors and sentences of templates that come from the others.
@@ -72,8 +72,8 @@ def _texts_of_properties(cls: type, rna: bpy.types.Struct) -> Iterator[str]:
 
 def source_texts() -> Iterator[str]:
     """Yield the texts that the source hands to Blender or to its translation."""
-    for room in ROOMS:
-        for path in sorted((PACKAGE / room).rglob("*.py")):
+    for package in PACKAGES:
+        for path in sorted((PACKAGE / package).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.Call):
                     yield from texts_of_call(node)
@@ -124,7 +124,7 @@ class Message:
 
 @cache
 def messages() -> tuple[tuple[str, Message], ...]:
-    """Return all of them in all rooms with their places, but for the rooms that hand on what they are given."""
+    """Return all texts of all packages with their places."""
     return tuple(_messages())
 
 

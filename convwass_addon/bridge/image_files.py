@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
-from .workshop import reason
+from .operator_errors import reason
 
 # Per cent, of JPEG.
 _QUALITY = 95

@@ -19,7 +19,8 @@ from ..errors import InputError
 from .blend_files import appended_objects, listed_names
 from .flat.flat_kinds import is_drawn_flat
 from .objects import frozen_copy
-from .workshop import reason, workshop
+from .operator_errors import reason
+from .scratch_scene import scratch_scene
 
 BLEND = ".blend"
 
@@ -109,7 +110,7 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
         of that name; the scene is as before then.
     """
     file = checked_file(path, names, (*READERS, BLEND))
-    with only_kept_data() as kept, workshop() as scene:
+    with only_kept_data() as kept, scratch_scene() as scene:
         parts = _blend_parts(file, names) if file.suffix.lower() == BLEND else _file_parts(file, scene)
         kept.extend(_joined(part.objects, scene) for part in parts)
     for part, obj in zip(parts, kept, strict=True):

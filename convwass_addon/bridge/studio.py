@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..disk_room import require_whole
+from ..disk_space import require_whole
 from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
 from .files import checked_target

@@ -22,7 +22,7 @@ from ..bridge.densities.density_player import density_modifier, remove_density
 from ..bridge.densities.density_request import DensityRequest
 from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.workshop import reason
+from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.densities import OutputProperties

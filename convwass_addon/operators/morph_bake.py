@@ -21,7 +21,7 @@ from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_a
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
-from ..bridge.workshop import reason
+from ..bridge.operator_errors import reason
 from ..errors import InputError
 from ..preferences import preferences
 from ..progress import Control, Work

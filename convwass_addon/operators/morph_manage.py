@@ -17,7 +17,7 @@ from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import FRAMES_KEY, MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
-from ..bridge.workshop import reason
+from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
 from .background import is_idle

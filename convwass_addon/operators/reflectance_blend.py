@@ -29,7 +29,7 @@ from .reporting import tell
 
 if TYPE_CHECKING:
     from ..applications.reflectance.lobe_frames import LobeFrame
-    from ..bridge.reflectance.lobe_materials import FittedLook
+    from ..bridge.reflectance.lobe_materials import PrincipledFit
 
 
 class ReflectanceJob:
@@ -84,12 +84,12 @@ class ReflectanceJob:
         """Whether no picture could show the lobes."""
         return not all(own.lobe.is_isotropic for own in self.materials)
 
-    def looks(self) -> list[FittedLook]:
+    def fits(self) -> list[PrincipledFit]:
         """Return what the fitted material is set to, blend by blend."""
-        from ..bridge.reflectance.lobe_materials import FittedLook, mixed
+        from ..bridge.reflectance.lobe_materials import PrincipledFit, mixed
 
         return [
-            FittedLook(
+            PrincipledFit(
                 frame.fit.material,
                 mixed([own.base_color for own in self.materials], frame.weights),
                 float(frame.weights @ [own.metallic for own in self.materials]),
@@ -203,13 +203,13 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
             if with_lobes:
                 made.append(pad_lobe_material(name, images, job.diffuse(), job.sun, pad))
             if self.output != "LOBES":
-                made.append(pad_fitted_material(fitted, job.looks(), pad))
+                made.append(pad_fitted_material(fitted, job.fits(), pad))
             return made
         frames = self.frame_span() if self.blend != "WEIGHTS" else None
         if with_lobes:
             made.append(lobe_material(name, images, job.diffuse(), job.sun, frames))
         if self.output != "LOBES":
-            made.append(fitted_material(fitted, job.looks(), frames))
+            made.append(fitted_material(fitted, job.fits(), frames))
         return made
 
     def _write_table(self, job: ReflectanceJob) -> None:

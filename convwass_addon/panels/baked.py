@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.player import is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
-from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_health
+from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
 from ..operators.morph_manage import active_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
@@ -57,15 +57,15 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             column.operator(name, icon=icon)
 
 
-class CONVWASS_PT_morph_health(Sidebar, bpy.types.Panel):
+class CONVWASS_PT_morph_diagnostics(Sidebar, bpy.types.Panel):
     """How good the meshes are, and what would make them better"""
 
-    bl_label = "Health"
-    bl_idname = "CONVWASS_PT_morph_health"
+    bl_label = "Diagnostics"
+    bl_idname = "CONVWASS_PT_morph_diagnostics"
     bl_parent_id = "CONVWASS_PT_baked_morph"
 
     def draw(self, context):
-        notes = stored_health(active_morph(context))
+        notes = stored_diagnostics(active_morph(context))
         if not notes:
             self.layout.label(text="Nothing is known about it", icon="QUESTION")
         for note in notes:
@@ -93,4 +93,4 @@ def _is_animation(morph: bpy.types.Collection) -> bool:
     return frame is not None and frame.animation_data is not None
 
 
-classes = (CONVWASS_PT_baked_morph, CONVWASS_PT_morph_health)
+classes = (CONVWASS_PT_baked_morph, CONVWASS_PT_morph_diagnostics)

@@ -158,9 +158,9 @@ class CONVWASS_PT_map_transfer(_OfMap, bpy.types.Panel):
 
 
 class CONVWASS_PT_map_view(_OfMap, bpy.types.Panel):
-    """Look at the map, and mend it"""
+    """Inspect the map and correct it"""
 
-    bl_label = "Look and Repair"
+    bl_label = "Inspect and Repair"
     bl_idname = "CONVWASS_PT_map_view"
 
     def draw_tools(self, context, layout, own):

@@ -15,7 +15,7 @@ import pytest
 import convwass_addon
 from convwass_addon.applications.morphs.code_digest import code_digest, digest_of, digested_files
 from convwass_addon.errors import InputError
-from tests.tooling.test_house_rules import imports_of
+from tests.tooling.test_architecture import imports_of
 
 PACKAGE = Path(convwass_addon.__file__).parent
 NAME_FRAMES = """

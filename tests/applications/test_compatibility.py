@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from benchmarks.meshes import blob
 from convwass_addon.applications.soft_maps.compatibility import comparison, compatibility
 from convwass_addon.applications.soft_maps.map_sides import MapSide
-from convwass_addon.applications.soft_maps.shape_looks import differences, shape_looks
+from convwass_addon.applications.soft_maps.shape_descriptors import differences, shape_descriptors
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.unit_shape import UnitShape
@@ -68,9 +68,9 @@ def test_left_and_right_look_the_same_until_something_is_marked(arms):
     mesh, mirror, hand, foot = arms
     shape = UnitShape.of(mesh)
     nothing = np.zeros((0, len(mirror)))
-    unmarked = differences(*[shape_looks(shape, np.empty(0, np.int64), nothing)] * 2)
+    unmarked = differences(*[shape_descriptors(shape, np.empty(0, np.int64), nothing)] * 2)
     np.testing.assert_allclose(unmarked[:, mirror], unmarked, atol=1e-3)
-    marked = shape_looks(shape, np.array([hand, foot]), nothing)
+    marked = shape_descriptors(shape, np.array([hand, foot]), nothing)
     told = differences(marked, marked)
     off = np.abs(mesh.vertices[:, 0]) > 0.3
     rows = np.flatnonzero(off)

@@ -17,6 +17,7 @@ import pytest
 from convwass_addon.applications import memory
 from convwass_addon.applications.morphs import blend_solver, blending, morph_problem, runs
 from convwass_addon.applications.morphs.bake_plan import MorphPreview
+from convwass_addon.applications.morphs.extraction import connectivity_of
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph
@@ -24,7 +25,6 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
-from convwass_addon.applications.morphs.reading import connectivity_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import voxelize
 from convwass_addon.errors import Cancelled
@@ -306,7 +306,7 @@ def test_a_job_can_be_stopped_among_its_previews():
         list(steps)
 
 
-def test_a_glance_comes_before_everything_else():
+def test_a_coarse_preview_comes_first():
     blends, fine = path_blends(2, 11), MorphSettings(motion="transport", resolution=96)
     steps = morph(SHAPES[:2], NAMES[:2], blends, fine, previews=True, looked_at=7)
     first = next(steps)
@@ -319,7 +319,7 @@ def test_a_glance_comes_before_everything_else():
 
 
 @pytest.mark.parametrize(("looked_at", "expected"), [(0, 1), (11, 10), (5, 5)])
-def test_a_glance_is_at_the_nearest_blend_that_is_not_known_already(looked_at, expected):
+def test_the_first_preview_is_of_the_nearest_unknown_blend(looked_at, expected):
     blends = path_blends(2, 11)
     steps = morph(
         SHAPES[:2],
@@ -333,7 +333,7 @@ def test_a_glance_is_at_the_nearest_blend_that_is_not_known_already(looked_at, e
     steps.close()
 
 
-def test_where_there_is_nothing_to_glance_at_the_morph_just_begins():
+def test_without_anything_to_preview_the_morph_just_begins():
     thin, beside = box((2.0, 0.01, 0.01)), box((2.0, 0.01, 0.01), center=(0, 1, 0))
     for shapes, resolution in ((SHAPES[:2], 64), ((thin, beside), 96)):
         steps = morph(

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from convwass_addon.applications.morphs.extraction import connectivity_of
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
-from convwass_addon.applications.morphs.reading import connectivity_of
 from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.progress import drained
 from tests.shapes import bent_tube, torus, with_faces

@@ -20,7 +20,7 @@ from convwass_addon.bridge.flat.flat_job import FlatJob
 from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_moves import moved_flats
 from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat
-from convwass_addon.bridge.flat.flat_rings import CurveLook
+from convwass_addon.bridge.flat.flat_rings import CurveStyle
 from convwass_addon.bridge.flat.planes import Plane, blended_plane, plane_of
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.errors import Cancelled, InputError
@@ -252,7 +252,7 @@ def test_shapes_are_laid_onto_the_first_one():
     bpy.context.view_layer.update()
     first, second = moved_flats(read(near, far), "PRINCIPAL_AXES", "EQUAL_VOLUME")
     np.testing.assert_allclose(second.shape.rings[0], first.shape.rings[0], atol=1e-4)
-    assert second.look.extrude == pytest.approx(1.0, rel=1e-4)
+    assert second.style.extrude == pytest.approx(1.0, rel=1e-4)
     moved = Matrix(second.move.tolist()) @ far.matrix_world
     np.testing.assert_allclose(np.array(moved.translation), (0, 0, 0), atol=1e-3)
 
@@ -277,7 +277,7 @@ def test_an_outline_becomes_a_curve_that_blender_fills():
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     outline = Outline((FlatRegion(2.0 * ring, (ring[::-1],)),))
     curve = bpy.data.curves.new("Ring", "CURVE")
-    write_curves(curve, fitted_beziers(outline, 1e-3), CurveLook(extrude=0.25))
+    write_curves(curve, fitted_beziers(outline, 1e-3), CurveStyle(extrude=0.25))
     assert all(spline.use_cyclic_u and len(spline.bezier_points) < 30 for spline in curve.splines)
     mesh = mesh_of(bpy.data.objects.new("Ring", curve))
     low, high = (np.array([vertex.co[:] for vertex in mesh.vertices])[:, 2].min(), 0.25)

@@ -20,7 +20,7 @@ from convwass_addon.bridge.reflectance.frame_span import Frames
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
 from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr, write_lobe_exr, write_table_exr
-from convwass_addon.bridge.reflectance.lobe_materials import FittedLook, fitted_material, lobe_material
+from convwass_addon.bridge.reflectance.lobe_materials import PrincipledFit, fitted_material, lobe_material
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH
 from convwass_addon.errors import InputError
 from tests.lights import glossy, only, principled
@@ -131,7 +131,7 @@ def test_a_new_result_replaces_the_last_one():
         "NODETREE": 1,
     }
     assert BLEND not in first.node_tree.nodes[GROUP].inputs
-    assert fitted_material("Again", [FittedLook(Ggx(0.2, 0.2), (1, 1, 1), 1.0)]) != first
+    assert fitted_material("Again", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)]) != first
 
 
 def test_a_principled_bsdf_is_read_as_cycles_uses_it():
@@ -207,8 +207,8 @@ def test_of_an_image_on_the_roughness_the_mean_counts():
 
 
 def test_a_fitted_material_is_keyed_step_by_step():
-    looks = [FittedLook(Ggx(0.04, 0.04), (1, 0, 0), 1.0), FittedLook(Ggx(0.1, 0.4), (0, 1, 0), 0.5)]
-    material = fitted_material("Keyed", looks, Frames(10, 20))
+    fits = [PrincipledFit(Ggx(0.04, 0.04), (1, 0, 0), 1.0), PrincipledFit(Ggx(0.1, 0.4), (0, 1, 0), 0.5)]
+    material = fitted_material("Keyed", fits, Frames(10, 20))
     node = only(material, "BSDF_PRINCIPLED")
     scene = bpy.context.scene
     bpy.ops.mesh.primitive_plane_add()

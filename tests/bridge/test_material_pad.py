@@ -11,7 +11,7 @@ import pytest
 from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.weight_sheets import PadSheet, pad_weights, spread_out
-from convwass_addon.bridge.reflectance.lobe_materials import FittedLook
+from convwass_addon.bridge.reflectance.lobe_materials import PrincipledFit
 from convwass_addon.bridge.reflectance.material_pad import SIDE, material_pad
 from convwass_addon.bridge.reflectance.pad_materials import PLACE, pad_fitted_material, pad_lobe_material
 
@@ -44,8 +44,8 @@ def worn(material):
 @pytest.mark.parametrize("count", [3, 4])
 def test_corners_show_the_materials_themselves(count):
     pad = material_pad(bpy.context.scene, "Pad", NAMES[:count], 2)
-    looks = [FittedLook(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4
-    material = worn(pad_fitted_material("M", looks, pad))
+    fits = [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4
+    material = worn(pad_fitted_material("M", fits, pad))
     for number, corner in enumerate(CORNERS[count]):
         put(pad, *corner)
         weights = pad_weights(count, *place_of(material))
@@ -55,7 +55,7 @@ def test_corners_show_the_materials_themselves(count):
 def test_the_place_in_a_triangle_has_the_weights_that_lie_in_it():
     """The weighted mean of the corners is the place itself."""
     pad = material_pad(bpy.context.scene, "Pad", NAMES[:3], 2)
-    material = worn(pad_fitted_material("M", [FittedLook(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
+    material = worn(pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
     for place in ((0.0, -0.2), (0.3, -0.6), (-0.2, 0.3)):
         put(pad, *place)
         weights = pad_weights(3, *place_of(material))
@@ -64,7 +64,7 @@ def test_the_place_in_a_triangle_has_the_weights_that_lie_in_it():
 
 def test_a_pad_may_be_moved_and_turned():
     pad = material_pad(bpy.context.scene, "Pad", NAMES, 2)
-    material = worn(pad_fitted_material("M", [FittedLook(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
+    material = worn(pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
     pad.handle.parent.location, pad.handle.parent.rotation_euler = (5, 4, 3), (0.3, 0.2, 0.1)
     put(pad, 0.5, -0.5)
     np.testing.assert_allclose(place_of(material), (0.75, 0.25), atol=1e-5)
@@ -73,7 +73,7 @@ def test_a_pad_may_be_moved_and_turned():
 def test_drivers_are_arithmetic_that_needs_no_scripts():
     """Those that Blender can only work out with Python are disabled in files that are not trusted."""
     pad = material_pad(bpy.context.scene, "Pad", NAMES[:3], 2)
-    material = pad_fitted_material("M", [FittedLook(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad)
+    material = pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad)
     drivers = [curve.driver for curve in material.node_tree.animation_data.drivers]
     assert len(drivers) == 2
     assert all(driver.is_valid and driver.is_simple_expression for driver in drivers)

@@ -144,8 +144,8 @@ def stir(group: object, random: Random) -> None:
 
 
 def _pointed(prop: object, random: Random, group: object) -> object:
-    rooms = {"Object": "objects", "Image": "images", "Material": "materials", "World": "worlds"}
-    if prop.fixed_type.identifier not in rooms or random.random() < 0.15:
+    collections = {"Object": "objects", "Image": "images", "Material": "materials", "World": "worlds"}
+    if prop.fixed_type.identifier not in collections or random.random() < 0.15:
         return None
-    blocks = list(getattr(bpy.data, rooms[prop.fixed_type.identifier]))
+    blocks = list(getattr(bpy.data, collections[prop.fixed_type.identifier]))
     return random.choice(blocks) if blocks else None

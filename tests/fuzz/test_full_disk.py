@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon import disk_room
+from convwass_addon import disk_space
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.system_errors import error_to_tell
 from convwass_addon.applications.whole_paths import path_with_suffix, whole_path
@@ -23,7 +23,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.palettes.image_files import save_pixels
 from convwass_addon.bridge.studio import move_result
 from convwass_addon.cli import main
-from convwass_addon.disk_room import require_room, require_whole
+from convwass_addon.disk_space import require_space, require_whole
 from convwass_addon.errors import ConvwassError, InputError, ResourceError
 from tests.applications.test_frame_cache import assert_same
 from tests.fuzz.killed_bake import bake
@@ -116,13 +116,13 @@ def test_a_picture_from_elsewhere_is_there_whole_or_not_at_all(tmp_path, small_d
 
 
 def test_room_is_asked_for_before(tmp_path, monkeypatch):
-    require_room(tmp_path, 1)
-    monkeypatch.setattr(disk_room.shutil, "disk_usage", lambda _: _Usage(9, 9, 5_000_000))
+    require_space(tmp_path, 1)
+    monkeypatch.setattr(disk_space.shutil, "disk_usage", lambda _: _Usage(9, 9, 5_000_000))
     with pytest.raises(ConvwassError, match=r"has 5\.0 MB of room left, and this may take 6\.0 MB"):
-        require_room(tmp_path, 6_000_000)
+        require_space(tmp_path, 6_000_000)
     (tmp_path / "a.abc").write_bytes(b"x")
     require_whole(tmp_path / "a.abc", tmp_path / "b.abc")
-    monkeypatch.setattr(disk_room.shutil, "disk_usage", lambda _: _Usage(9, 9, 0))
+    monkeypatch.setattr(disk_space.shutil, "disk_usage", lambda _: _Usage(9, 9, 0))
     with pytest.raises(ConvwassError, match="is full"):
         require_whole(tmp_path / "a.abc", tmp_path / "b.abc")
 

@@ -317,8 +317,8 @@ def test_a_step_makes_a_mesh_for_every_so_many_frames_and_for_every_shape(shapes
     assert shown == [[0], [0], [1], [1], [2], [3], [3], [4], [4], [5], [6]]
 
 
-def test_health_is_stored_with_a_morph(shapes):
-    from convwass_addon.bridge.morphs.stored import HEALTH_KEY, stored_health
+def test_diagnostics_are_stored_with_a_morph(shapes):
+    from convwass_addon.bridge.morphs.stored import DIAGNOSTICS_KEY, stored_diagnostics
 
     thin = add("cylinder", "Thin", radius=0.08, depth=3.0, location=(0, 0, 2))
     ball = shapes[1]
@@ -328,12 +328,12 @@ def test_health_is_stored_with_a_morph(shapes):
     ball.name = "A"
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=40, inputs="A, B", thickness=0.1)
     collection = morph_collection()
-    kinds = {note.kind for note in stored_health(collection)}
+    kinds = {note.kind for note in stored_diagnostics(collection)}
     assert "TOO_COARSE" in kinds
-    assert any("thin parts of A" in note.text for note in stored_health(collection))
+    assert any("thin parts of A" in note.text for note in stored_diagnostics(collection))
     for damage in ("", "[", "[1]", '[["GOOD"]]', '[["NO SUCH", {}]]', '[["LOST", {}]]', '{"a": 1}'):
-        collection[HEALTH_KEY] = damage
-        assert stored_health(collection) == []
+        collection[DIAGNOSTICS_KEY] = damage
+        assert stored_diagnostics(collection) == []
 
 
 def test_selecting_the_inputs_of_a_morph_brings_back_their_order_and_weights(shapes):

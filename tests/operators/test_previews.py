@@ -18,7 +18,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.stored import frame_objects, stored_health, stored_inputs, stored_morph
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics, stored_inputs, stored_morph
 from convwass_addon.operators import background, morph_bake
 from tests.operators.densities import ESCAPE, TIMER, is_computing, started, until, write_one_at_a_time
 from tests.operators.test_morph_bake import census, morph_collection, two_shapes
@@ -142,7 +142,7 @@ def test_stopping_among_the_previews_keeps_them_and_says_so(press, context, monk
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
     collection = morph_collection()
     assert len(frame_objects(collection)) > 4
-    assert [note.kind for note in stored_health(collection)] == ["PREVIEWS"]
+    assert [note.kind for note in stored_diagnostics(collection)] == ["PREVIEWS"]
     assert "previews are kept" in pressed.reports[0]
 
 
@@ -300,7 +300,7 @@ def test_the_time_that_is_left(passed, fraction, left):
     assert background.time_left(passed, fraction) == left
 
 
-def test_a_better_preview_takes_the_place_of_a_glance(press, context, monkeypatch):
+def test_a_better_preview_replaces_the_first(press, context, monkeypatch):
     """One object per frame, whatever was shown before."""
     two_shapes()
     previewed, counts, preview = [], set(), MorphBake.preview

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from convwass_addon.applications.morphs.health import HealthNote
-from convwass_addon.bridge.morphs.stored import frame_objects, store_health
+from convwass_addon.applications.morphs.diagnostics import Diagnostic
+from convwass_addon.bridge.morphs.stored import frame_objects, store_diagnostics
 from convwass_addon.panels.sidebar import draw_wrapped
 
 from .fake_layout import FakeLayout
@@ -205,10 +205,10 @@ def test_what_shows_all_frames_by_itself_offers_nothing_else(baked):
     assert ("operator", "convwass.delete_morph") in drawn
 
 
-def test_a_baked_morph_shows_its_buttons_and_its_health(baked):
+def test_a_baked_morph_shows_its_buttons_and_its_diagnostics(baked):
     assert ("operator", "convwass.delete_morph") in draw_all()
     assert ("operator", "convwass.make_player") in draw_all()
-    store_health(baked, [HealthNote("NOT_CONVERGED", {"frames": "2-3", "error": 0.03})])
+    store_diagnostics(baked, [Diagnostic("NOT_CONVERGED", {"frames": "2-3", "error": 0.03})])
     text = " ".join(text for kind, text in draw_all() if kind == "label")
     assert "Less exact than asked for in 2-3, by up to 3.0%" in text
     baked["convwass_health"] = json.dumps([["NOT_CONVERGED", {}]])
@@ -244,7 +244,7 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
     monkeypatch.setattr("convwass_addon.operators.morph_inputs.triangle_mesh", refuse)
     for name in ("morph", "aligned", "triangle_mesh"):
         monkeypatch.setattr(f"convwass_addon.bridge.morphs.job.{name}", refuse)
-    monkeypatch.setattr("convwass_addon.bridge.morphs.bake.health", refuse)
+    monkeypatch.setattr("convwass_addon.bridge.morphs.bake.diagnose", refuse)
     for layout in LAYOUTS:
         settings().layout = layout
         before = contents()

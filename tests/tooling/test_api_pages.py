@@ -38,8 +38,8 @@ def test_nothing_public_is_left_out(pages):
 
 
 def test_every_application_has_its_entries(project):
-    rooms = {path.parent.name for path in (project / "convwass_addon/applications").glob("*/__init__.py")}
-    assert rooms == set(APPLICATIONS)
+    packages = {path.parent.name for path in (project / "convwass_addon/applications").glob("*/__init__.py")}
+    assert packages == set(APPLICATIONS)
 
 
 def test_every_entry_says_what_it_is(pages):

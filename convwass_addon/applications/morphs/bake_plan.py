@@ -20,7 +20,7 @@ from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
 from ..motions.choosing import MotionChoice, chosen_motion
 from ..motions.guides import Guide
-from .glance import glance
+from .first_preview import first_preview
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
@@ -107,7 +107,7 @@ class BakePlan:
     def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Begin all runs; the stack ends what computes them."""
         if self._shows:
-            yield from self._glanced(control)
+            yield from self._first_preview(control)
         problem = yield from self.prepared(control)
         if isinstance(problem, MovingProblem):
             return (yield from self._moving(problem, stack, control))
@@ -195,14 +195,14 @@ class BakePlan:
         yield from self._previews(sketched, control)
         return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem)
 
-    def _glanced(self, control: Control) -> Work[None]:
+    def _first_preview(self, control: Control) -> Work[None]:
         """Show one blend at once, more coarsely than the other previews."""
         blend = self._seen_blend()
         seen = None
         if blend is not None:
-            seen = glance(self.shapes, self.names, blend, self.settings, self.matching, control)
+            seen = first_preview(self.shapes, self.names, blend, self.settings, self.matching, control)
         if seen is not None:
-            yield Progress(0.0, Sentence("First glance"), MorphPreview(seen))
+            yield Progress(0.0, Sentence("First preview"), MorphPreview(seen))
 
     def _seen_blend(self) -> Blend | None:
         """Return the blend nearest to the one that is looked at which is no shape as it is, if there is any."""

@@ -16,12 +16,12 @@ from ...progress import UNINTERRUPTED, Control
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
 from .coinciding_solids import CoincidingSolids
 from .detail import detailed_blend, starts_of_transport
+from .extraction import extract_surface, own_surface
 from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
 from .origins import blend_origins, part_transports
 from .part_potentials import PartPotentials
-from .reading import own_surface, read_surface
 from .spare_threads import at_once
 from .thin_shapes import thin_parts, wall_share
 from .transport_problem import TransportProblem
@@ -177,13 +177,13 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     solved : SolvedBlend
         The blend.
     solids : CoincidingSolids, optional
-        As for :func:`.reading.read_surface`.
+        As for :func:`.extraction.extract_surface`.
     """
     blend, sigma = solved.blend, max(solved.sigmas)
     merged = solved.merged()
     shapes = [problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
-    reading = read_surface(merged.density, merged.volume, sigma, shapes, problem.settings, solids)
-    mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
+    extracted = extract_surface(merged.density, merged.volume, sigma, shapes, problem.settings, solids)
+    mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,
         **_motion_record(problem),
@@ -191,17 +191,17 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
         "sigma": sigma,
         "wall": wall_share(merged.density),
         "cells": problem.lattice.shape,
-        "level": reading.surface.level,
+        "level": extracted.surface.level,
         "volume": mesh.volume,
         "volume_wanted": merged.volume * problem.lattice.spacing**3,
-        **reading.record,
+        **extracted.record,
         **solved.part_figures(problem.transport, merged),
     }
     kept = zip(solved.parts, solved.sigmas, strict=True) if problem.keeps_potentials else ()
     potentials = tuple(PartPotentials.of(part, sigma) for part, sigma in kept)
     origins = None
     if problem.settings.carry or problem.settings.carried_detail > 0:
-        origins = _origins(problem, solved, reading.surface.mesh.vertices)
+        origins = _origins(problem, solved, extracted.surface.mesh.vertices)
     frame = MorphFrame(blend, mesh, record, potentials, origins)
     return _with_detail_of_inputs(problem, frame) if problem.shapes else frame
 

@@ -17,7 +17,7 @@ _DIGESTED = (
     "geometry",
     "applications",
     "array_files.py",
-    "disk_room.py",
+    "disk_space.py",
     "drafts.py",
     "errors.py",
     "one_line.py",

@@ -16,11 +16,11 @@ from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...one_line import one_line
+from .extraction import connectivity_of
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .part_potentials import PartPotentials
 from .parts import SplitShapes
-from .reading import connectivity_of
 from .transport_problem import TransportProblem
 from .true_connectivity import true_connectivity
 from .volumes import Lattice

@@ -218,7 +218,7 @@ class MorphSettings(Settings):
     )
     carry: bool = setting(
         True,
-        "Carry Looks",
+        "Carry Attributes",
         "Let blends carry the colors, materials and vertex groups of the shapes, and the velocity for motion blur",
         panel="output",
         preset=False,

@@ -22,12 +22,12 @@ from .blend_solver import BlendSolver
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
 from .detail import detailed_blend, reliability_of, starts_on_readings
+from .extraction import extract_coinciding
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
-from .reading import read_coinciding
 from .spare_threads import at_once
 from .transport_problem import TransportProblem
 from .volumes import Lattice
@@ -185,14 +185,14 @@ class MovingProblem:
     def _coinciding(self, problem: MorphProblem, blend: Blend, solids: CoincidingSolids) -> MorphFrame:
         """Return the frame of shapes that coincide: nothing is left to transport."""
         volume = float(problem.transport.blend_volumes(blend).sum())
-        reading = read_coinciding(solids, volume, problem.connectivity, problem.settings)
-        mesh = problem.lattice.to_scene(reading.surface.mesh, np.array(blend.weights))
+        extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings)
+        mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
         record = {
             "cells": problem.lattice.shape,
-            "level": reading.surface.level,
+            "level": extracted.surface.level,
             "volume_wanted": volume * problem.lattice.spacing**3,
             "converged": True,
-            **reading.record,
+            **extracted.record,
         }
         return MorphFrame(blend, mesh, record)
 

@@ -10,7 +10,7 @@ from scipy.ndimage import distance_transform_edt
 
 from ...geometry.isosurface import bounding_box
 from ...geometry.thin_parts import LostPart, lost_parts
-from .health import KEPT_CELLS, LEAST_SHARE
+from .diagnostics import KEPT_CELLS, LEAST_SHARE
 
 # Rods and fins are so many times as long as thick; otherwise they are edges of the shape.
 _SLENDER = 2.0

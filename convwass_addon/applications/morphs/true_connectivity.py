@@ -14,8 +14,8 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.mesh_connectivity import mesh_connectivity
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
+from .extraction import connectivity_of
 from .morph_settings import MorphSettings
-from .reading import connectivity_of
 from .volumes import Lattice
 
 # How much finer a solid is read whose mesh does not tell, and most cells of that: as many take a second or two.

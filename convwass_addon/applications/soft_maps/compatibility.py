@@ -20,7 +20,7 @@ from ...geometry.surface_graph import surface_distances
 from ...geometry.unit_shape import UnitShape
 from .map_sides import MapSide
 from .registered_maps import Overlay, overlaid
-from .shape_looks import ShapeLooks, differences, shape_looks
+from .shape_descriptors import ShapeDescriptors, differences, shape_descriptors
 from .soft_map_settings import SoftMapSettings
 
 # The square of a distance from the match counts so much, in sizes of the surface (the square root of its area), and
@@ -28,8 +28,8 @@ from .soft_map_settings import SoftMapSettings
 _STEEPNESS = 40.0
 # The same for the first guess, where matches are rougher; farther ways than 0.32 are never needed.
 _ROUGH_STEEPNESS = 10.0
-# What looks count beside the match, there and in the end.
-_LOOKS_IN_GUESS, _LOOKS = 0.3, 0.1
+# Weight of descriptor differences relative to the match: in the first guess, and in the end.
+_DESCRIPTORS_IN_GUESS, _DESCRIPTORS = 0.3, 0.1
 # What a painted group counts that covers a point of one surface fully and one of the other not at all.
 _GROUP = 0.5
 
@@ -80,25 +80,27 @@ def comparison(
     marked = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
     shapes = UnitShape.of(source.mesh), UnitShape.of(target.mesh)
     groups = _common_groups(source, target)
-    looks = [shape_looks(shape, ends, own) for shape, ends, own in zip(shapes, marked.T, groups, strict=True)]
+    descriptors = [
+        shape_descriptors(shape, ends, own) for shape, ends, own in zip(shapes, marked.T, groups, strict=True)
+    ]
     painted = settings.group_weight * _group_costs(*groups)
-    costs = differences(*looks) + painted
+    costs = differences(*descriptors) + painted
     reach = _ROUGH_STEEPNESS**-0.5
     between = surface_distances(shapes[1].graph, np.arange(len(shapes[1].vertices)), limit=reach)
     between = np.minimum(between, reach).astype(np.float32)
-    guess = _guess(shapes[1], costs, between[_spectral(*looks)])
+    guess = _guess(shapes[1], costs, between[_spectral(*descriptors)])
     overlay = overlaid(*shapes, marked, guess)
     near = _cost_of_distance(_distances_to(overlay.images, shapes[1], between), _STEEPNESS)
-    return Comparison(near + np.float32(_LOOKS) * costs + np.float32(1.0 - _LOOKS) * painted, overlay)
+    return Comparison(near + np.float32(_DESCRIPTORS) * costs + np.float32(1.0 - _DESCRIPTORS) * painted, overlay)
 
 
-def _spectral(source: ShapeLooks, target: ShapeLooks) -> NDArray[np.int64]:
+def _spectral(source: ShapeDescriptors, target: ShapeDescriptors) -> NDArray[np.int64]:
     return spectral_match(source.spectrum, target.spectrum, source.descriptors, target.descriptors).forward
 
 
 def _guess(target: UnitShape, costs: NDArray[np.float32], away: NDArray[np.float32]) -> NDArray[np.int64]:
     """Return a vertex of the target for each of the source's that looks like it, not far `away` from its match."""
-    total = _cost_of_distance(away, _ROUGH_STEEPNESS) + np.float32(_LOOKS_IN_GUESS) * costs
+    total = _cost_of_distance(away, _ROUGH_STEEPNESS) + np.float32(_DESCRIPTORS_IN_GUESS) * costs
     total[:, target.areas <= 0] = np.inf
     return total.argmin(axis=1)
 

@@ -104,17 +104,17 @@ def _couples(
     # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
     from scipy.optimize import linear_sum_assignment
 
-    looks = [
-        _looks(side.mesh, own, count)[chosen]
+    descriptors = [
+        _descriptors(side.mesh, own, count)[chosen]
         for side, own, count, chosen in zip(sides, labels, counts, free, strict=True)
     ]
-    apart = np.abs(looks[0][:, None] - looks[1][None]).sum(axis=2)
+    apart = np.abs(descriptors[0][:, None] - descriptors[1][None]).sum(axis=2)
     for here, there in zip(*linear_sum_assignment(np.minimum(apart, _WORST)), strict=True):
         if apart[here, there] < _WORST:
             yield free[0][[here]], free[1][[there]]
 
 
-def _looks(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
+def _descriptors(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
     """Return what tells the pieces of a mesh apart, (count, 7), as lengths that can be subtracted."""
     areas = np.where(labels >= 0, mesh.vertex_areas, 0.0)
     own = np.maximum(labels, 0)

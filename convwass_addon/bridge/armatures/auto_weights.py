@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ...errors import InputError
-from ..workshop import reason
+from ..operator_errors import reason
 
 
 def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:

@@ -21,7 +21,7 @@ from ..objects import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
 from .flat_paint import dress_curve, paint_mesh, unused_materials
-from .flat_rings import blended_look
+from .flat_rings import blended_style
 from .planes import blended_plane
 
 FlatKind = Literal["CURVE", "MESH", "DRAWING"]
@@ -86,14 +86,14 @@ class FlatBake(MorphBake):
             return obj
         weights = frame.blend.weights
         curve = bpy.data.curves.new(name, "CURVE")
-        look = blended_look([flat.look for flat in self._flats], weights)
-        if self._kind == "MESH" and look.fill_mode == "NONE":
-            look = replace(look, fill_mode="BOTH")
+        style = blended_style([flat.style for flat in self._flats], weights)
+        if self._kind == "MESH" and style.fill_mode == "NONE":
+            style = replace(style, fill_mode="BOTH")
         obj = bpy.data.objects.new(name, curve)
         colors = [region.color for region in frame.regions]
         # Splines take no material slot that is not there.
         self._dress(obj, colors)
-        write_curves(curve, frame.curves, look, frame.owners)
+        write_curves(curve, frame.curves, style, frame.owners)
         if self._kind == "MESH":
             obj = _as_mesh_object(obj)
             if len(colors) > 1:
@@ -166,7 +166,7 @@ def _own_copy(obj: bpy.types.Object) -> bpy.types.Object:
 def _of_rings(obj: bpy.types.Object, flat: MovedFlat) -> bpy.types.Object:
     """Make a curve object of what was read of an input."""
     curve = bpy.data.curves.new(obj.name, "CURVE")
-    write_rings(curve, flat.shape.rings, flat.look)
+    write_rings(curve, flat.shape.rings, flat.style)
     copy = bpy.data.objects.new(obj.name, curve)
     copy.matrix_world = Matrix(flat.plane.matrix)
     copy.color = mean_color(flat)

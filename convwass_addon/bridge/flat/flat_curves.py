@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...applications.flat.flat_frames import FlatFrame
 from ...geometry.fitting import BezierRing, fitted_beziers
 from ...geometry.outlines import Outline
-from .flat_rings import CurveLook
+from .flat_rings import CurveStyle
 
 # Steps of a curve's piece in Blender: pieces are short.
 _STEPS = 8
@@ -58,7 +58,7 @@ class FittedFrame(FlatFrame):
 
 
 def write_curves(
-    curve: bpy.types.Curve, curves: Sequence[BezierRing], look: CurveLook, slots: Sequence[int] | None = None
+    curve: bpy.types.Curve, curves: Sequence[BezierRing], style: CurveStyle, slots: Sequence[int] | None = None
 ) -> None:
     """Replace the splines of a curve, whose materials stay.
 
@@ -68,19 +68,19 @@ def write_curves(
         Its own X and Y are those of the plane.
     curves : sequence of BezierRing
         An outline.
-    look : CurveLook
+    style : CurveStyle
         Depth and fill.
     slots : sequence of int, optional
         Material slot of every ring; what is in one slot is filled together.
     """
-    _prepare(curve, look)
+    _prepare(curve, style)
     for ring, slot in zip(curves, slots or [0] * len(curves), strict=True):
         _add_spline(curve, ring).material_index = slot
 
 
-def write_rings(curve: bpy.types.Curve, rings: Sequence[NDArray[np.float64]], look: CurveLook) -> None:
+def write_rings(curve: bpy.types.Curve, rings: Sequence[NDArray[np.float64]], style: CurveStyle) -> None:
     """Replace the splines of a curve by closed polygons, (n, 2) each, as they are."""
-    _prepare(curve, look)
+    _prepare(curve, style)
     for ring in rings:
         spline = curve.splines.new("POLY")
         spline.points.add(len(ring) - 1)
@@ -89,12 +89,12 @@ def write_rings(curve: bpy.types.Curve, rings: Sequence[NDArray[np.float64]], lo
         spline.use_cyclic_u = True
 
 
-def _prepare(curve: bpy.types.Curve, look: CurveLook) -> None:
+def _prepare(curve: bpy.types.Curve, style: CurveStyle) -> None:
     curve.splines.clear()
     curve.dimensions = "2D"
-    curve.fill_mode = look.fill_mode
-    curve.extrude, curve.bevel_depth, curve.offset = look.extrude, look.bevel_depth, look.offset
-    curve.bevel_resolution = look.bevel_resolution
+    curve.fill_mode = style.fill_mode
+    curve.extrude, curve.bevel_depth, curve.offset = style.extrude, style.bevel_depth, style.offset
+    curve.bevel_resolution = style.bevel_resolution
     curve.resolution_u = _STEPS
 
 

@@ -15,7 +15,7 @@ from mathutils import Matrix
 from ...errors import InputError
 from ..image_files import loaded_image
 from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
-from ..workshop import workshop
+from ..scratch_scene import scratch_scene
 
 TEXT = "text:"
 """What a word begins with."""
@@ -72,7 +72,7 @@ def _picture(path: Path) -> bpy.types.Object:
 def _drawing(path: Path) -> bpy.types.Object:
     """Read an SVG as one curve object."""
     file = checked_file(path, None, (DRAWING,))
-    with only_kept_data() as kept, workshop() as scene:
+    with only_kept_data() as kept, scratch_scene() as scene:
         run_importer(lambda path: bpy.ops.import_curve.svg(filepath=path), file)
         bpy.context.view_layer.update()
         curves = [obj for obj in scene.collection.all_objects if obj.type == "CURVE" and obj.data.splines]

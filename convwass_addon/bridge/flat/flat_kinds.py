@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects are flat by their kind or look flat by their bounds, told without evaluating anything."""
+"""Which objects are flat by their kind or look flat by their bounds, found without evaluating them."""
 
 from __future__ import annotations
 

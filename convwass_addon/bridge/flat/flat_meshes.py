@@ -24,7 +24,7 @@ def is_flat_mesh(evaluated: bpy.types.Object) -> bool:
 
 
 def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
-    """Read what borders the faces of a flat mesh, by materials; whichever way the faces look."""
+    """Read what borders the faces of a flat mesh, by materials; whichever way the faces point."""
     mesh = evaluated.data
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     points = _points(mesh, matrix)

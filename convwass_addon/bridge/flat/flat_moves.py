@@ -14,7 +14,7 @@ from ...applications.flat.flat_pieces import filled_by
 from ...applications.flat.flat_shapes import FlatShape
 from ...geometry.flat_moments import FlatMoments
 from .flat_objects import FlatObject
-from .flat_rings import CurveLook
+from .flat_rings import CurveStyle
 from .planes import Plane
 
 
@@ -28,7 +28,7 @@ class MovedFlat:
         In coordinates of the plane.
     plane : Plane
         Where it lies.
-    look : CurveLook
+    style : CurveStyle
         Depth.
     move : (4, 4) float64
         What brings the object from where it stands to there, in world space.
@@ -36,7 +36,7 @@ class MovedFlat:
 
     shape: FlatShape
     plane: Plane
-    look: CurveLook
+    style: CurveStyle
     move: NDArray[np.float64]
 
 
@@ -54,7 +54,7 @@ def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> li
         As they are, or with the area of the first one.
     """
     if (alignment, scaling) == ("PLACED", "PLACED"):
-        return [MovedFlat(flat.shape, flat.plane, flat.read.look, np.eye(4)) for flat in flats]
+        return [MovedFlat(flat.shape, flat.plane, flat.read.style, np.eye(4)) for flat in flats]
     moments = [_moments(flat.shape) for flat in flats]
     first = moments[0]
     found = []
@@ -67,7 +67,7 @@ def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> li
         within = np.diag([1.0, 1.0, factor, 1.0])
         within[:2, :2], within[:2, 3] = turn, target - turn @ own.center
         move = plane.matrix @ within @ np.linalg.inv(flat.plane.matrix)
-        found.append(MovedFlat(replace(flat.shape, rings=rings), plane, flat.read.look.scaled(factor), move))
+        found.append(MovedFlat(replace(flat.shape, rings=rings), plane, flat.read.style.scaled(factor), move))
     return found
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..morphs.looks import COLOR
+from ..morphs.appearance import COLOR
 from ..morphs.materials import attribute_material, object_property_material
 
 REGION_KEY = "convwass_region_{}"
@@ -75,6 +75,6 @@ def paint_mesh(mesh: bpy.types.Mesh, colors: Sequence[Sequence[float]]) -> None:
 
 
 def unused_materials() -> list[bpy.types.Material]:
-    """Return the materials of this room that nothing wears."""
+    """Return the materials made by this module that nothing uses."""
     names = (_MESH_NAME, _CURVE_NAME.partition("{")[0])
     return [one for one in bpy.data.materials if not one.users and one.name.startswith(names)]

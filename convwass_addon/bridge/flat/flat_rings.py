@@ -14,7 +14,7 @@ from ...sentence import Sentence
 
 
 @dataclass(frozen=True)
-class CurveLook:
+class CurveStyle:
     """What makes a curve object solid.
 
     Attributes
@@ -33,10 +33,10 @@ class CurveLook:
     bevel_resolution: int = 4
     fill_mode: str = "BOTH"
 
-    def scaled(self, factor: float) -> CurveLook:
-        """Return the look of a shape that is so many times as large."""
+    def scaled(self, factor: float) -> CurveStyle:
+        """Return the style of a shape that is so many times as large."""
         sizes = (factor * size for size in (self.extrude, self.bevel_depth, self.offset))
-        return CurveLook(*sizes, self.bevel_resolution, self.fill_mode)
+        return CurveStyle(*sizes, self.bevel_resolution, self.fill_mode)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class FlatRings:
         Number of the letter of every ring in reading order, where the object has letters.
     slots : tuple of int
         Material slot of every ring.
-    look : CurveLook
+    style : CurveStyle
         Depth.
     notice : Sentence or None
         What the user should know about it.
@@ -69,7 +69,7 @@ class FlatRings:
     rule: Rule
     letters: tuple[int, ...] | None = None
     slots: tuple[int, ...] = ()
-    look: CurveLook = field(default_factory=CurveLook)
+    style: CurveStyle = field(default_factory=CurveStyle)
     notice: Sentence | None = None
     fills: tuple[int, ...] | None = None
 
@@ -79,12 +79,12 @@ class FlatRings:
         return np.concatenate([np.zeros((0, 3)), *self.rings])
 
 
-def blended_look(looks: list[CurveLook], weights: tuple[float, ...]) -> CurveLook:
+def blended_style(styles: list[CurveStyle], weights: tuple[float, ...]) -> CurveStyle:
     """Depths between those of the inputs, and the fill of the nearest of those that have one."""
     order = np.argsort(-np.asarray(weights), kind="stable")
-    filled = [looks[index] for index in order if looks[index].fill_mode != "NONE"]
-    nearest = (filled or looks)[0]
-    depths = np.asarray(weights) @ np.array([[look.extrude, look.bevel_depth, look.offset] for look in looks])
+    filled = [styles[index] for index in order if styles[index].fill_mode != "NONE"]
+    nearest = (filled or styles)[0]
+    depths = np.asarray(weights) @ np.array([[style.extrude, style.bevel_depth, style.offset] for style in styles])
     # What has no bevel has no resolution that counts.
-    beveled = [look for look in looks if look.bevel_depth > 0] or [nearest]
-    return CurveLook(*(float(depth) for depth in depths), beveled[0].bevel_resolution, nearest.fill_mode)
+    beveled = [style for style in styles if style.bevel_depth > 0] or [nearest]
+    return CurveStyle(*(float(depth) for depth in depths), beveled[0].bevel_resolution, nearest.fill_mode)

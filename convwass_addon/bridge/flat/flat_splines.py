@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...sentence import Sentence
-from .flat_rings import CurveLook, FlatRings
+from .flat_rings import CurveStyle, FlatRings
 
 # Points per piece of a curve. A circle of four pieces with 24 each lacks 1 - sin(x) / x of its area, x = 2 pi / 96:
 # 0.07 %.
@@ -54,7 +54,7 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
         matrix = np.array(evaluated.matrix_world, dtype=np.float64)
         found = [(spline, sampled_spline(spline)) for spline in splines]
         closed = [(spline, ring) for spline, ring in found if ring is not None and len(ring) >= 3]
-        look = _look(obj.data, matrix)
+        style = _style(obj.data, matrix)
         letters = tuple(spline.character_index for spline, _ in closed) if is_text else None
         slots = tuple(spline.material_index for spline, _ in closed)
     finally:
@@ -68,7 +68,7 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
         values = {"name": obj.name, "count": len(found) - len(closed)}
         notice = Sentence("{name}: {count} open splines fill nothing and were left out.", values)
     rings = [ring @ matrix[:3, :3].T + matrix[:3, 3] for _, ring in closed]
-    return FlatRings(rings, matrix, "non-zero" if is_text else "even-odd", letters, slots, look, notice)
+    return FlatRings(rings, matrix, "non-zero" if is_text else "even-odd", letters, slots, style, notice)
 
 
 def sampled_spline(spline: bpy.types.Spline) -> NDArray[np.float64] | None:
@@ -136,13 +136,13 @@ def _vectors(items: bpy.types.bpy_prop_collection, name: str, width: int) -> NDA
     return found.reshape(-1, width).astype(np.float64)
 
 
-def _look(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveLook:
+def _style(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     across = float(np.sqrt(scales[0] * scales[1]))
     bevel = curve.bevel_depth if curve.bevel_mode == "ROUND" else 0.0
     # Curves in space are never filled, whatever their mode.
     mode = curve.fill_mode if curve.dimensions == "2D" else "NONE"
-    return CurveLook(
+    return CurveStyle(
         float(curve.extrude * scales[2]), bevel * across, curve.offset * across, curve.bevel_resolution, mode
     )
 

@@ -11,7 +11,7 @@ from typing import Self
 import bpy
 import numpy as np
 
-from ...applications.morphs.health import HealthNote, health
+from ...applications.morphs.diagnostics import Diagnostic, diagnose
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph_problem import MorphFrame
 from ...errors import ConvwassError, InputError
@@ -25,7 +25,7 @@ from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
 from .materials import MATERIAL_NAME, morph_material
 from .removal import remove_bake, remove_objects
-from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_health, summary
+from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_diagnostics, summary
 
 SHEET_SPACING = 1.3
 """Distance between neighbors in a sheet, in sizes of the largest input."""
@@ -237,7 +237,7 @@ class MorphBake:
         quads = self._stored.settings.get("faces") == "QUADS"
         write_mesh(data, mesh, Polygons.of_quads(mesh) if quads else None)
 
-    def finish(self, hide_inputs: bool, looks: Sequence[HealthNote] = ()) -> bpy.types.Collection:
+    def finish(self, hide_inputs: bool, dropped: Sequence[Diagnostic] = ()) -> bpy.types.Collection:
         """Store the settings, show the first frame, and return the collection.
 
         After an early stop the finished frames are a morph of their own: each is visible until the next one that there
@@ -247,8 +247,8 @@ class MorphBake:
         ----------
         hide_inputs : bool
             Hide the inputs in viewport and render, since the morph shows them.
-        looks : sequence of HealthNote
-            What frames do not show of the looks of the inputs.
+        dropped : sequence of Diagnostic
+            What frames do not show of the materials of the inputs.
 
         Raises
         ------
@@ -274,8 +274,8 @@ class MorphBake:
             index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
         ]
         figures = [self._finished[index].record for index in sorted(frames)]
-        notes = health(figures, self._stored.settings, self._stored.inputs, numbers, looks)
-        store_health(collection, notes)
+        notes = diagnose(figures, self._stored.settings, self._stored.inputs, numbers, dropped)
+        store_diagnostics(collection, notes)
         self._drop_unused()
         if hide_inputs:
             _hide(found([shape.obj for shape in self._inputs]), scene)

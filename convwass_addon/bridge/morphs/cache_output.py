@@ -10,7 +10,8 @@ from typing import Literal
 import bpy
 
 from ...errors import ConvwassError, InputError
-from ..workshop import reason, workshop
+from ..operator_errors import reason
+from ..scratch_scene import scratch_scene
 from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
@@ -76,7 +77,7 @@ def require_animation(collection: bpy.types.Collection) -> None:
 def _read_back(file: Path, kind: str) -> bpy.types.Object:
     """Return the one animated mesh of a file, in no collection."""
     existing = set(bpy.data.objects)
-    with workshop():
+    with scratch_scene():
         try:
             if kind == "alembic":
                 bpy.ops.wm.alembic_import(filepath=str(file), as_background_job=False, set_frame_range=False)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What frames bring along from the inputs: looks, vertex groups and velocity."""
+"""Write colors, vertex groups, normals and velocity of the inputs to the frames of a bake."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ import bpy
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...applications.morphs.appearance import Carried, FaceSlots, carried, face_slots
 from ...applications.morphs.layouts import Blend
-from ...applications.morphs.looks import Carried, FaceSlots, carried, face_slots
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.origins import velocities
 from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...progress import Work
 from ..handles import Handle
-from .dropped_looks import dropped_looks, dropped_notes
-from .looks import (
+from .appearance import (
     COLOR,
     SOURCE_WEIGHT,
-    read_look,
+    read_appearance,
     read_shading,
     write_carried,
     write_materials,
     write_normals,
-    write_own_look,
+    write_own_appearance,
     write_velocity,
 )
+from .dropped_appearance import dropped_notes, dropped_parts
 from .mixed_materials import MixedMaterials
 
 
@@ -59,8 +59,8 @@ class Carrying:
 
     Attributes
     ----------
-    dropped : list of HealthNote
-        What frames do not show of the looks of the inputs.
+    dropped : list of Diagnostic
+        What frames do not show of the materials of the inputs.
     """
 
     def __init__(
@@ -70,13 +70,15 @@ class Carrying:
         frozen: Sequence[bpy.types.Mesh],
         blends: Sequence[Blend],
     ) -> None:
-        self._looks = [
-            read_look(mesh, tuple(obj.color), [group.name for group in obj.vertex_groups])
+        self._appearances = [
+            read_appearance(mesh, tuple(obj.color), [group.name for group in obj.vertex_groups])
             for obj, mesh in zip(inputs, frozen, strict=True)
         ]
         self._shadings = [read_shading(mesh) for mesh in frozen]
         names = [obj.name for obj in inputs]
-        self.dropped = dropped_notes(names, [dropped_looks(*own) for own in zip(frozen, self._looks, strict=True)])
+        self.dropped = dropped_notes(
+            names, [dropped_parts(*own) for own in zip(frozen, self._appearances, strict=True)]
+        )
         per_second = scene.render.fps / scene.render.fps_base
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]
@@ -87,7 +89,7 @@ class Carrying:
         self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots)
         material = self._materials.of([0] * len(slots))
         for index, mesh in enumerate(frozen):
-            if write_own_look(mesh, index, len(frozen)):
+            if write_own_appearance(mesh, index, len(frozen)):
                 mesh.materials.clear()
                 mesh.materials.append(material)
 
@@ -96,9 +98,9 @@ class Carrying:
         for report in work:
             frame = report.payload
             if isinstance(frame, MorphFrame) and frame.origins is not None:
-                look = carried(frame.origins, frame.mesh.faces, self._looks, frame.blend.weights)
-                slots = face_slots(look, frame.mesh.faces, frame.triangles, self._looks)
-                carrying = CarriedFrame(**vars(frame), carried=look, slots=slots, normals=self._normals(frame))
+                taken = carried(frame.origins, frame.mesh.faces, self._appearances, frame.blend.weights)
+                slots = face_slots(taken, frame.mesh.faces, frame.triangles, self._appearances)
+                carrying = CarriedFrame(**vars(frame), carried=taken, slots=slots, normals=self._normals(frame))
                 report = replace(report, payload=carrying)
             yield report
 

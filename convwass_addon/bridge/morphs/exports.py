@@ -14,15 +14,16 @@ import bpy
 import numpy as np
 
 from ...applications.whole_paths import whole_path
-from ...disk_room import require_room, require_whole
+from ...disk_space import require_space, require_whole
 from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
+from ..operator_errors import reason
+from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
-from ..workshop import reason, workshop
-from .looks import VELOCITY, seen_colors, write_velocity
+from .appearance import VELOCITY, seen_colors, write_velocity
 from .materials import plain_copy, wears_color_attribute, wears_object_color
 from .stored import frame_objects, shown_frames
 
@@ -119,8 +120,8 @@ def _exported_bytes(objects: Sequence[bpy.types.Object]) -> int:
 
 def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
     """Write one frame object, whether or not it is visible now."""
-    require_room(file.parent, _exported_bytes([obj]))
-    with workshop() as scene:
+    require_space(file.parent, _exported_bytes([obj]))
+    with scratch_scene() as scene:
         # A stand-in, since the object itself is hidden in all frames but one.
         still = bpy.data.objects.new(file.stem, obj.data)
         try:
@@ -137,9 +138,9 @@ def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, c
     """Write the frame objects as one mesh over scene frames; without any, as they are now."""
     original = bpy.context.scene
     first, last = (span[0], span[-1]) if span else 2 * (original.frame_current,)
-    require_room(file.parent, _exported_bytes(frames))
+    require_space(file.parent, _exported_bytes(frames))
     shown = [tuple(obj for obj in frames if is_shown(obj, frame)) for frame in range(first, last + 1)]
-    with workshop() as scene, _colored_copies(frames, chosen.write_colors) as copies:
+    with scratch_scene() as scene, _colored_copies(frames, chosen.write_colors) as copies:
         scene.frame_start, scene.frame_end = first, last
         scene.render.fps, scene.render.fps_base = original.render.fps, original.render.fps_base
         sequence = mesh_sequence(

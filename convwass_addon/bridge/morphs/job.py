@@ -151,8 +151,8 @@ class MorphJob:
         """What the user should know about the inputs and their parts, once frames are finished."""
         found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
         dropped = self._carrying.dropped if self._carrying else []
-        looks = [note.sentence for note in dropped if note.severity != "INFO"]
-        return [*self._animated, *(notice.sentence for notice in found), *looks]
+        unshown = [note.sentence for note in dropped if note.severity != "INFO"]
+        return [*self._animated, *(notice.sentence for notice in found), *unshown]
 
     def write(self, report: Progress[MorphFrame | MorphPreview]) -> None:
         """Put a finished frame into the scene, or a preview until there is one."""
@@ -187,7 +187,7 @@ class MorphJob:
         self._drop_unused()
 
     def _drop_unused(self) -> None:
-        """Remove what was made to carry looks and has not been used."""
+        """Remove materials that were made for the frames and are not used."""
         if self._carrying is not None:
             self._carrying.drop_unused()
 

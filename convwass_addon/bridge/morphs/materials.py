@@ -66,7 +66,7 @@ def wears_object_color(material: bpy.types.Material | None) -> bool:
 
 
 def wears_color_attribute(material: bpy.types.Material | None) -> bool:
-    """Tell whether a material takes its base color from a color attribute, as that of frames that carry looks does."""
+    """Tell whether a material takes its base color from a color attribute, as the material of the frames does."""
     return _color_source(material) == "VERTEX_COLOR"
 
 

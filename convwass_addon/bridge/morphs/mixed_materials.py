@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The materials of frames that carry looks: the shaders of the inputs' material slots, mixed at every point."""
+"""Materials of frames that mix the shaders of the inputs' material slots at every point."""
 
 from __future__ import annotations
 

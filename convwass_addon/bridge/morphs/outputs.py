@@ -12,7 +12,7 @@ import bpy
 from ...errors import ConvwassError
 from ...progress import drained
 from ..files import save_blend
-from ..workshop import reason
+from ..operator_errors import reason
 from .blend_pad import make_blend_pad
 from .cache_output import as_cache
 from .disk_output import DiskOutput, filled_folder

@@ -12,7 +12,7 @@ from .disk_output import remove_disk_outputs
 from .player import is_player, refresh_player
 from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
-from .stored import HEALTH_KEY, MORPH_KEY, frame_objects, hidden_frames
+from .stored import DIAGNOSTICS_KEY, MORPH_KEY, frame_objects, hidden_frames
 from .written_files import WRITTEN_KEY
 
 
@@ -38,7 +38,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     home = hidden_frames(old) or old
     for obj in frame_objects(new):
         home.objects.link(obj)
-    for key in (MORPH_KEY, HEALTH_KEY, SIGNATURES_KEY, WRITTEN_KEY):
+    for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY):
         if key in new:
             old[key] = new[key]
     bpy.data.collections.remove(new)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...applications.morphs.health import HealthNote, health_figures
+from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames
 
@@ -30,7 +30,7 @@ INDEX_KEY = "convwass_index"
 ALONE_KEY = "convwass_alone"
 """Custom property of a frame object that shows all frames of its morph by itself."""
 
-HEALTH_KEY = "convwass_health"
+DIAGNOSTICS_KEY = "convwass_health"
 """Custom property of a morph's collection: JSON of what to know about the bake, kinds of notes and their values."""
 
 FRAMES_KEY = "convwass_frames_of"
@@ -191,20 +191,20 @@ def summary(record: dict[str, object]) -> dict[str, object]:
     """Return the single figures of a record; its lists would swell the file, and JSON has no word for NaN."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in {**record, **health_figures(record)}.items()
+        for name, value in {**record, **diagnostic_figures(record)}.items()
         if value is None or isinstance(value, (str, bool, int, float))
     }
 
 
-def store_health(collection: bpy.types.Collection, notes: Sequence[HealthNote]) -> None:
+def store_diagnostics(collection: bpy.types.Collection, notes: Sequence[Diagnostic]) -> None:
     """Write what is to be known about a bake onto its collection."""
-    collection[HEALTH_KEY] = json.dumps([[note.kind, note.values] for note in notes], allow_nan=False)
+    collection[DIAGNOSTICS_KEY] = json.dumps([[note.kind, note.values] for note in notes], allow_nan=False)
 
 
-def stored_health(collection: bpy.types.Collection) -> list[HealthNote]:
-    """Read what `store_health` wrote; nothing where it is missing or damaged."""
+def stored_diagnostics(collection: bpy.types.Collection) -> list[Diagnostic]:
+    """Read what `store_diagnostics` wrote; nothing where it is missing or damaged."""
     try:
-        notes = [HealthNote(kind, values) for kind, values in json.loads(collection.get(HEALTH_KEY, "[]"))]
+        notes = [Diagnostic(kind, values) for kind, values in json.loads(collection.get(DIAGNOSTICS_KEY, "[]"))]
         return [note for note in notes if note.text]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return []

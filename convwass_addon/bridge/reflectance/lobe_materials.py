@@ -26,8 +26,8 @@ _Z_AXIS = ("2*(x*z+w*y)", "2*(y*z-w*x)", "1-2*(x*x+y*y)")
 
 
 @dataclass(frozen=True)
-class FittedLook:
-    """What a Principled BSDF is set to.
+class PrincipledFit:
+    """Settings of a Principled BSDF that fits a blended reflectance.
 
     Attributes
     ----------
@@ -89,17 +89,17 @@ def lobe_material(
     return material
 
 
-def fitted_material(name: str, looks: Sequence[FittedLook], frames: Frames | None = None) -> bpy.types.Material:
+def fitted_material(name: str, fits: Sequence[PrincipledFit], frames: Frames | None = None) -> bpy.types.Material:
     """Make a material with a Principled BSDF, keyed where there are several steps and frames; see `lobe_material`."""
     material, tree = emptied(name, "FITTED")
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
     node.location = (-300.0, 0.0)
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    steps = {name: [principled_values(look)[name] for look in looks] for name in principled_values(looks[0])}
+    steps = {name: [principled_values(fit)[name] for fit in fits] for name in principled_values(fits[0])}
     for name, values in steps.items():
-        if len(looks) > 1 and frames is not None:
-            _key(node.inputs[name], frames.of(len(looks)), values)
+        if len(fits) > 1 and frames is not None:
+            _key(node.inputs[name], frames.of(len(fits)), values)
         else:
             node.inputs[name].default_value = values[len(values) // 2]
     if frames is not None:
@@ -108,12 +108,12 @@ def fitted_material(name: str, looks: Sequence[FittedLook], frames: Frames | Non
     return material
 
 
-def principled_values(look: FittedLook) -> dict[str, object]:
+def principled_values(fit: PrincipledFit) -> dict[str, object]:
     """Return the inputs of a Principled BSDF."""
-    lobe = look.lobe
+    lobe = fit.lobe
     return {
-        "Base Color": (*look.base_color, 1.0),
-        "Metallic": look.metallic,
+        "Base Color": (*fit.base_color, 1.0),
+        "Metallic": fit.metallic,
         "Roughness": min(lobe.roughness, 1.0),
         "Anisotropic": lobe.anisotropic,
         "Anisotropic Rotation": 0.25 if lobe.alpha_x < lobe.alpha_y else 0.0,

@@ -12,7 +12,7 @@ import bpy
 from ...applications.reflectance.lobe_frames import LobeFrame
 from ...applications.reflectance.weight_sheets import PadSheet
 from .frame_span import Frames
-from .lobe_materials import FittedLook, fitted_material, lobe_material
+from .lobe_materials import PrincipledFit, fitted_material, lobe_material
 from .material_pad import material_pad
 from .pad_materials import pad_fitted_material, pad_lobe_material
 
@@ -53,16 +53,16 @@ def _materials(
     name: str, names: Sequence[str], shown: Sequence[LobeFrame], sheet: PadSheet | None, sun: bpy.types.Object
 ) -> list[bpy.types.Material]:
     scene, images = bpy.context.scene, [frame.image for frame in shown if frame.image is not None]
-    looks = [FittedLook(frame.fit.material, frame.fit.material.color, 1.0) for frame in shown]
+    fits = [PrincipledFit(frame.fit.material, frame.fit.material.color, 1.0) for frame in shown]
     dark = [_BLACK] * len(images)
     if sheet is not None:
         scene.cursor.location = (0.0, 0.0, 2.6)
         pad = material_pad(scene, name, names, sheet.side)
         lobes = [pad_lobe_material(name, images, dark, sun, pad)] if images else []
-        return [*lobes, pad_fitted_material(f"{name} fitted", looks, pad)]
+        return [*lobes, pad_fitted_material(f"{name} fitted", fits, pad)]
     frames = Frames(scene.frame_start, scene.frame_end) if len(shown) > 1 else None
     lobes = [lobe_material(name, images, dark, sun, frames)] if images else []
-    return [*lobes, fitted_material(f"{name} fitted", looks, frames)]
+    return [*lobes, fitted_material(f"{name} fitted", fits, frames)]
 
 
 def _ball(material: bpy.types.Material, place: float) -> bpy.types.Object:

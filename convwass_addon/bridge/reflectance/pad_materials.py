@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..node_math import math_node
 from .lobe_images import fill_image, lobe_image
-from .lobe_materials import FittedLook, emptied, follow, principled_values
+from .lobe_materials import PrincipledFit, emptied, follow, principled_values
 from .lobe_nodes import ACROSS, DIFFUSE, GROUP, UP, lobe_pad_group
 from .material_pad import MaterialPad
 
@@ -59,12 +59,12 @@ def pad_lobe_material(
     return material
 
 
-def pad_fitted_material(name: str, looks: Sequence[FittedLook], pad: MaterialPad) -> bpy.types.Material:
+def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialPad) -> bpy.types.Material:
     """Make a material with a Principled BSDF whose values are those at a place of a pad; see `pad_lobe_material`."""
     material, tree = emptied(name, "PAD FITTED")
     place = _driven_place(tree, pad)
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    values = [principled_values(look) for look in looks]
+    values = [principled_values(fit) for fit in fits]
     colors = [own["Base Color"][:3] for own in values]
     tree.links.new(_read(tree, pad.side, f"{name} Color", colors, place), node.inputs["Base Color"])
     names = ("Roughness", "Anisotropic", "Metallic")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of the materials of inputs the frames of a morph do not show."""
+"""Find what the frames of a morph do not show of the materials of the inputs."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...applications.morphs.health import HealthNote
-from ...applications.morphs.looks import Look, Plain
-from .looks import upstream_nodes
+from ...applications.morphs.appearance import Appearance, Plain
+from ...applications.morphs.diagnostics import Diagnostic
+from .appearance import upstream_nodes
 from .materials import base_color, principled_of
 from .mixed_materials import emission_node
 
-# Kinds of notes, in the order in which they are told.
+# Kinds of diagnostics, in the order in which they are shown.
 _PROCEDURAL, _SHADER, _MISSING, _NODES = "LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES"
 _NORMALS, _MAPS, _TILES, _BLURRED = "LOOK_NORMALS", "LOOK_MAPS", "LOOK_TILES", "LOOK_BLURRED"
 _ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _NORMALS, _MAPS, _TILES, _BLURRED)
@@ -25,13 +25,13 @@ _COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE", "OBJECT_INFO")
 
 
 @dataclass(frozen=True)
-class DroppedLook:
+class DroppedPart:
     """Something that the frames do not show.
 
     Attributes
     ----------
     kind : str
-        That of a note in :mod:`.health`.
+        That of a diagnostic in :mod:`.diagnostics`.
     material : str
         Name of the material.
     sockets : tuple of str
@@ -43,67 +43,67 @@ class DroppedLook:
     sockets: tuple[str, ...] = ()
 
 
-def dropped_looks(mesh: bpy.types.Mesh, look: Look) -> list[DroppedLook]:
-    """Tell what of the materials of an input frames do not show.
+def dropped_parts(mesh: bpy.types.Mesh, appearance: Appearance) -> list[DroppedPart]:
+    """Find what frames do not show of the materials of an input.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         A frozen copy.
-    look : Look
-        What has been read of it.
+    appearance : Appearance
+        Its colors and materials, as they were read.
     """
     found = []
-    for slot in np.unique(look.materials):
+    for slot in np.unique(appearance.materials):
         material = mesh.materials[slot] if len(mesh.materials) else None
         if material is not None and material.node_tree is not None:
-            found += _of_material(material, is_plain=isinstance(look.paints[slot], Plain))
+            found += _of_material(material, is_plain=isinstance(appearance.paints[slot], Plain))
     return found
 
 
-def dropped_notes(names: Sequence[str], dropped: Sequence[Sequence[DroppedLook]]) -> list[HealthNote]:
-    """Return what to tell about the inputs of these names, the worst first."""
+def dropped_notes(names: Sequence[str], dropped: Sequence[Sequence[DroppedPart]]) -> list[Diagnostic]:
+    """Return diagnostics about the inputs with these names, the worst first."""
     notes = []
     for kind in _ORDER:
-        own = [(name, one) for name, looks in zip(names, dropped, strict=True) for one in looks if one.kind == kind]
+        own = [(name, one) for name, parts in zip(names, dropped, strict=True) for one in parts if one.kind == kind]
         if own:
             # Shapes may share materials.
             materials = dict.fromkeys(one.material for _, one in own)
             sockets = dict.fromkeys(socket for _, one in own for socket in one.sockets)
             values = {"materials": ", ".join(materials), "names": ", ".join(dict.fromkeys(name for name, _ in own))}
-            notes.append(HealthNote(kind, values | ({"sockets": ", ".join(sockets)} if sockets else {})))
+            notes.append(Diagnostic(kind, values | ({"sockets": ", ".join(sockets)} if sockets else {})))
     return notes
 
 
-def _of_material(material: bpy.types.Material, is_plain: bool) -> Iterator[DroppedLook]:
+def _of_material(material: bpy.types.Material, is_plain: bool) -> Iterator[DroppedPart]:
     output = next(
         (own for own in material.node_tree.nodes if own.type == "OUTPUT_MATERIAL" and own.is_active_output), None
     )
     emitter, shader = emission_node(material), principled_of(material)
     if output is not None and _links_other_shaders(output):
-        yield DroppedLook(_SHADER, material.name)
+        yield DroppedPart(_SHADER, material.name)
     if output is not None and output.inputs["Displacement"].is_linked:
-        yield DroppedLook(_NORMALS, material.name)
+        yield DroppedPart(_NORMALS, material.name)
     shown = emitter or shader
     if shown is None:
         return
     if shown == shader:
         yield from _of_base_color(material, is_plain)
         if any(shader.inputs[name].is_linked for name in _NORMAL_SOCKETS):
-            yield DroppedLook(_NORMALS, material.name)
+            yield DroppedPart(_NORMALS, material.name)
     known = ("Base Color", *_NORMAL_SOCKETS)
     linked = tuple(socket.name for socket in shown.inputs if socket.is_linked and socket.name not in known)
     if linked:
-        yield DroppedLook(_MAPS, material.name, linked)
+        yield DroppedPart(_MAPS, material.name, linked)
 
 
 def _links_other_shaders(output: bpy.types.Node) -> bool:
-    """Tell whether more than one Principled BSDF or Emission makes the surface or the volume."""
+    """Return whether anything but a single Principled BSDF or Emission is linked to the output."""
     links = [*output.inputs["Surface"].links, *output.inputs["Volume"].links]
     return any(link.from_node.type not in ("BSDF_PRINCIPLED", "EMISSION") for link in links)
 
 
-def _of_base_color(material: bpy.types.Material, is_plain: bool) -> Iterator[DroppedLook]:
+def _of_base_color(material: bpy.types.Material, is_plain: bool) -> Iterator[DroppedPart]:
     base = base_color(material)
     if not base.is_linked:
         return
@@ -111,10 +111,10 @@ def _of_base_color(material: bpy.types.Material, is_plain: bool) -> Iterator[Dro
     images = [node for node in nodes if node.type == "TEX_IMAGE"]
     if is_plain:
         if not any(node.type == "OBJECT_INFO" for node in nodes):
-            yield DroppedLook(_MISSING if images else _PROCEDURAL, material.name)
+            yield DroppedPart(_MISSING if images else _PROCEDURAL, material.name)
         return
     if nodes[0].type not in _COLOR_NODES:
-        yield DroppedLook(_NODES, material.name)
+        yield DroppedPart(_NODES, material.name)
     if images:
         is_tiled = images[0].image is not None and images[0].image.source == "TILED"
-        yield DroppedLook(_TILES if is_tiled else _BLURRED, material.name)
+        yield DroppedPart(_TILES if is_tiled else _BLURRED, material.name)

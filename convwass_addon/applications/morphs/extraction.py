@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read the surface of a shape from its density, and say what it leaves out."""
+"""Extract the surface of a shape from its density, and report what the surface leaves out."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from .morph_settings import MorphSettings
 
 # Cells over which a density is averaged before its surface is read: less than the grid can show of a shape, and enough
 # for crumbs and false handles of a cell's size to vanish. The enclosed volume is chosen afterwards.
-_READING_BLUR = 0.7
-_READING_REACH = 4.0
+_EXTRACTION_BLUR = 0.7
+_EXTRACTION_REACH = 4.0
 # Below this share of the densest cell there is nothing.
 _NEGLIGIBLE = 1e-7
 # Mass that a blur carries out of a surface lies within so many of its standard deviations.
@@ -31,8 +31,8 @@ _REACH = 3.0
 
 
 @dataclass(frozen=True)
-class Reading:
-    """A surface read from a density.
+class Extraction:
+    """A surface extracted from a density.
 
     Attributes
     ----------
@@ -82,26 +82,26 @@ def level_density(
 
 
 def own_surface(occupancy: NDArray[np.floating], settings: MorphSettings) -> LevelSurface:
-    """Surface of a shape as it can be read from its occupancy, in the way that blends are read."""
+    """Surface of a shape, extracted from its occupancy as the surfaces of blends are."""
     volume = float(occupancy.sum(dtype=np.float64))
     prepared = _Prepared.of(occupancy, volume, settings)
     return prepared.placed(surface_enclosing(prepared.density, volume))
 
 
 def connectivity_of(occupancy: NDArray[np.floating], settings: MorphSettings) -> Connectivity:
-    """Pieces, handles and bubbles of a shape as they can be read from its occupancy at this resolution."""
+    """Pieces, handles and bubbles of the surface extracted from an occupancy."""
     return Connectivity.of(own_surface(occupancy, settings))
 
 
-def read_surface(
+def extract_surface(
     density: NDArray[np.float64],
     volume: float,
     sigma: float,
     shapes: Sequence[Connectivity],
     settings: MorphSettings,
     solids: CoincidingSolids | None = None,
-) -> Reading:
-    """Read the surface of a blend.
+) -> Extraction:
+    """Extract the surface of a blend.
 
     Parameters
     ----------
@@ -121,36 +121,36 @@ def read_surface(
     if settings.level == "half-max":
         surface = surface_at_level(density, float(density.max()) / 2)
         lost = lost_parts(density, density > surface.level, _REACH * sigma)
-        return Reading(
+        return Extraction(
             even_surface(surface, density), {"found": asdict(Connectivity.of(surface)), "lost": lost.record()}
         )
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
-    reading = _mended(prepared, volume, shapes, settings)
-    shown = prepared.density > reading.surface.level
+    extracted = _mended(prepared, volume, shapes, settings)
+    shown = prepared.density > extracted.surface.level
     lost = lost_parts(density[prepared.box], shown, _REACH * sigma).moved(prepared.low)
-    return Reading(prepared.placed(reading.surface), {**reading.record, "lost": lost.record()})
+    return Extraction(prepared.placed(extracted.surface), {**extracted.record, "lost": lost.record()})
 
 
-def read_coinciding(
+def extract_coinciding(
     solids: CoincidingSolids, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings
-) -> Reading:
-    """Read the surface of the mean of solids that coincide everywhere; for the parameters see :func:`read_surface`."""
+) -> Extraction:
+    """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
     return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings)
 
 
-def _mended(prepared: _Prepared, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings) -> Reading:
+def _mended(prepared: _Prepared, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings) -> Extraction:
     """Return the surface in the box of a density, mended as far as the settings ask for it."""
     if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
-        return Reading(even_surface(surface, prepared.density), {"found": asdict(Connectivity.of(surface))})
+        return Extraction(even_surface(surface, prepared.density), {"found": asdict(Connectivity.of(surface))})
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)
     mending = mended_surface(prepared.density, volume, most)
-    return Reading(mending.surface, mending.record())
+    return Extraction(mending.surface, mending.record())
 
 
 @dataclass(frozen=True)
@@ -178,9 +178,11 @@ class _Prepared:
         if not 0.0 < peak < np.inf:
             raise InputError("A density without mass has no surface.")
         low, high = bounding_box(density > _NEGLIGIBLE * peak)
-        margin = int(np.ceil(_READING_REACH * _READING_BLUR))
+        margin = int(np.ceil(_EXTRACTION_REACH * _EXTRACTION_BLUR))
         box = tuple(slice(max(a - margin, 0), b + margin) for a, b in zip(low, high, strict=True))
-        blurred = gaussian_filter((density[box] / peak).astype(np.float32), _READING_BLUR, truncate=_READING_REACH)
+        blurred = gaussian_filter(
+            (density[box] / peak).astype(np.float32), _EXTRACTION_BLUR, truncate=_EXTRACTION_REACH
+        )
         if settings.thin_parts:
             return cls(locally_normalized(blurred, volume), box, 1.0)
         return cls(blurred, box, peak)

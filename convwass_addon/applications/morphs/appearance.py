@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shapes look like, and what of it a blend gets: colors, materials and weights at the places it comes from."""
+"""Colors, materials and vertex groups of shapes, transferred to the vertices of a blend."""
 
 from __future__ import annotations
 
@@ -97,8 +97,8 @@ class Textured:
 
 
 @dataclass(frozen=True)
-class Look:
-    """What one shape looks like.
+class Appearance:
+    """Colors, materials and vertex groups of one shape.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class Look:
         return len(self.paints) == 1 and isinstance(self.paints[0], Plain) and not self.groups
 
     def at(self, points: NDArray) -> Seen:
-        """Look at the places closest to some points, (n, 3)."""
+        """Sample the surface at the places closest to some points, (n, 3)."""
         if self.is_even:
             nowhere = ClosestPoints(np.zeros(len(points), np.int64), np.empty((0, 3)), np.empty(0))
             return Seen(self.paints[0].at(nowhere), nowhere.triangles, {})
@@ -201,9 +201,9 @@ class Carried:
 
 
 def carried(
-    origins: NDArray[np.float32], faces: NDArray[np.int64], looks: Sequence[Look], weights: Sequence[float]
+    origins: NDArray[np.float32], faces: NDArray[np.int64], appearances: Sequence[Appearance], weights: Sequence[float]
 ) -> Carried:
-    """Look at where the vertices of a blend come from.
+    """Transfer the appearance of the inputs to the vertices of a blend.
 
     Colors are means over the faces about every vertex: edges of an image finer than the vertices would be jagged.
 
@@ -213,14 +213,14 @@ def carried(
         As :func:`.origins.blend_origins` gives them.
     faces : (m, 3) int64
         Of the blend.
-    looks : sequence of Look
+    appearances : sequence of Appearance
         One per input.
     weights : (k,)
         Of the blend.
     """
     seen = {
-        index: _softened(look.at(own), faces)
-        for index, (own, look, weight) in enumerate(zip(origins, looks, weights, strict=True))
+        index: _softened(appearance.at(own), faces)
+        for index, (own, appearance, weight) in enumerate(zip(origins, appearances, weights, strict=True))
         if weight > 0
     }
     return Carried(tuple(float(weight) for weight in weights), seen)
@@ -243,31 +243,31 @@ class FaceSlots:
 
 
 def face_slots(
-    look: Carried, faces: NDArray[np.int64], triangles: NDArray[np.int32] | None, looks: Sequence[Look]
+    taken: Carried, faces: NDArray[np.int64], triangles: NDArray[np.int32] | None, appearances: Sequence[Appearance]
 ) -> FaceSlots:
     """Tell from which material slots the triangles of a blend come.
 
     Parameters
     ----------
-    look : Carried
+    taken : Carried
         What the vertices of the blend bring.
     faces : (m, 3) int64
         Of the blend.
     triangles : (k, m) int32 or None
         The triangle of every input that each triangle lies on, -1 for none; without it, the slot that most corners of a
         triangle come from.
-    looks : sequence of Look
+    appearances : sequence of Appearance
         One per input.
     """
-    slots = np.zeros((len(faces), len(looks)), np.int64)
-    for index, seen in look.inputs.items():
-        if not looks[index].materials.any():
+    slots = np.zeros((len(faces), len(appearances)), np.int64)
+    for index, seen in taken.inputs.items():
+        if not appearances[index].materials.any():
             continue
         a, b, c = seen.materials[faces].T
         slots[:, index] = np.where(b == c, b, a)
         if triangles is not None:
             known = triangles[index] >= 0
-            slots[known, index] = looks[index].materials[triangles[index][known]]
+            slots[known, index] = appearances[index].materials[triangles[index][known]]
     combinations, own = np.unique(slots, axis=0, return_inverse=True)
     return FaceSlots([tuple(map(int, row)) for row in combinations], own.reshape(-1))
 

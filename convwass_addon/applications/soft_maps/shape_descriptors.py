@@ -29,7 +29,7 @@ _TINY = 1e-9
 
 
 @dataclass(frozen=True)
-class ShapeLooks:
+class ShapeDescriptors:
     """Descriptors of the vertices of one surface.
 
     Attributes
@@ -49,7 +49,7 @@ class ShapeLooks:
     descriptors: NDArray[np.float64]
 
 
-def shape_looks(shape: UnitShape, marked: NDArray[np.int64], groups: NDArray[np.float64]) -> ShapeLooks:
+def shape_descriptors(shape: UnitShape, marked: NDArray[np.int64], groups: NDArray[np.float64]) -> ShapeDescriptors:
     """Describe a surface.
 
     Parameters
@@ -70,10 +70,12 @@ def shape_looks(shape: UnitShape, marked: NDArray[np.int64], groups: NDArray[np.
     for functions in (bells, groups):
         if len(functions):
             descriptors.append(_BELLS * _unit(functions.T, modes.areas))
-    return ShapeLooks(modes, signature.astype(np.float32), away.astype(np.float32), np.concatenate(descriptors, axis=1))
+    return ShapeDescriptors(
+        modes, signature.astype(np.float32), away.astype(np.float32), np.concatenate(descriptors, axis=1)
+    )
 
 
-def differences(source: ShapeLooks, target: ShapeLooks) -> NDArray[np.float32]:
+def differences(source: ShapeDescriptors, target: ShapeDescriptors) -> NDArray[np.float32]:
     """Return how differently points look, (n0, n1); marked points know their partners."""
     total = _relative(_signature_differences(source.signature, target.signature))
     if len(source.distances):

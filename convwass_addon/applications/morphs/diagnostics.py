@@ -86,7 +86,7 @@ _LEAST_FINER, _MUCH_FINER = 1.25, 1.5
 
 
 @dataclass(frozen=True)
-class HealthNote:
+class Diagnostic:
     """One thing to know about a bake.
 
     Attributes
@@ -116,19 +116,19 @@ class HealthNote:
         return TEXTS[self.kind].format(**self.values)
 
 
-def health(
+def diagnose(
     records: Sequence[Mapping[str, object]],
     settings: Mapping[str, object],
     names: Sequence[str],
     numbers: Sequence[int] | None = None,
-    looks: Sequence[HealthNote] = (),
-) -> list[HealthNote]:
+    dropped: Sequence[Diagnostic] = (),
+) -> list[Diagnostic]:
     """Say what is wrong with a bake and what to do about it, the worst first.
 
     Parameters
     ----------
     records : sequence of dict
-        The solver's figures of every frame, whole or as `health_figures` leaves them; figures that are missing are
+        The solver's figures of every frame, whole or as `diagnostic_figures` leaves them; figures that are missing are
         taken as good.
     settings : dict
         What the bake was asked for: its ``resolution``, and ``blur`` where that was set.
@@ -136,12 +136,12 @@ def health(
         Of the shapes.
     numbers : sequence of int, optional
         What to call the frames; 1, 2, ... by default.
-    looks : sequence of HealthNote
-        What frames do not show of the looks of the shapes.
+    dropped : sequence of Diagnostic
+        What frames do not show of the materials of the shapes.
     """
     if any(record.get("preview") for record in records):
-        return [HealthNote("PREVIEWS", {})]
-    figures = [{**record, **health_figures(record)} for record in records]
+        return [Diagnostic("PREVIEWS", {})]
+    figures = [{**record, **diagnostic_figures(record)} for record in records]
     calls = _Frames(figures, list(numbers) if numbers is not None else list(range(1, len(figures) + 1)))
     resolution = int(settings["resolution"])
     notes = [
@@ -153,13 +153,13 @@ def health(
         *_at_the_wall(calls),
         *_widened(calls, settings, resolution),
         *_notices(figures),
-        *looks,
+        *dropped,
     ]
-    return [*(notes or [HealthNote("GOOD", {})]), *_motion(figures)]
+    return [*(notes or [Diagnostic("GOOD", {})]), *_motion(figures)]
 
 
-def health_figures(record: Mapping[str, object]) -> dict[str, str | float]:
-    """Return what `health` needs of the nested parts of a record, as single figures."""
+def diagnostic_figures(record: Mapping[str, object]) -> dict[str, str | float]:
+    """Return what `diagnose` needs of the nested parts of a record, as single figures."""
     result: dict[str, str | float] = {}
     motion = record.get("motion")
     if isinstance(motion, Mapping):
@@ -222,14 +222,14 @@ def finer(resolution: int, cells: float) -> int:
     return min(math.ceil(wanted / _STEP) * _STEP, max(_FINEST, resolution))
 
 
-def _not_converged(frames: _Frames) -> list[HealthNote]:
+def _not_converged(frames: _Frames) -> list[Diagnostic]:
     slack = frames.where(lambda figure: figure.get("converged") is False)
     if not slack.figures:
         return []
-    return [HealthNote("NOT_CONVERGED", {"frames": str(slack), "error": slack.most("marginal_error")})]
+    return [Diagnostic("NOT_CONVERGED", {"frames": str(slack), "error": slack.most("marginal_error")})]
 
 
-def _too_coarse(figures: Sequence[dict[str, object]], resolution: int, names: Sequence[str]) -> list[HealthNote]:
+def _too_coarse(figures: Sequence[dict[str, object]], resolution: int, names: Sequence[str]) -> list[Diagnostic]:
     notes, said = [], set()
     for figure in figures:
         index, cells = figure.get("input"), _number(figure, "thin_thickness")
@@ -243,11 +243,11 @@ def _too_coarse(figures: Sequence[dict[str, object]], resolution: int, names: Se
                 "cells": cells,
                 "better": finer(resolution, cells),
             }
-            notes.append(HealthNote("TOO_COARSE", values))
+            notes.append(Diagnostic("TOO_COARSE", values))
     return notes
 
 
-def _lost(frames: _Frames, resolution: int) -> list[HealthNote]:
+def _lost(frames: _Frames, resolution: int) -> list[Diagnostic]:
     torn = frames.where(lambda figure: _number(figure, "lost_share") >= _SHARE)
     if not torn.figures:
         return []
@@ -255,56 +255,56 @@ def _lost(frames: _Frames, resolution: int) -> list[HealthNote]:
     thickness, length = _number(worst, "lost_thickness"), _number(worst, "lost_length")
     values = {"frames": str(torn), "share": torn.most("lost_share"), "better": finer(resolution, thickness)}
     if thickness:
-        return [HealthNote("LOST_THIN", {**values, "thickness": thickness, "length": length})]
-    return [HealthNote("LOST", values)]
+        return [Diagnostic("LOST_THIN", {**values, "thickness": thickness, "length": length})]
+    return [Diagnostic("LOST", values)]
 
 
-def _torn(frames: _Frames) -> list[HealthNote]:
+def _torn(frames: _Frames) -> list[Diagnostic]:
     torn = frames.where(lambda figure: _number(figure, "found_pieces") > _number(figure, "most_pieces") > 0.0)
     if not torn.figures:
         return []
     values = {"frames": str(torn), "pieces": int(torn.most("found_pieces")), "most": int(torn.most("most_pieces"))}
-    return [HealthNote("TORN", values)]
+    return [Diagnostic("TORN", values)]
 
 
-def _holes(frames: _Frames) -> list[HealthNote]:
+def _holes(frames: _Frames) -> list[Diagnostic]:
     def beyond(figure: Mapping[str, object]) -> int:
         return int(_number(figure, "found_handles") - _number(figure, "most_handles"))
 
     pierced = frames.where(lambda figure: "most_handles" in figure and beyond(figure) > 0)
     if not pierced.figures:
         return []
-    return [HealthNote("HOLES", {"frames": str(pierced), "holes": max(map(beyond, pierced.figures))})]
+    return [Diagnostic("HOLES", {"frames": str(pierced), "holes": max(map(beyond, pierced.figures))})]
 
 
-def _at_the_wall(frames: _Frames) -> list[HealthNote]:
+def _at_the_wall(frames: _Frames) -> list[Diagnostic]:
     touching = frames.where(lambda figure: _number(figure, "wall") >= _WALL_SHARE)
     if not touching.figures:
         return []
-    return [HealthNote("WALL", {"frames": str(touching), "share": touching.most("wall")})]
+    return [Diagnostic("WALL", {"frames": str(touching), "share": touching.most("wall")})]
 
 
-def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -> list[HealthNote]:
+def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -> list[Diagnostic]:
     if settings.get("blur") is not None:
         return []
     asked = MorphSettings(resolution=resolution).sigma
     wide = frames.where(lambda figure: _number(figure, "sigma") > _WIDER * asked)
-    return [HealthNote("WIDENED", {"frames": str(wide), "sigma": wide.most("sigma")})] if wide.figures else []
+    return [Diagnostic("WIDENED", {"frames": str(wide), "sigma": wide.most("sigma")})] if wide.figures else []
 
 
-def _motion(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
+def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     """Say what motion was chosen automatically, and why; of one that was asked for there is nothing to say."""
     chosen = next((figure for figure in figures if figure.get("motion_reason") not in (None, "ASKED")), None)
     if chosen is None:
         return []
     if chosen["motion_reason"] in ("SOLID", "MANY"):
-        return [HealthNote(str(chosen["motion_reason"]), {})]
+        return [Diagnostic(str(chosen["motion_reason"]), {})]
     kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
     if kind is None or chosen.get("motion_score") is None:
-        return [HealthNote("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []
-    return [HealthNote(kind, {"score": _number(chosen, "motion_score")})]
+        return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []
+    return [Diagnostic(kind, {"score": _number(chosen, "motion_score")})]
 
 
-def _notices(figures: Sequence[dict[str, object]]) -> list[HealthNote]:
+def _notices(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     notices = dict.fromkeys(notice for figure in figures for notice in part_notices(figure))
-    return [HealthNote(notice.kind, {"name": notice.name}) for notice in notices]
+    return [Diagnostic(notice.kind, {"name": notice.name}) for notice in notices]

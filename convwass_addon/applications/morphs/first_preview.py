@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first glance at one blend of a morph, from coarse voxels: something to look at before a second has passed."""
+"""A first, coarse preview of one blend of a morph, within a second."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from .part_labels import Matching
 from .parts import joined, voxelized_parts
 from .volumes import Lattice
 
-# Cells along the longest side, and how much finer a morph must be for a glance to be worth its time.
+# Cells along the longest side; a preview is made only if the morph is finer by this factor.
 _RESOLUTION, _FINER = 64, 1.25
 
 
-def glance(
+def first_preview(
     shapes: Sequence[TriangleMesh],
     names: Sequence[str],
     blend: Blend,
@@ -30,7 +30,7 @@ def glance(
     matching: Matching,
     control: Control = UNINTERRUPTED,
 ) -> MorphFrame | None:
-    """Show a blend as it is at a resolution that takes a fifth of a second.
+    """Solve a blend at a coarse resolution, which takes about a fifth of a second.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ def glance(
     Returns
     -------
     MorphFrame or None
-        Only to be looked at; None where the morph itself is hardly finer, where the blend is a shape as it is, or where
-        the shapes are too thin to be seen so coarsely.
+        For display only. None if the morph itself is hardly finer, if the blend is one of the shapes, or if the shapes
+        are too thin for this resolution.
     """
     if settings.resolution < _FINER * _RESOLUTION or blend.source is not None:
         return None

@@ -10,7 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.applications.morphs.health import TEXTS, HealthNote, finer, health, health_figures, listed
+from convwass_addon.applications.morphs.diagnostics import (
+    TEXTS,
+    Diagnostic,
+    diagnose,
+    diagnostic_figures,
+    finer,
+    listed,
+)
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.thin_shapes import thin_parts, wall_share
 from convwass_addon.geometry.occupancy import occupancy
@@ -22,7 +29,7 @@ GOOD = {"converged": True, "marginal_error": 0.005, "sigma": 1.0, "wall": 0.0}
 
 
 def kinds(records, settings=SETTINGS, names=("Cow", "Duck"), numbers=None):
-    return [note.kind for note in health(records, settings, names, numbers)]
+    return [note.kind for note in diagnose(records, settings, names, numbers)]
 
 
 def lost(share, thickness=1.3, length=14.0):
@@ -44,13 +51,13 @@ def test_a_good_bake_is_said_to_be_good():
 
 def test_what_is_not_converged_names_the_frames_and_the_worst_error():
     slack = {"converged": False, "marginal_error": 0.034}
-    note = health([GOOD, GOOD | slack, GOOD | slack | {"marginal_error": 0.02}, GOOD], SETTINGS, ["A", "B"])[0]
+    note = diagnose([GOOD, GOOD | slack, GOOD | slack | {"marginal_error": 0.02}, GOOD], SETTINGS, ["A", "B"])[0]
     assert note.severity == "ERROR"
     assert note.text == "Less exact than asked for in 2-3, by up to 3.4%: try more blur"
 
 
 def test_lost_parts_are_measured_and_a_resolution_is_proposed():
-    note = health([GOOD, GOOD | {"lost": lost(0.021)}], SETTINGS, ["A", "B"], [10, 11])[0]
+    note = diagnose([GOOD, GOOD | {"lost": lost(0.021)}], SETTINGS, ["A", "B"], [10, 11])[0]
     assert note.text == "Parts 1.3 cells thick and 14 long are lost in 11, up to 2.1% of the shape: try resolution 104"
     assert kinds([GOOD | {"lost": lost(0.0005)}]) == ["GOOD"]
 
@@ -58,7 +65,7 @@ def test_lost_parts_are_measured_and_a_resolution_is_proposed():
 def test_pieces_and_holes_that_no_shape_has_are_told():
     most = {"pieces": 1, "handles": 0, "bubbles": 0}
     torn = GOOD | {"found": most | {"pieces": 3, "handles": 1}, "most": most}
-    notes = health([GOOD, torn, GOOD | {"found": most, "most": most}], SETTINGS, ["A", "B"])
+    notes = diagnose([GOOD, torn, GOOD | {"found": most, "most": most}], SETTINGS, ["A", "B"])
     assert [note.text for note in notes] == [
         "Torn into up to 3 pieces in 2, where the shapes have 1: try another motion",
         "Up to 1 more holes than the shapes have in 2, where parts meet on the way",
@@ -85,7 +92,7 @@ def test_a_blur_wider_than_the_automatic_one_is_told_and_one_that_was_asked_for_
 
 
 def test_notices_about_parts_are_passed_on_once():
-    notes = health([GOOD | {"notices": (("TOO_SMALL", "Tail"),)}] * 3, SETTINGS, ["A", "B"])
+    notes = diagnose([GOOD | {"notices": (("TOO_SMALL", "Tail"),)}] * 3, SETTINGS, ["A", "B"])
     assert [note.text for note in notes] == ["Tail is too small at this resolution and travels with the rest."]
 
 
@@ -127,7 +134,7 @@ def test_a_shape_that_is_thin_all_over_is_told():
 
 def test_too_coarse_for_the_legs_of_the_cow():
     record = {"input": 0, "thin": thin_parts(body_with_leg(1.1))}
-    note = health([record], SETTINGS, ["Cow", "Duck"])[0]
+    note = diagnose([record], SETTINGS, ["Cow", "Duck"])[0]
     assert note.text.startswith("Resolution 64 is too coarse for thin parts of Cow (1.")
     assert note.values["better"] in (104, 112)
     assert thin_parts(body_with_leg(1.1 * note.values["better"] / 64, (64, 32, 32)))["parts"] == ()
@@ -135,8 +142,8 @@ def test_too_coarse_for_the_legs_of_the_cow():
 
 def test_figures_alone_say_the_same_as_whole_records_after_a_trip_through_json():
     record = GOOD | {"lost": lost(0.05), "input": 1, "thin": thin_parts(body_with_leg(1.2))}
-    flat = {name: value for name, value in record.items() if not isinstance(value, dict)} | health_figures(record)
-    assert health([json.loads(json.dumps(flat))], SETTINGS, ["A", "B"]) == health([record], SETTINGS, ["A", "B"])
+    flat = {name: value for name, value in record.items() if not isinstance(value, dict)} | diagnostic_figures(record)
+    assert diagnose([json.loads(json.dumps(flat))], SETTINGS, ["A", "B"]) == diagnose([record], SETTINGS, ["A", "B"])
 
 
 def test_damaged_figures_are_taken_as_good():
@@ -159,7 +166,7 @@ def test_the_motion_that_was_chosen_is_told(motion, expected):
     """Also from the figures that are stored with a frame."""
     record = {"motion": motion}
     assert kinds([record]) == expected
-    assert kinds([health_figures(record)]) == expected
+    assert kinds([diagnostic_figures(record)]) == expected
 
 
 def test_every_template_can_be_filled():
@@ -167,7 +174,7 @@ def test_every_template_can_be_filled():
     values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x", "score": 0.8, "failure": "x"}
     values |= {"pieces": 3, "most": 1, "holes": 2, "materials": "x", "names": "x", "sockets": "x"}
     for kind in TEXTS:
-        assert HealthNote(kind, values).text
+        assert Diagnostic(kind, values).text
 
 
 @given(st.sets(st.integers(0, 60)))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw looks that are carried along, docs/pictures/looks.jpg: ``python3 run.py python docs/looks.py``."""
+"""Draw looks that are carried along, docs/pictures/appearance.jpg: ``python3 run.py python docs/appearance.py``."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def main() -> None:
     bpy.ops.convwass.bake_morph(frames=4, resolution=128, motion="TRANSPORT", reverse=True)
     morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
     with TemporaryDirectory() as folder:
-        save_jpeg(drained(render_contact_sheet(morph, Path(folder) / "looks.png")), "looks")
+        save_jpeg(drained(render_contact_sheet(morph, Path(folder) / "appearance.png")), "appearance")
 
 
 def _paint(obj: bpy.types.Object, paint: Callable[[NDArray[np.float32]], NDArray[np.float64]]) -> None:

@@ -7,15 +7,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.appearance import Carried, Painted, Plain, Seen, Textured
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
-from convwass_addon.applications.morphs.looks import Carried, Painted, Plain, Seen, Textured
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.morphs.dropped_looks import dropped_looks, dropped_notes
+from convwass_addon.bridge.morphs.appearance import read_appearance, read_shading, seen_colors, write_carried
+from convwass_addon.bridge.morphs.dropped_appearance import dropped_notes, dropped_parts
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.looks import read_look, read_shading, seen_colors, write_carried
-from convwass_addon.bridge.morphs.stored import frame_objects, stored_health
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
 from convwass_addon.bridge.objects import frozen_copy
 from convwass_addon.geometry.normals import triangle_normals
 from tests.shapes import ball, box, joined
@@ -68,8 +68,8 @@ def paint(obj, colors, domain="POINT", kind="FLOAT_COLOR", name="Paint"):
     return attribute
 
 
-def look_of(obj, depsgraph):
-    return read_look(frozen_copy(obj, depsgraph), tuple(obj.color), [group.name for group in obj.vertex_groups])
+def appearance_of(obj, depsgraph):
+    return read_appearance(frozen_copy(obj, depsgraph), tuple(obj.color), [group.name for group in obj.vertex_groups])
 
 
 def bake(scene, inputs, steps=2, options=None, **settings):
@@ -100,19 +100,19 @@ def test_plain_colors_by_material(make_object, depsgraph):
     obj = add_shape(make_object, "Shape", ball(points=200), material("A", RED), material("B", BLUE))
     for polygon in obj.data.polygons:
         polygon.material_index = int(polygon.center.z > 0)
-    look = look_of(obj, depsgraph)
-    assert look.paints == (Plain(RED), Plain(BLUE))
-    np.testing.assert_array_equal(look.at([[0, 0, 2.0], [0, 0, -2.0]]).colors, [BLUE, RED])
+    appearance = appearance_of(obj, depsgraph)
+    assert appearance.paints == (Plain(RED), Plain(BLUE))
+    np.testing.assert_array_equal(appearance.at([[0, 0, 2.0], [0, 0, -2.0]]).colors, [BLUE, RED])
 
 
 def test_without_material_the_object_has_its_color_or_that_of_its_attribute(make_object, depsgraph):
     plain = add_shape(make_object, "Plain", ball(points=100))
     plain.color = GREEN
-    assert look_of(plain, depsgraph).paints == (Plain(GREEN),)
+    assert appearance_of(plain, depsgraph).paints == (Plain(GREEN),)
     painted = add_shape(make_object, "Painted", ball(points=100))
     heights = (ball(points=100).vertices[:, 2:] + 1) / 2
     paint(painted, np.hstack([heights] * 3 + [np.ones_like(heights)]))
-    found = look_of(painted, depsgraph).at(ball(points=100).vertices * 1.5).colors
+    found = appearance_of(painted, depsgraph).at(ball(points=100).vertices * 1.5).colors
     np.testing.assert_allclose(found[:, :1], heights, atol=1e-5)
 
 
@@ -126,9 +126,9 @@ def test_a_material_may_show_any_color_attribute(make_object, depsgraph, domain,
     count = len(obj.data.vertices if domain == "POINT" else obj.data.loops)
     paint(obj, np.tile(RED, (count, 1)), domain, kind, "First")
     paint(obj, np.tile((0.2, 0.4, 0.6, 1), (count, 1)), domain, kind, "Second")
-    look = look_of(obj, depsgraph)
-    assert isinstance(look.paints[0], Painted)
-    np.testing.assert_allclose(look.at([[0, 0, 1.0]]).colors, [(0.2, 0.4, 0.6, 1)], atol=0.01)
+    appearance = appearance_of(obj, depsgraph)
+    assert isinstance(appearance.paints[0], Painted)
+    np.testing.assert_allclose(appearance.at([[0, 0, 1.0]]).colors, [(0.2, 0.4, 0.6, 1)], atol=0.01)
 
 
 def with_uvs(obj):
@@ -151,7 +151,7 @@ def test_images_are_seen_where_their_texture_coordinates_say_and_in_linear_light
     made = material("Pictured")
     linked(made, "ShaderNodeTexImage").image = image(pixels, is_float=is_float)
     obj = with_uvs(add_shape(make_object, "Shape", ball(points=800), made))
-    found = look_of(obj, depsgraph).at([[0.6, 0, 0.9], [-0.6, 0, 0.9], [0.6, 0.1, -0.9]]).colors
+    found = appearance_of(obj, depsgraph).at([[0.6, 0, 0.9], [-0.6, 0, 0.9], [0.6, 0.1, -0.9]]).colors
     np.testing.assert_allclose(found, [(expected, 0, 0, 1), (0, 0, 0, 1), (expected, 0, 0, 1)], atol=0.01)
 
 
@@ -162,7 +162,7 @@ def test_an_image_behind_other_nodes_is_found(make_object, depsgraph):
     picture.image = image(np.ones((2, 2, 4)))
     made.node_tree.links.new(picture.outputs["Color"], between.inputs["Color"])
     obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
-    assert isinstance(look_of(obj, depsgraph).paints[0], Textured)
+    assert isinstance(appearance_of(obj, depsgraph).paints[0], Textured)
 
 
 @pytest.mark.parametrize("missing", ["image", "file", "coordinates", "node"])
@@ -180,7 +180,7 @@ def test_what_cannot_be_seen_has_the_color_of_the_viewport(make_object, depsgrap
     obj = add_shape(make_object, "Shape", ball(points=100), made)
     if missing != "coordinates":
         with_uvs(obj)
-    assert look_of(obj, depsgraph).paints == (Plain(BLUE),)
+    assert appearance_of(obj, depsgraph).paints == (Plain(BLUE),)
 
 
 def test_large_images_are_halved_until_they_are_small(make_object, depsgraph):
@@ -189,9 +189,9 @@ def test_large_images_are_halved_until_they_are_small(make_object, depsgraph):
     made = material("Large")
     linked(made, "ShaderNodeTexImage").image = image(pixels, is_float=True)
     obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
-    look = read_look(frozen_copy(obj, depsgraph), WHITE, texture_size=4)
-    assert look.paints[0].pixels.shape == (2, 4, 4)
-    np.testing.assert_array_equal(look.paints[0].pixels[:, :, 0], [[0, 0, 1, 1]] * 2)
+    appearance = read_appearance(frozen_copy(obj, depsgraph), WHITE, texture_size=4)
+    assert appearance.paints[0].pixels.shape == (2, 4, 4)
+    np.testing.assert_array_equal(appearance.paints[0].pixels[:, :, 0], [[0, 0, 1, 1]] * 2)
 
 
 def test_vertex_groups_become_attributes_if_all_inputs_have_them(bare_scene, make_object):
@@ -310,7 +310,7 @@ def test_frames_keep_the_slots_of_their_inputs(bare_scene, make_object, faces):
     assert all(polygon.material_index == int(polygon.center.x > 0) for polygon in mesh.polygons)
 
 
-def test_looks_that_frames_do_not_show_are_named(bare_scene, make_object):
+def test_materials_that_frames_do_not_show_are_named(bare_scene, make_object):
     """A procedural color, a normal map and a texture of the roughness in one input; another one is plain."""
     noisy = material("Noisy")
     linked(noisy, "ShaderNodeTexNoise")
@@ -324,7 +324,7 @@ def test_looks_that_frames_do_not_show_are_named(bare_scene, make_object):
     for polygon in shape.data.polygons:
         polygon.material_index = int(polygon.center.z > 0)
     plain = add_shape(make_object, "B", ball(points=300), glowing("Lamp", RED, 2.0))
-    notes = stored_health(bake(bare_scene, [shape, plain]))
+    notes = stored_diagnostics(bake(bare_scene, [shape, plain]))
     assert [(note.kind, note.values["materials"]) for note in notes] == [
         ("LOOK_PROCEDURAL", "Noisy"),
         ("LOOK_NORMALS", "Rough"),
@@ -360,7 +360,7 @@ def test_what_frames_do_not_show_of_a_material(make_object, depsgraph, kind, exp
         if kind == "texture":
             node.image = image(np.ones((2, 2, 4)))
     frozen = frozen_copy(obj, depsgraph)
-    notes = dropped_notes(["Shape"], [dropped_looks(frozen, read_look(frozen, WHITE))])
+    notes = dropped_notes(["Shape"], [dropped_parts(frozen, read_appearance(frozen, WHITE))])
     assert [note.kind for note in notes] == expected
 
 

@@ -19,7 +19,7 @@ _LEFT = 1 << 16
 _ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9"}
 
 
-def require_room(folder: Path, needed: int) -> None:
+def require_space(folder: Path, needed: int) -> None:
     """Refuse to begin to write where the disk has less room than that, in bytes.
 
     Raises

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rules of the house that a reader would otherwise have to check: licence lines, style, which room may import which."""
+"""The architecture and the style: which package may import which, license headers, formatting."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ MAY_IMPORT = {
     "errors": {"sentence"},
     "schema": {"errors", "sentence"},
     "progress": {"errors", "sentence"},
-    "disk_room": {"errors", "sentence"},
-    "drafts": {"disk_room", "errors", "sentence"},
+    "disk_space": {"errors", "sentence"},
+    "drafts": {"disk_space", "errors", "sentence"},
     "one_line": set(),
     "transport": {"errors", "one_line", "progress", "sentence", "geometry"},
     "geometry": {"errors", "one_line", "progress", "sentence"},
@@ -58,7 +58,7 @@ MAY_IMPORT = {
     },
     "bridge": {
         "array_files",
-        "disk_room",
+        "disk_space",
         "drafts",
         "errors",
         "progress",
@@ -111,11 +111,11 @@ MAY_IMPORT = {
         "translations",
     },
 }
-"""Which rooms of the package each room may import from, besides itself."""
+"""For each module or subpackage of the add-on, the others that it may import."""
 
 WITHOUT_BLENDER = (
     "array_files",
-    "disk_room",
+    "disk_space",
     "drafts",
     "errors",
     "progress",
@@ -133,15 +133,15 @@ def modules() -> list[str]:
     return sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py"))
 
 
-def room_of(module: str) -> str:
+def package_of(module: str) -> str:
     return Path(module).parts[0].removesuffix(".py")
 
 
 @cache
 def imports_of(module: str) -> list[tuple[int, str]]:
-    """Return the line and the full name of all that a module of the package imports, inside functions too.
+    """Return line and full name of every import in a module, including those inside functions.
 
-    Relative imports are spelled out from ``.``, the package itself.
+    Relative imports are written as paths from ``.``, the add-on's package.
     """
     folder, found = Path(module).parts[:-1], []
     for node in ast.walk(ast.parse((PACKAGE / module).read_text(encoding="utf-8"))):
@@ -154,20 +154,20 @@ def imports_of(module: str) -> list[tuple[int, str]]:
     return found
 
 
-def complaint(room: str, name: str) -> str | None:
-    """Say what is wrong with importing `name` in a room; None where nothing is."""
+def complaint(package: str, name: str) -> str | None:
+    """Return why `package` may not import `name`, or None if it may."""
     first, *rest = name.split("/")
     if first == ".":
-        is_forbidden = rest[0] in MAY_IMPORT.keys() - MAY_IMPORT[room] - {room}
-        return f"{room} may not import {rest[0]}" if is_forbidden else None
-    package = first.partition(".")[0]
-    if package == "convwass_addon":
-        return "inside the package only relative imports resolve once it is an extension"
-    return f"{room} does without Blender" if package in BLENDER and room in WITHOUT_BLENDER else None
+        is_forbidden = rest[0] in MAY_IMPORT.keys() - MAY_IMPORT[package] - {package}
+        return f"{package} may not import {rest[0]}" if is_forbidden else None
+    library = first.partition(".")[0]
+    if library == "convwass_addon":
+        return "use a relative import; absolute ones fail in an installed extension"
+    return f"{package} must not import Blender" if library in BLENDER and package in WITHOUT_BLENDER else None
 
 
 def test_rooms_are_known():
-    assert {room_of(module) for module in modules()} <= MAY_IMPORT.keys()
+    assert {package_of(module) for module in modules()} <= MAY_IMPORT.keys()
 
 
 def test_imports_point_one_way():
@@ -175,13 +175,13 @@ def test_imports_point_one_way():
         f"{module}:{line}: {wrong}"
         for module in modules()
         for line, name in imports_of(module)
-        if (wrong := complaint(room_of(module), name))
+        if (wrong := complaint(package_of(module), name))
     ]
     assert found == []
 
 
 @pytest.mark.parametrize(
-    ("room", "name"),
+    ("package", "name"),
     [
         ("transport", "bpy"),
         ("transport", "bpy.types"),
@@ -193,23 +193,23 @@ def test_imports_point_one_way():
         ("operators", "convwass_addon/errors"),
     ],
 )
-def test_the_rule_notices(room, name):
-    assert complaint(room, name)
+def test_violations_are_found(package, name):
+    assert complaint(package, name)
 
 
 def imported_modules(module: str) -> set[str]:
-    """Return the modules of the package that a module imports, in functions and for types too."""
+    """Return the add-on's modules that a module imports, including imports in functions and for annotations."""
     found = set()
     for _, name in imports_of(module):
         parts = name.split("/")[1:] if name.startswith("./") else []
-        # What is imported is a module, or a name in one.
+        # The last part is either a module or a name in one.
         candidates = ["/".join(taken) for taken in (parts, parts[:-1]) if taken]
         files = [f"{path}{end}" for path in candidates for end in (".py", "/__init__.py")]
         found.update([file for file in files if (PACKAGE / file).is_file()][:1])
     return found - {module}
 
 
-def test_imports_make_no_circle():
+def test_there_are_no_import_cycles():
     imports = {module: imported_modules(module) for module in modules()}
     with_imports = sum(map(bool, imports.values()))
     assert with_imports > 300
@@ -219,9 +219,9 @@ def test_imports_make_no_circle():
         imports = {module: needed for module, needed in imports.items() if module not in free}
 
 
-def test_arrays_need_no_blender():
-    """Nor does importing any one module of these rooms bring it in by a way around."""
-    names = [module for module in modules() if room_of(module) in WITHOUT_BLENDER]
+def test_numerical_code_does_not_load_blender():
+    """Importing any of these modules must not load bpy indirectly either."""
+    names = [module for module in modules() if package_of(module) in WITHOUT_BLENDER]
     assert len(names) > 100
     dotted = [".".join(("convwass_addon", *Path(name).with_suffix("").parts)) for name in names]
     script = (
@@ -234,7 +234,7 @@ def test_arrays_need_no_blender():
 
 
 def license_lines(source: Path) -> list[str]:
-    """Return the two lines of a file that should be its license."""
+    """Return the first two lines of a file after a shebang."""
     lines = [line for line in source.read_text(encoding="utf-8").splitlines() if not line.startswith("#!")]
     return lines[:2]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What meshes look like as arrays, and what frames carry of it as attributes."""
+"""Read the appearance of meshes as arrays, and write what frames carry of it as attributes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ...applications.morphs.looks import Carried, Look, Paint, Painted, Plain, Textured
+from ...applications.morphs.appearance import Appearance, Carried, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
@@ -33,10 +33,10 @@ _ROUNDED = 1e-2
 _MOST_PIXELS = 1024
 
 
-def read_look(
+def read_appearance(
     mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = (), texture_size: int = _MOST_PIXELS
-) -> Look:
-    """Read what a mesh looks like in renders, as far as it is a matter of base colors.
+) -> Appearance:
+    """Read the base colors and vertex groups of a mesh.
 
     A material has the color of its Principled BSDF: an image or a color attribute that it is made from (the first one
     that leads there), or the plain color; with neither it has the color that it has in the viewport. A mesh without
@@ -60,7 +60,7 @@ def read_look(
     loops = _gathered(triangles, "loops", 3, np.int32)
     slots = list(mesh.materials) or [None]
     materials = _gathered(triangles, "material_index", 1, np.int32)[:, 0].astype(np.int64)
-    return Look(
+    return Appearance(
         corners,
         # A face may name a slot that is not there; Blender shows the last one.
         np.minimum(materials, len(slots) - 1),
@@ -182,7 +182,7 @@ def seen_colors(mesh: bpy.types.Mesh, color: Sequence[float]) -> np.ndarray:
     carried = mesh.color_attributes.get(COLOR)
     if carried is not None and carried.domain == "POINT":
         return _gathered(carried.data, "color", 4, np.float32)
-    return read_look(mesh, color).at(_gathered(mesh.vertices, "co", 3, np.float32)).colors
+    return read_appearance(mesh, color).at(_gathered(mesh.vertices, "co", 3, np.float32)).colors
 
 
 def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
@@ -193,7 +193,7 @@ def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
     _write(mesh, name, "BYTE_COLOR", colors)
 
 
-def write_own_look(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
+def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
     """Let an input that has no material show its color attribute as frames show theirs; tell whether it has one.
 
     Parameters

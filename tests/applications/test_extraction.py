@@ -9,10 +9,10 @@ from pathlib import Path
 import bpy
 import pytest
 
+from convwass_addon.applications.morphs.extraction import connectivity_of, extract_surface
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.reading import connectivity_of, read_surface
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.edges import topology
@@ -101,8 +101,8 @@ def test_connectivity_of_shapes():
 def test_records_say_what_was_found_and_lost(changes):
     density = filled(ball()).astype(float)
     settings = MorphSettings(motion="transport", resolution=40, **changes)
-    reading = read_surface(density, float(density.sum()), 1.0, [Connectivity(1, 0, 0)], settings)
-    record = json.loads(json.dumps(reading.record))
+    extracted = extract_surface(density, float(density.sum()), 1.0, [Connectivity(1, 0, 0)], settings)
+    record = json.loads(json.dumps(extracted.record))
     assert record["found"] == {"pieces": 1, "handles": 0, "bubbles": 0}
     assert record["lost"]["share"] == 0
     assert ("mended" in record) == (settings.mend and settings.level == "volume")

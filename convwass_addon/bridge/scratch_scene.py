@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A temporary scene for Blender's importers and exporters, so that they leave the user's scene alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+
+
+@contextmanager
+def scratch_scene() -> Iterator[bpy.types.Scene]:
+    """Run a block of code in a new scene, which is removed afterwards.
+
+    Importers change the frame range, frame rate and selection of the current scene, and exporters write everything
+    in it. Objects created in the temporary scene are kept.
+    """
+    scene = bpy.data.scenes.new("Convwass Scratch")
+    try:
+        with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=scene.collection):
+            yield scene
+    finally:
+        bpy.data.scenes.remove(scene)
