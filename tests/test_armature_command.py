@@ -142,7 +142,7 @@ def test_meshes_of_edges_and_other_files(tmp_path, capfd):
     assert pinned_ends(edges) == ["0", "2"]
     assert abs(edges.data.vertices[1].co.y) < 1e-5
     assert run(tmp_path, tmp_path / "tube.obj", tmp_path / "lines.obj", "--pin", "0", "--auto-weights") == 3
-    assert "is no armature, so it gives no weights" in capfd.readouterr().err
+    assert "is not an armature, so it cannot provide weights" in capfd.readouterr().err
 
 
 def test_a_rig_of_another_blend(tmp_path):
@@ -201,7 +201,7 @@ def two_of_each(tmp_path):
         (("{scene}", "{scene}"), "No joint is pinned; name some with --pin, such as A.head"),
         (("{scene}", "{scene}", "--pin", "Z.tail"), "There is no joint Z.tail"),
         (("{scene}", "{scene}", "--place", "Z.tail=0,0,0"), "There is no joint Z.tail"),
-        (("{scene}:Tube", "{scene}:Tube"), "Both names mean Tube"),
+        (("{scene}:Tube", "{scene}:Tube"), "Both names refer to Tube"),
         (("{scene}:Nobody", "{scene}"), "has no object 'Nobody'; it holds Rig, Tube"),
         (("{scene}", "{scene}:Nobody"), "has no object 'Nobody'; it holds Rig, Tube"),
         (("{two}:Tube", "{two}"), "holds 2 skeletons; say which"),

@@ -125,7 +125,7 @@ def test_inputs_and_settings_are_taken_over(solids, tmp_path, words):
 def test_frames_between_others_are_refused_in_words(solids, tmp_path):
     morph = baked([*solids[:2], *QUICK, "--cache", str(tmp_path / "cache"), "--at", "0.5,1.5"], tmp_path)
     before = seen(morph)
-    with pytest.raises(RuntimeError, match="from --at"):
+    with pytest.raises(RuntimeError, match="made with --at"):
         bpy.ops.convwass.rebake_morph(which="ALL")
     assert seen(the_morph()) == before
     bpy.context.view_layer.objects.active = frame_objects(morph)[0]

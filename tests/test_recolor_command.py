@@ -82,7 +82,7 @@ def test_movies_become_graded_frames(tmp_path, red, blue, capfd):
         np.testing.assert_allclose(mean_lab(opened(path)), mean_lab(opened(blue)), atol=1.0)
     assert run(movie, red, "--palette", blue, "--out", out) == 3
     assert run(movie, "--palette", blue, "--steps", 3, "--out", out) == 3
-    assert "A movie is recolored by itself" in capfd.readouterr().err
+    assert "A movie must be the only input" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("ends", [KeyboardInterrupt(), ConvwassError("The disk is full.")])
@@ -176,10 +176,10 @@ def test_images_that_are_read_are_known_by_any_name(tmp_path, red, blue, capfd, 
     before = [path.read_bytes() for path in paths]
     for words in ((red, other, "--palette", blue), (red, other, "--palette", red)):
         assert run(*words, "--out", folder) == 3
-        assert "would replace" in capfd.readouterr().err
+        assert "would overwrite" in capfd.readouterr().err
     elsewhere = tmp_path / "shots"
     elsewhere.mkdir()
     namesake = saved(red_image(), elsewhere / "blue.png")
     assert run(namesake, "--palette", blue, "--out", folder) == 3
-    assert "would replace" in capfd.readouterr().err
+    assert "would overwrite" in capfd.readouterr().err
     assert [path.read_bytes() for path in paths] == before

@@ -72,15 +72,15 @@ def test_a_grain_goes_to_whole_tables_only(tmp_path, capfd):
     ("words", "message"),
     [
         (["ggx:0.2,0.2"], "two to four"),
-        (["ggx:0.2", "ggx:0.2,0.2"], "is no material"),
-        (["velvet:1", "blinn:20"], "is no material"),
-        (["blinn:x", "blinn:20"], "is no material"),
+        (["ggx:0.2", "ggx:0.2,0.2"], "is neither a material"),
+        (["velvet:1", "blinn:20"], "is neither a material"),
+        (["blinn:x", "blinn:20"], "is neither a material"),
         (["none.npz", "none.npz"], "cannot be read"),
         (["none.binary", "blinn:20"], "cannot be read"),
-        (["blinn:20", "blinn:30", "--steps", "3"], "holds one blend"),
+        (["blinn:20", "blinn:30", "--steps", "3"], "files hold one blend"),
         (["blinn:20", "blinn:30", "--weights", "1"], "one weight for each"),
-        (["blinn:20", "blinn:30", "--weights", "1,0", "--weights", "0,1"], "say with --steps"),
-        (["blinn:20", "blinn:30", "--pad", "3"], "leave --steps and --pad out"),
+        (["blinn:20", "blinn:30", "--weights", "1,0", "--weights", "0,1"], "set the number of blends"),
+        (["blinn:20", "blinn:30", "--pad", "3"], "leave out --steps and --pad"),
     ],
 )
 def test_what_makes_no_sense_is_refused(tmp_path, capfd, words, message):
@@ -111,4 +111,4 @@ def test_skies_that_are_none_are_refused(tmp_path, capfd):
     assert cli.main([*words, "--out", str(tmp_path / "out"), "--steps", "1"]) == 3
     assert not (tmp_path / "out").exists()
     assert cli.main(["sky", str(tmp_path / "a.exr"), "--out", str(tmp_path / "out")]) == 3
-    assert "two images or more" in capfd.readouterr().err
+    assert "at least two images" in capfd.readouterr().err

@@ -186,10 +186,10 @@ def test_left_goes_right(files, tmp_path, capfd):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (["FOX"], 3, "Name two meshes, or one with --mirror"),
-        (["FOX", "DOG", "--mirror"], 3, "Name two meshes, or one with --mirror"),
+        (["FOX"], 3, "Name two meshes, or one mesh with --mirror"),
+        (["FOX", "DOG", "--mirror"], 3, "Name two meshes, or one mesh with --mirror"),
         (["FOX", "--mirror", "--transfer", "uvs"], 3, "no UV maps"),
-        (["FOX", "FOX"], 3, "Both names mean Fox"),
+        (["FOX", "FOX"], 3, "Both names refer to Fox"),
         (["FOX", "DOG", "--pairs", "1:2", "--pairs-from", "groups"], 3, "exclude each other"),
         (["FOX", "DOG", "--pairs-from", "empties"], 3, "no empties of equal names"),
         (["FOX", "DOG", "--pairs", "0:999999"], 3, "no vertex 999999"),

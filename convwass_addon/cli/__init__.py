@@ -15,16 +15,16 @@ def main(arguments: Sequence[str], program: str = "blender --command convwass") 
     Parameters
     ----------
     arguments : sequence of str
-        The words after the program.
+        Arguments after the program's name.
     program : str
-        How the user called it, for the help text.
+        Name of the program in the help text.
 
     Returns
     -------
     int
-        The exit code; see the help text.
+        The exit code, as listed in the help text.
     """
-    # Imported here: Blender's window does without the commands, and should not wait for them when it starts.
+    # Imported here because Blender's window does not need the commands and must not load them at startup.
     from .program import run
 
     return run(arguments, program)
@@ -39,6 +39,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take the commands away."""
+    """Remove the commands."""
     while _commands:
         bpy.utils.unregister_cli_command(_commands.pop())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command answers on standard output."""
+"""Output of a command on standard output."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command answers: lines for people, or a record for programs.
+    """The result of a command: lines for people, or a record for programs.
 
     Attributes
     ----------
     record : dict
-        All that is known, ready for JSON.
+        The complete result, ready for JSON.
     lines : tuple of str
-        What is printed without ``--json``.
+        Printed without ``--json``.
     """
 
     record: dict[str, object]
@@ -26,6 +26,6 @@ class Answer:
 
     @classmethod
     def of_files(cls, record: dict[str, object], written: Sequence[Path]) -> Answer:
-        """Answer with the paths of the files that were written."""
+        """Return an answer that lists the files written."""
         paths = [str(path) for path in written]
         return cls({**record, "written": paths}, tuple(paths))

@@ -1,18 +1,18 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What words of a command line stand for."""
+"""Converters for command-line arguments."""
 
 from __future__ import annotations
 
 import re
 from argparse import ArgumentTypeError
 
-WORKERS = {"type": int, "metavar": "N", "help": "threads that compute frames (one per processor)"}
-"""The option of threads, which several commands have."""
+WORKERS = {"type": int, "metavar": "N", "help": "threads that compute frames (default: one per processor)"}
+"""The ``--workers`` option, which several commands share."""
 
 
 def numbers(text: str) -> list[float]:
-    """Return the numbers of a list such as 0.2,0.3,0.5."""
+    """Parse a list of numbers such as 0.2,0.3,0.5."""
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
@@ -20,7 +20,7 @@ def numbers(text: str) -> list[float]:
 
 
 def frame_range(text: str) -> range:
-    """Return the frames of a range such as 0-23, or a single one."""
+    """Parse a range of frames such as 0-23, or a single frame."""
     found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text, re.ASCII)
     first, last = (int(number) for number in (found[1], found[2] or found[1])) if found else (1, 0)
     if first > last:
@@ -29,7 +29,7 @@ def frame_range(text: str) -> range:
 
 
 def named_numbers(text: str) -> dict[str, float]:
-    """Return the numbers of a list such as A=0.3,B=0.7 by their names, which may hold commas."""
+    """Parse named numbers such as A=0.3,B=0.7; names may contain commas."""
     found = re.findall(r"(.+?)=([^=,]+)(?:,|$)", text)
     try:
         named = {name: float(number) for name, number in found}
@@ -41,7 +41,7 @@ def named_numbers(text: str) -> dict[str, float]:
 
 
 def place_pair(text: str) -> tuple[str, str]:
-    """Return the two places of an edge such as Head=x."""
+    """Parse an edge between two places, such as Head=x."""
     first, equals, second = text.partition("=")
     if not (first and equals and second) or "=" in second:
         raise ArgumentTypeError(f"{text!r} is not a pair of places such as Head=x")
@@ -49,7 +49,7 @@ def place_pair(text: str) -> tuple[str, str]:
 
 
 def vertex_pair(text: str) -> tuple[int, int]:
-    """Return the two vertices of a pair such as 12:40."""
+    """Parse a pair of vertices such as 12:40."""
     found = re.fullmatch(r"(\d{1,9}):(\d{1,9})", text, re.ASCII)
     if found is None:
         raise ArgumentTypeError(f"{text!r} is not a pair of vertices such as 12:40")
@@ -57,7 +57,7 @@ def vertex_pair(text: str) -> tuple[int, int]:
 
 
 def joint_place(text: str) -> tuple[str, tuple[float, float, float]]:
-    """Return the joint and the place of text such as Arm.L.tail=0.5,0,1.2."""
+    """Parse a joint and its position, such as Arm.L.tail=0.5,0,1.2."""
     name, _, place = text.rpartition("=")
     try:
         x, y, z = (float(number) for number in place.split(","))
@@ -69,5 +69,5 @@ def joint_place(text: str) -> tuple[str, tuple[float, float, float]]:
 
 
 def pinned_joint(text: str) -> tuple[str, tuple[float, float, float] | None]:
-    """Return the joint of text such as Arm.L.tail, and its place where one follows: Arm.L.tail=0.5,0,1.2."""
+    """Parse a joint, optionally with a position: Arm.L.tail or Arm.L.tail=0.5,0,1.2."""
     return joint_place(text) if "=" in text else (text, None)

@@ -31,12 +31,12 @@ from .reports import note, write_report
 
 
 def run_armature(options: Namespace) -> Answer:
-    """Do what the command line asks for.
+    """Fit an armature into a mesh and save the result.
 
     Raises
     ------
     InputError, ResourceError
-        A body, a rig, pins or options that cannot work.
+        The body, rig, pins or options cannot be used.
     """
     target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
@@ -52,7 +52,7 @@ def run_armature(options: Namespace) -> Answer:
 
 
 def _fitted(options: Namespace, settings: SkeletonSettings, request: FitRequest) -> dict[str, object]:
-    """Fit the rig in a scene, and tell of it."""
+    """Fit the rig in the scene and return the record."""
     with ProgressBar("Reading the files") as bar:
         pair = open_body_and_rig(parse_source(options.body), parse_source(options.rig))
         bpy.context.view_layer.update()
@@ -66,7 +66,7 @@ def _fitted(options: Namespace, settings: SkeletonSettings, request: FitRequest)
         raise InputError("No joint is pinned; name some with --pin, such as {example}.", example=rig.graph.names[0])
     with ProgressBar("Fitting the armature") as bar:
         found = bar.result_of(fit_steps(mesh, rig.graph, settings))
-    # Before they are moved, for the lengths of their bones.
+    # Bones are measured before the joints move.
     pin_joints(pair.rig, rig, np.flatnonzero(rig.graph.pinned).tolist())
     short = move_joints(pair.rig, rig, found.positions)
     notices = [*found.notices, *short_notice(short)]
@@ -80,20 +80,22 @@ def _fitted(options: Namespace, settings: SkeletonSettings, request: FitRequest)
 
 
 def _check(pair: BodyAndRig, has_weights: bool) -> None:
-    """Refuse objects that cannot be fitted or bound; raises InputError."""
+    """Raise InputError if the objects cannot be fitted or bound."""
     if pair.body == pair.rig:
-        raise InputError("Both names mean {object}; name a body and a skeleton.", object=pair.body.name)
+        raise InputError("Both names refer to {object}; name a body and a skeleton.", object=pair.body.name)
     if pair.rig.type not in ("ARMATURE", "MESH"):
-        raise InputError("{object} is no skeleton; name an armature or a mesh of edges.", object=pair.rig.name)
+        raise InputError("{object} is not a skeleton; name an armature or a mesh of edges.", object=pair.rig.name)
     require_movable(pair.rig)
     if has_weights:
         if pair.rig.type != "ARMATURE":
-            raise InputError("{object} is no armature, so it gives no weights; switch them off.", object=pair.rig.name)
+            raise InputError(
+                "{object} is not an armature, so it cannot provide weights; switch them off.", object=pair.rig.name
+            )
         writable_mesh(pair.body)
 
 
 def _with_pins(options: Namespace, rig: RigGraph, finder: InnerPointFinder) -> RigGraph:
-    """Pin what is named on the command line besides what is pinned already."""
+    """Add the pins named on the command line to those of the rig."""
     places = {name: np.array(place) for name, place in options.pin if place is not None}
     for name, point in options.place:
         rig.joint(name)

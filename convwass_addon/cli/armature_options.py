@@ -13,12 +13,13 @@ from .argument_types import joint_place, pinned_joint
 from .from_schema import add_setting_options
 from .reports import add_output_options
 
-ARMATURE_HELP = """Fit an armature into a mesh: pinned joints stay where they are, the others are laid out inside.
+ARMATURE_HELP = """Fit an armature into a mesh: pinned joints keep their positions, the others are placed inside.
 
-BODY is a mesh and RIG an armature, or a mesh of edges without faces: objects of a .blend, written file.blend:Object, or
-files that Blender reads; a .blend that holds one only needs no name. Joints are called after bones, such as
-Arm.L.head and Arm.L.tail, and joints of meshes after the numbers of their vertices. Pin the ends of limbs, and at least
-three joints of every loop. Places are in world space, in scene units. Joints that are pinned in the .blend count too.
+BODY is a mesh. RIG is an armature, or a mesh of edges without faces. Both are objects in a .blend, written
+file.blend:Object, or files that Blender can import; the name is optional if the .blend contains only one candidate.
+Joints of armatures are named after bones, such as Arm.L.head and Arm.L.tail; joints of meshes are vertex numbers.
+Pin the ends of limbs, and at least three joints of every loop. Positions are in world space, in scene units. Joints
+that are pinned in the .blend are pinned here too.
 
 examples:
   armature spider.blend:Spider spider.blend:Rig --out fitted.blend
@@ -29,18 +30,18 @@ examples:
 
 
 def add_armature_options(parser: ArgumentParser) -> None:
-    """Add all of them."""
+    """Add the options to the parser."""
     parser.add_argument("body", metavar="BODY", help="a file, or file.blend:Object")
     parser.add_argument("rig", metavar="RIG", help="a file, or file.blend:Object")
     _add_pin_options(parser)
     _add_solver_options(parser)
-    group = parser.add_argument_group("what is written")
+    group = parser.add_argument_group("output")
     add_setting_options(group, FitRequest, only=("auto_weights",))
-    add_output_options(group, Path("armature.blend"), "write where the joints are as JSON")
+    add_output_options(group, Path("armature.blend"), "write the joints as JSON")
 
 
 def _add_pin_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("which joints are known")
+    group = parser.add_argument_group("joints")
     group.add_argument(
         "--pin",
         type=pinned_joint,
@@ -48,7 +49,7 @@ def _add_pin_options(parser: ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="JOINT[=X,Y,Z]",
-        help="joints that stay where they are, or belong in a place",
+        help="joints to keep where they are, or to pin at a position",
     )
     group.add_argument(
         "--place",
@@ -57,12 +58,12 @@ def _add_pin_options(parser: ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="JOINT=X,Y,Z",
-        help="joints that belong inside, behind a point of the surface",
+        help="joints to place inside the body, behind a point on its surface",
     )
     add_setting_options(group, SkeletonSettings, only=("outside_pins",))
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("how it is done")
+    group = parser.add_argument_group("method")
     add_setting_options(group, FitRequest, only=("bones",))
     add_setting_options(group, SkeletonSettings, without=("outside_pins",))

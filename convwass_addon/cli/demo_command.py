@@ -21,15 +21,15 @@ from .demo_moss import save_moss
 from .morph_baking import baked, rendered, report
 from .morph_choices import Computing
 
-DEMO_HELP = """Morph three sample shapes; write morph.blend, a picture and an animation, and moss.blend, in which moss
-creeps over one of them."""
+DEMO_HELP = """Morph three sample shapes. Writes morph.blend with a picture and an animation, and moss.blend, in which
+moss grows over one of the shapes."""
 
 _DEMO_SHAPES = ("horse", "double_torus", "bird")
 
 
 def add_demo_options(parser: ArgumentParser) -> None:
-    """Add all options."""
-    parser.add_argument("--out", type=Path, default=Path("out"), help="the folder to write to (%(default)s)")
+    """Add the options to the parser."""
+    parser.add_argument("--out", type=Path, default=Path("out"), help="output folder (%(default)s)")
     parser.add_argument("--frames", type=int, default=24, help="frames from each shape to the next (%(default)s)")
     parser.add_argument("--resolution", type=int, default=96, help="cells along the longest side (%(default)s)")
     parser.add_argument("--workers", **WORKERS)
@@ -37,18 +37,18 @@ def add_demo_options(parser: ArgumentParser) -> None:
 
 
 def run_demo(options: Namespace) -> Answer:
-    """Morph the project's sample shapes and render them.
+    """Morph the sample shapes of the project and render them.
 
     Raises
     ------
     InputError
-        The shapes are not there.
+        The shapes are missing.
     """
     folder = Path(__file__).resolve().parents[2] / "assets" / "shapes"
     if not folder.is_dir():
         raise InputError("The sample shapes are part of the project's source, not of the installed add-on.")
     blends = path_blends(len(_DEMO_SHAPES), options.frames)
-    # Shapes so unlike have no map: they would be warped, which takes several times as long as all the rest.
+    # Shapes this different have no map between them; warping them would take several times as long as everything else.
     settings = MorphSettings(resolution=options.resolution, motion="transport")
     options.out.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -59,13 +59,13 @@ def run_demo(options: Namespace) -> Answer:
     collection, records = baked(inputs, blends, settings, stored, Computing(options.workers))
     target = save_blend(options.out / "morph.blend")
     sheet, movie = rendered(collection, target, animated=True)
-    # Saving the moss begins an empty scene.
+    # Saving the moss starts an empty scene.
     name = collection.name
     moss = save_moss(folder / f"{_DEMO_SHAPES[0]}.ply", options.out / "moss.blend")
     print(
         f"\nThe morph     {target}\n              open it in Blender and press Space to play it"
         f"\nIts pictures  {sheet}\nIts movie     {movie}"
-        f"\nA density     {moss}\n              moss creeps over a horse; press Space in Material Preview",
+        f"\nA density     {moss}\n              moss grows over a horse; press Space in Material Preview",
         file=sys.stderr,
     )
     return report(name, settings, records, [target, sheet, movie, moss])

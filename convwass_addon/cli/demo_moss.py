@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of the demo that happens on a surface: moss creeps over an animal."""
+"""The surface part of the demo: moss that grows over an animal."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from ..progress import drained
 
 _NAME = "Moss"
 _SETTINGS = DensitySettings(steps=24, entropy_limit=None)
-# The hooves are what lies in this share of the height.
+# Share of the height that counts as hooves.
 _HOOVES = 0.06
 
 
 def save_moss(shape: Path, target: Path) -> Path:
-    """Let moss climb from the feet of an animal all over it, and save that as a .blend.
+    """Animate moss that grows from the feet of an animal over its body, and save it as a .blend.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def _play(obj: bpy.types.Object, frames: DensityFrames, groups: list[str]) -> No
     keys = [DensityKey(1, 0.0), DensityKey(5 * _SETTINGS.steps, 1.0)]
     stored = StoredDensity(inputs=groups, settings=_SETTINGS.as_dict(), records=frames.records)
     animate_density(obj, frames.covered, frames.times, _NAME, keys=keys, description=stored)
-    # The growth has its edges between the vertices of a finer mesh.
+    # The edges of the growth lie between the vertices, on a finer mesh.
     obj.modifiers.new("Finer", "SUBSURF").levels = 1
     obj.data.materials.clear()
     obj.data.materials.append(growth_material(_NAME, "MOSS"))

@@ -36,19 +36,19 @@ _DIGITS = 6
 
 
 def run_density(options: Namespace) -> Answer:
-    """Do what the command line asks for.
+    """Run the task that the options select.
 
     Raises
     ------
     InputError, ResourceError
-        A mesh, groups or options that cannot work.
+        The mesh, groups or options cannot be used.
     """
     if (options.start is None) != (options.end is None):
-        raise InputError("--from and --to belong together; name both groups.")
+        raise InputError("--from and --to must be used together; name both groups.")
     if options.biased and not options.measure:
-        raise InputError("--biased is for --measure; leave it out.")
+        raise InputError("--biased requires --measure; leave it out.")
     if options.distance_from and _chosen_limits(options):
-        raise InputError("--distance-from needs no iterations; leave --tolerance and --max-iterations out.")
+        raise InputError("--distance-from does not iterate; leave out --tolerance and --max-iterations.")
     target = _target(options)
     usual = {} if _makes_densities(options) else {"substeps": MEASURING_SUBSTEPS}
     settings = DensitySettings(**usual | given_settings(options, DensitySettings))
@@ -71,7 +71,7 @@ def run_density(options: Namespace) -> Answer:
 
 
 def _chosen_limits(options: Namespace) -> dict[str, object]:
-    """Return what the user says about when to stop; what is left out depends on what is done."""
+    """Return the stopping criteria that were given; the defaults depend on the task."""
     return given_settings(options, DensitySettings, only=("tolerance", "max_iterations"))
 
 
@@ -80,11 +80,11 @@ def _makes_densities(options: Namespace) -> bool:
 
 
 def _target(options: Namespace) -> Path | None:
-    """Return the file to write, checked before the work begins; None for none."""
+    """Return the file to write, checked before the work begins, or None."""
     if options.out is None and not _makes_densities(options):
         return None
     if options.out is not None and (options.measure or options.matrix):
-        raise InputError("Distances between groups are printed and not written; leave --out out.")
+        raise InputError("Distances between groups are printed, not written to a file; leave out --out.")
     return checked_target(path_with_suffix(options.out or "density.blend", ".blend"))
 
 
@@ -146,7 +146,7 @@ def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings
         )
     )
     if not found.converged:
-        note("the distance is less exact than asked for; more --blur helps")
+        note("the distance is less exact than requested; try a larger --blur")
     record = {"object": scene.object.name, "groups": [first, second], **vars(found), "blur": scene.blur}
     return Answer({**record, "written": []}, (f"{found.squared if options.biased else found.length:.{_DIGITS}g}",))
 
@@ -156,11 +156,11 @@ def _matrix(options: Namespace, scene: DensityScene) -> Answer:
     names = [name for name, weights in groups.items() if weights.any()]
     if len(names) < 2:
         raise InputError(
-            "{object} has no two vertex groups with any weight, which --matrix needs; paint some.",
+            "--matrix requires at least two vertex groups with weights; {object} has fewer. Paint some.",
             object=scene.object.name,
         )
     if len(names) < len(groups):
-        note(f"empty groups that are left out: {len(groups) - len(names)}")
+        note(f"empty groups ignored: {len(groups) - len(names)}")
     weights = [groups[name] for name in names]
     table = drained(distance_table_steps(weights, names, scene.surface, **_chosen_limits(options)))
     for notice in table.notices:
@@ -186,7 +186,7 @@ def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> 
         written.append(str(save_blend(target)))
     record = {"object": scene.object.name, "from": options.distance_from, "furthest": far, "scale": shown.scale}
     record |= {"lengths": _plain(found.lengths), "blur": scene.blur, "written": written}
-    line = f"vertex {far} is the furthest of {len(reached)} that are reached: {_number(found.lengths[far])}"
+    line = f"farthest of {len(reached)} vertices reached is vertex {far}: {_number(found.lengths[far])}"
     return Answer(record, (line, *written))
 
 
@@ -195,14 +195,12 @@ def _frames(work: Work[DensityFrames]) -> DensityFrames:
         frames = bar.result_of(work)
     slack = sum(not record["converged"] for record in frames.records)
     if slack:
-        note(
-            f"frames that are less exact than asked for: {slack}; more --blur helps, or --entropy-limit with more nats"
-        )
+        note(f"frames less exact than requested: {slack}; try a larger --blur, or a larger --entropy-limit")
     return frames
 
 
 def _plain(values: np.ndarray) -> list[object]:
-    """Return numbers ready for JSON, which has no word for infinity."""
+    """Return numbers ready for JSON, with None for infinity."""
     return (
         [_plain(row) for row in values] if values.ndim > 1 else [x if np.isfinite(x) else None for x in values.tolist()]
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that the command ``density`` works on, and what its words for distributions mean."""
+"""The mesh of the command ``density``, and the distributions that its arguments name."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ _VERTICES = re.compile(r"vertex:(\d{1,9}(?:,\d{1,9})*)", re.ASCII)
 
 @dataclass(frozen=True)
 class DensityScene:
-    """An object of the open file, and its surface.
+    """An object of the open file and its surface.
 
     Attributes
     ----------
     object : bpy.types.Object
-        Whose vertex groups are distributions.
+        Its vertex groups are the distributions.
     surface : Surface
-        In scene units; vertex i is vertex i of the object's mesh.
+        In scene units; vertices as in the object's mesh.
     ignored : tuple of str
-        Modifiers that make other vertices, which the surface is without.
+        Modifiers that change the vertices and are therefore ignored.
     """
 
     object: bpy.types.Object
@@ -45,58 +45,58 @@ class DensityScene:
 
     @property
     def notices(self) -> list[Sentence]:
-        """What the user should know about the blur and about modifiers."""
+        """Messages about the blur and the modifiers."""
         notices = [notice for notice in [blur_notice(self.surface)] if notice is not None]
         if self.ignored:
             names = {"names": ", ".join(self.ignored)}
-            notices.append(Sentence("Modifiers that change the vertices are left out: {names}.", names))
+            notices.append(Sentence("Modifiers that change the vertices are ignored: {names}.", names))
         return notices
 
     @property
     def blur(self) -> float:
-        """The blur in use, in scene units."""
+        """The blur used, in scene units."""
         return blur_of(self.surface)
 
     @property
     def first_frame(self) -> int:
-        """The frame at which animations start."""
+        """First frame of the animation."""
         return bpy.context.scene.frame_start
 
     def play_to(self, last: int) -> None:
-        """Let the scene end with the animation that starts where it does."""
+        """Set the last frame of the scene to the end of the animation."""
         play_whole(bpy.context.scene, self.first_frame, last)
 
     def stands_for_weights(self, name: str) -> bool:
-        """Whether a word means a group there is, or vertices."""
+        """Whether a name is an existing group or a list of vertices."""
         return name in group_names(self.object) or _VERTICES.fullmatch(name) is not None
 
     def weights(self, name: str) -> NDArray[np.float64]:
-        """Return what a group, or ``vertex:1,2``, stands for: weights or a density, (n,).
+        """Return the distribution named by a group or by ``vertex:1,2``: weights or a density, (n,).
 
         Raises
         ------
         InputError
-            No such group, or vertices that cannot hold mass.
+            There is no such group, or the vertices cannot hold mass.
         """
         if name not in group_names(self.object):
             found = _VERTICES.fullmatch(name)
             if found:
-                # The surface's own kernel spreads by just the blur.
+                # The surface's own kernel spreads the mass by exactly the blur.
                 return self.surface.apply(unit_mass([int(number) for number in found[1].split(",")], self.surface))
         return read_group(self.object, name)
 
 
 def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
-    """Open the file that is named on the command line and make the surface of the mesh in it.
+    """Open a file given on the command line and build the surface of its mesh.
 
-    A .blend is opened as it is, without running what scripts it may hold; any other file is read into an empty scene.
+    A .blend is opened unchanged, without running its scripts; any other file is imported into an empty scene.
 
     Raises
     ------
     InputError
-        A file or an object that cannot be used, or a blur that does not suit it.
+        The file or object cannot be used, or the blur does not suit it.
     ResourceError
-        The mesh needs more memory than there is.
+        The mesh needs more memory than available.
     """
     source = parse_source(text)
     if source.path.suffix.lower() == BLEND and source.path.is_file():
@@ -110,12 +110,12 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
 
 
 def opened_object(source: Source) -> bpy.types.Object:
-    """Open a .blend and return the object meant in it: the one named, or the only mesh there is.
+    """Open a .blend and return the named object, or the only mesh.
 
     Raises
     ------
     InputError
-        A file that cannot be opened, or no such object, or several meshes of which none is named.
+        The file cannot be opened, the object does not exist, or there are several meshes and none is named.
     """
     open_blend(source.path)
     if source.object_name is not None:
@@ -123,7 +123,7 @@ def opened_object(source: Source) -> bpy.types.Object:
     meshes = _meshes_in_scene()
     if len(meshes) != 1:
         raise InputError(
-            "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+            "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
             file=source.path.name,
             count=len(meshes),
             available=", ".join(meshes) or "none",
@@ -132,7 +132,7 @@ def opened_object(source: Source) -> bpy.types.Object:
 
 
 def object_in_scene(source: Source) -> bpy.types.Object:
-    """Return the object of the open file that is named; raises InputError where there is none."""
+    """Return the named object of the open file; raises InputError if there is none."""
     found = bpy.context.scene.objects.get(source.object_name or "")
     if found is None:
         raise InputError(

@@ -12,12 +12,12 @@ from ..bridge.densities.density_request import DensityRequest
 from .argument_types import named_numbers, place_pair
 from .from_schema import add_setting_options
 
-DENSITY_HELP = """Move what is painted on a surface along it by optimal transport: measure, interpolate, blend.
+DENSITY_HELP = """Measure, interpolate and blend painted densities on a surface by optimal transport.
 
-A distribution is a vertex group of the mesh, or vertex:123 (vertex:5,17,29): a unit mass at some vertices, spread by
-the blur. The mesh is an object of a .blend, written file.blend:Object, as it stands with the modifiers that only move
-vertices; or a file that Blender reads, which has no groups. Lengths are in scene units. Distances between groups are
-solved to a tolerance of 0.00001 in 1000 iterations at most, and all distances with 20 substeps, if nothing else is set.
+A density is a vertex group of the mesh, or vertex:123 (vertex:5,17,29), a unit mass at these vertices, spread by the
+blur. The mesh is an object in a .blend, written file.blend:Object, with the modifiers that only move vertices applied,
+or a file that Blender can import, which has no groups. Lengths are in scene units. By default, distances use 20
+substeps, and distances between groups a tolerance of 0.00001 and at most 1000 iterations.
 
 examples:
   density cow.blend:Cow --from Head --to Tail --steps 24 --out cow_flow.blend
@@ -33,29 +33,27 @@ examples:
 
 
 def add_density_options(parser: ArgumentParser) -> None:
-    """Add all of them."""
+    """Add the options to the parser."""
     parser.add_argument("mesh", metavar="MESH", help="a file, or file.blend:Object")
     _add_tasks(parser)
     _add_solver_options(parser)
-    group = parser.add_argument_group("what is written")
+    group = parser.add_argument_group("output")
     group.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
-        help="the .blend to write (density.blend where something travels or blends; none for measures)",
+        help="the .blend to write (default: density.blend for animations and blends, none for measurements)",
     )
-    group.add_argument(
-        "--name", help="of the animated attribute or the group that is written (Density, Blend, Distance)"
-    )
-    group.add_argument("--json", action="store_true", help="print the figures of the solver as JSON")
+    group.add_argument("--name", help="name of the attribute or group written (Density, Blend, Distance)")
+    group.add_argument("--json", action="store_true", help="print the solver's figures as JSON")
 
 
 def _add_tasks(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("what is done")
-    group.add_argument("--from", dest="start", metavar="GROUP", help="where the density starts, with --to")
+    group = parser.add_argument_group("task")
+    group.add_argument("--from", dest="start", metavar="GROUP", help="start of the animation, with --to")
     tasks = group.add_mutually_exclusive_group(required=True)
-    tasks.add_argument("--to", dest="end", metavar="GROUP", help="animate the density of --from to this one")
-    tasks.add_argument("--through", nargs="+", metavar="GROUP", help="animate a density through these, in their order")
+    tasks.add_argument("--to", dest="end", metavar="GROUP", help="animate the density from --from to this group")
+    tasks.add_argument("--through", nargs="+", metavar="GROUP", help="animate a density through these groups, in order")
     tasks.add_argument(
         "--blend", type=named_numbers, metavar="GROUP=NUMBER,...", help="blend groups by weights, such as A=0.3,B=0.7"
     )
@@ -64,17 +62,21 @@ def _add_tasks(parser: ArgumentParser) -> None:
         type=place_pair,
         nargs="+",
         metavar="PLACE=PLACE",
-        help="fill in what is between: places of a graph by its edges, such as Head=x x=y y=Tail; those that are no "
-        "groups are made as groups",
+        help="interpolate over a graph with these edges, such as Head=x x=y y=Tail; places that are not groups become "
+        "groups",
     )
     tasks.add_argument("--measure", nargs=2, metavar="GROUP", help="the distance between two groups")
     tasks.add_argument("--matrix", action="store_true", help="the distances between all groups of the object")
     tasks.add_argument(
-        "--distance-from", type=int, nargs="+", metavar="VERTEX", help="the distance from vertices to everywhere"
+        "--distance-from", type=int, nargs="+", metavar="VERTEX", help="the distance from these vertices to all others"
     )
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("how it is done")
+    group = parser.add_argument_group("method")
     add_setting_options(group, DensitySettings, DensityRequest)
-    group.add_argument("--biased", action="store_true", help="measure: the plain value of eq. (10), with its blur")
+    group.add_argument(
+        "--biased",
+        action="store_true",
+        help="with --measure: the raw value of eq. (10), including the bias of the blur",
+    )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options of the command line that are made from the settings of the applications, and their values."""
+"""Command-line options generated from the settings of the applications."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def add_setting_options(
     Parameters
     ----------
     parser : ArgumentParser
-        Of the command, or a group of its options.
+        The parser of the command, or one of its option groups.
     *kinds : type
-        Whose settings. Those that share an option, because it depends on the shapes which of them counts, share the
-        help too.
+        Settings classes. If several classes share an option, and the shapes decide which one applies, the help shows
+        both texts.
     only, without : container of str
         Names of fields; see :func:`.schema.settings_of`.
     """
@@ -36,14 +36,14 @@ def add_setting_options(
                 alike.append(one)
     for option, alike in by_option.items():
         text = "; ".join(map(_help, alike)).replace("%", "%%")
-        # What is not given is not in the namespace, so that the defaults of the settings hold.
+        # Options that are not given stay out of the namespace, so that the defaults of the settings apply.
         parser.add_argument(option, dest=alike[0].name, default=SUPPRESS, help=text, **_form(alike[0]))
 
 
 def given_settings(
     options: Namespace, kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
 ) -> dict[str, object]:
-    """Return the values of the settings that the command line gives, by the names of fields."""
+    """Return the settings given on the command line, by field name."""
     found = {}
     for one in settings_of(kind, only, without):
         if one.option is not None and hasattr(options, one.name):
@@ -57,7 +57,7 @@ def _value(one: Setting, given: object) -> object:
 
 
 def _form(one: Setting) -> dict[str, object]:
-    """Return how argparse reads the option."""
+    """Return the arguments of ``add_argument`` for a setting."""
     if one.flag is not None:
         return {"action": "store_const", "const": one.choice(one.flag).word}
     words = [choice.word for choice in one.choices]
@@ -75,7 +75,7 @@ def _metavar(one: Setting) -> str:
 
 
 def _word_or_number(words: Sequence[str]) -> Callable[[str], str | float]:
-    """Return what reads one of some words, or a number in the place of the word NUMBER."""
+    """Return a converter that accepts some words, or a number if NUMBER is among them."""
 
     def read(text: str) -> str | float:
         if text in words and text != "NUMBER":
@@ -90,7 +90,7 @@ def _word_or_number(words: Sequence[str]) -> Callable[[str], str | float]:
 
 
 def _help(one: Setting) -> str:
-    """Return the text of the option: what it means, its choices, and in brackets what holds without it."""
+    """Return the help text of an option: its meaning, its choices, and the default in brackets."""
     if one.flag is not None:
         return _small(one.help or one.choice(one.flag).description)
     text = _small(one.help or one.description)
@@ -109,5 +109,5 @@ def _usual(one: Setting) -> str:
 
 
 def _small(text: str) -> str:
-    """Return a text as it stands in the middle of a sentence."""
+    """Return a text with a lower-case initial, for use within a sentence."""
     return text if text[1:2].isupper() else text[:1].lower() + text[1:]

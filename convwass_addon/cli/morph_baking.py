@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes a morph from the command line, and renders what has been baked."""
+"""Bake and render a morph from the command line."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .answer import Answer
 from .morph_choices import Computing
 from .reports import note
 
-# Colors of shapes that bring no material.
+# Colors of shapes without materials.
 _PALETTE = ((0.55, 0.09, 0.035, 1.0), (0.72, 0.30, 0.02, 1.0), (0.02, 0.13, 0.40, 1.0), (0.08, 0.24, 0.06, 1.0))
 
 
@@ -50,7 +50,7 @@ def baked(
         raise
     slack = sum(not record.get("converged", True) for record in job.records)
     if slack:
-        note(f"{slack} blends are less exact than asked for; more --blur helps")
+        note(f"{slack} blends are less exact than requested; try a larger --blur")
     for notice in job.notices:
         note(notice)
     collection = job.finish(hide_inputs=True)
@@ -62,7 +62,7 @@ def baked(
 def prepared_job(
     inputs: list[bpy.types.Object], blends: list[Blend], settings: MorphSettings, stored: dict[str, object]
 ) -> MorphJob | FlatJob | PictureJob:
-    """Return the job of a bake, its inputs colored where they bring no material."""
+    """Return the job of a bake; inputs without materials get a color."""
     for index, obj in enumerate(inputs):
         if not any(slot.material for slot in obj.material_slots):
             obj.color = _PALETTE[index % len(_PALETTE)]
@@ -74,12 +74,12 @@ def prepared_job(
 
 
 def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Callable[[Progress[Any]], None]) -> None:
-    """Do all the work of a job, wherever its frames are computed, and hand them on.
+    """Run a job on the chosen threads or machines and pass its results on.
 
     Raises
     ------
     InputError
-        Other machines are to compute, and this is the extension that Blender has installed.
+        A scheduler was requested from the extension installed in Blender.
     """
     cluster = _machines(computing.scheduler) if computing.scheduler else nullcontext()
     with cluster as executor, ProgressBar("Morphing") as bar:
@@ -94,21 +94,21 @@ def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Ca
 
 
 def _machines(scheduler: str) -> AbstractContextManager[Executor]:
-    """Provide other machines that compute."""
-    # No worker would know the add-on by the name that it has in Blender.
+    """Connect to the machines of a cluster."""
+    # Workers cannot import the add-on under the name that it has as an installed extension.
     if not extension_id().startswith("bl_ext."):
-        with suppress(ModuleNotFoundError):  # what Blender installs has no such file
+        with suppress(ModuleNotFoundError):  # not part of the installed extension
             from ..cluster import cluster_workers
 
             return cluster_workers(scheduler)
     raise InputError(
-        "The extension that is installed in Blender stays off the network; use --scheduler in the project's own "
-        "folder, with: python -m convwass_addon"
+        "The extension installed in Blender does not use the network; run --scheduler from the project's folder with: "
+        "python -m convwass_addon"
     )
 
 
 def rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> list[Path]:
-    """Render a picture of a morph and, where it is `animated`, a movie, beside the file `target`."""
+    """Render a picture of a morph and, if `animated`, a movie, next to the file `target`."""
     with ProgressBar("Rendering the picture") as bar:
         pictures = [bar.result_of(render_contact_sheet(collection, target.with_suffix(".png")))]
     if animated:
@@ -118,6 +118,6 @@ def rendered(collection: bpy.types.Collection, target: Path, animated: bool) -> 
 
 
 def report(morph: str, settings: MorphSettings, records: list[dict[str, object]], written: list[Path]) -> Answer:
-    """Return what is known about a finished morph of a name."""
+    """Return the answer for a finished morph."""
     record = {"morph": morph, "settings": settings.as_dict(), "frames": records}
     return Answer.of_files(record, written)

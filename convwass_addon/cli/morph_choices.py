@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the options of the command ``morph`` mean together; combinations that make no sense are refused."""
+"""Interpret and check the combined options of the command ``morph``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .from_schema import given_settings
 
 @dataclass(frozen=True)
 class Between:
-    """Frame numbers such as 7.35, and the path that they are on."""
+    """Fractional frame numbers such as 7.35, and the path that they refer to."""
 
     path: list[Blend]
     numbers: list[float]
@@ -33,7 +33,7 @@ class Between:
 
 @dataclass(frozen=True)
 class Computing:
-    """Where frames are computed, where they are kept, and which of them are wanted (all), or which between them."""
+    """Where frames are computed and cached, and which frames are needed."""
 
     workers: int | None = None
     scheduler: str | None = None
@@ -43,37 +43,37 @@ class Computing:
 
 
 def settings_of(options: Namespace) -> MorphSettings:
-    """Return how a morph of solid shapes is to be made."""
+    """Return the settings of a morph of solid shapes."""
     return MorphSettings(**given_settings(options, MorphSettings))
 
 
 def flat_settings_of(options: Namespace) -> FlatSettings:
-    """Return how a morph of flat shapes is to be made.
+    """Return the settings of a morph of flat shapes.
 
     Raises
     ------
     InputError
-        Options that mean nothing for them.
+        Some options do not apply to flat shapes.
     """
     if options.cache is not None or options.scheduler or options.at is not None or options.frames_range is not None:
         raise InputError(
-            "Frames of flat shapes are neither cached nor sent to other machines; leave out --cache, --scheduler, --at "
-            "and --frames-range."
+            "Frames of flat shapes cannot be cached or computed on other machines; leave out --cache, --scheduler, "
+            "--at and --frames-range."
         )
     refuse_volumes(options.output == "volume")
     return FlatSettings(**given_settings(options, FlatSettings) | {"parts": "none"})
 
 
 def request_of(options: Namespace, target: Path) -> MorphRequest:
-    """Return what is asked for in the words of Bake Morph, which are stored; `target` is the .blend to be written.
+    """Return the request in terms of the operator Bake Morph, as it is stored; `target` is the .blend to write.
 
-    What means nothing for the shapes at hand is stored all the same, as the operator does.
+    Settings that do not apply to the shapes are stored too, as the operator does.
     """
     given = given_settings(options, MorphRequest)
     flat_output = given.get("flat_output", "CURVE") if _is_plain(options) else "MESH"
     folder = folder_beside(target)
     if flat_output == "PICTURE":
-        # Pictures are there before the .blend is.
+        # Pictures are written before the .blend exists.
         folder = bpy.path.abspath(folder, start=str(target.parent))
     kinds = {"volume": "VOLUME", "player": "PLAYER", "pad": "PLAYER", "alembic": "CACHE", "usd": "CACHE"}
     own = {
@@ -91,51 +91,51 @@ def request_of(options: Namespace, target: Path) -> MorphRequest:
 
 
 def _is_plain(options: Namespace) -> bool:
-    """Tell whether frames are plain objects, as those that are no meshes have to be."""
+    """Return whether the frames are plain objects, which frames that are not meshes must be."""
     return options.output == "objects" and not (options.render or options.export)
 
 
 def refuse_still_cache(options: Namespace, blends: list[Blend]) -> None:
-    """Refuse to put what does not move into a file that holds what does; raises InputError."""
+    """Raise InputError if blends that do not move are to be written to an animation cache."""
     if options.output in ("alembic", "usd") and blends[0].frame is None:
         raise InputError(
-            "--output {output} is for a path; sheets and single blends do not move. Choose another output.",
+            "--output {output} requires a path; sheets and single blends do not move. Choose another output.",
             output=options.output,
         )
 
 
 def between_of(options: Namespace, request: MorphRequest, path: list[Blend]) -> Between:
-    """Return the frames between others that are asked for.
+    """Return the requested frames between others.
 
     Raises
     ------
     InputError
-        Other options that leave no path or no frames to start from.
+        Other options exclude a path, or leave no frames to start from.
     """
     if request.layout != "PATH":
-        raise InputError("--at is for a path; leave out --weights and --layout.")
+        raise InputError("--at requires a path; leave out --weights and --layout.")
     if options.frames_range is not None:
-        raise InputError("--at makes blends and --frames-range only fills the cache; choose one of them.")
+        raise InputError("--at makes blends, but --frames-range only fills the cache; choose one of them.")
     if options.cache is None:
-        raise InputError("--at needs --cache FOLDER, which holds the frames that it starts from.")
+        raise InputError("--at requires --cache FOLDER, which holds the frames that it starts from.")
     return Between(path, options.at)
 
 
 def computing_of(options: Namespace, blends: list[Blend], between: Between | None) -> Computing:
-    """Return where the blends are to be computed.
+    """Return where the blends are computed.
 
     Raises
     ------
     InputError
-        Options that exclude each other, or frames that the path does not have.
+        Options exclude each other, or the path does not have the requested frames.
     """
     wanted = options.frames_range
     if options.workers is not None and options.scheduler:
-        raise InputError("--workers are threads of this machine and --scheduler means others; choose one of them.")
+        raise InputError("--workers uses threads of this machine, --scheduler other machines; choose one of them.")
     if wanted is not None:
         last = blends[-1].frame
         if last is None:
-            raise InputError("--frames-range is for a path; sheets and single blends have no frames.")
+            raise InputError("--frames-range requires a path; sheets and single blends have no frames.")
         if wanted[-1] > last:
             raise InputError(
                 "--frames-range {first}-{final}: the path has the frames 0-{last}.",
@@ -144,29 +144,29 @@ def computing_of(options: Namespace, blends: list[Blend], between: Between | Non
                 last=last,
             )
         if options.cache is None:
-            raise InputError("--frames-range needs --cache FOLDER, which is all that it writes to.")
+            raise InputError("--frames-range requires --cache FOLDER, the only place it writes to.")
         if options.render or options.export:
-            raise InputError("--frames-range writes no scene; leave --render and --export to the run without it.")
+            raise InputError("--frames-range writes no scene; use --render and --export in the run without it.")
     cache = FrameCache(options.cache) if options.cache is not None else None
     return Computing(options.workers, options.scheduler, cache, wanted, between)
 
 
 def export_format(path: Path) -> str:
-    """Return the format that the ending of a file to export to stands for.
+    """Return the export format for the extension of a file.
 
     Raises
     ------
     InputError
-        Another ending, or a place that cannot be written to.
+        The extension is unknown, or the file cannot be written.
     """
     checked_target(path)
     if path.suffix.lower() not in suffixes():
         raise InputError(
-            "--export {path}: the ending must be one of {endings}.", path=str(path), endings=", ".join(suffixes())
+            "--export {path}: the extension must be one of {endings}.", path=str(path), endings=", ".join(suffixes())
         )
     return suffixes()[path.suffix.lower()]
 
 
 def suffixes() -> dict[str, str]:
-    """Return the format of every ending."""
+    """Return the export format of every file extension."""
     return {suffix: name for name, form in FORMATS.items() for suffix in form.suffixes}

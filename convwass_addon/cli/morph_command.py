@@ -41,12 +41,12 @@ from .shape_key_command import with_shape_keys
 
 
 def run_morph(options: Namespace) -> Answer:
-    """Bake a morph, or some of its frames into a cache.
+    """Bake a morph, or only some of its frames into a cache.
 
     Raises
     ------
     InputError, ResourceError
-        Shapes or options that cannot work.
+        The shapes or options cannot be used.
     """
     settings = settings_of(options)
     target = path_with_suffix(options.out, ".blend")
@@ -58,7 +58,7 @@ def run_morph(options: Namespace) -> Answer:
     if options.at is not None:
         between = between_of(options, request, blends)
         blends = [place.blend for place in places_at(between.path, between.numbers)]
-    # Everything that can be refused is refused before the work begins.
+    # Check everything before the work begins.
     refuse_still_cache(options, blends)
     exported = export_format(options.export) if options.export else None
     computing = computing_of(options, blends, between)
@@ -75,7 +75,7 @@ def run_morph(options: Namespace) -> Answer:
     else:
         settings = flat_settings_of(options)
         if options.guides:
-            note("flat shapes are morphed without guides; --guides is left out")
+            note("flat shapes do not support guides; --guides is ignored")
     stored = request.as_dict()
     if computing.wanted is not None:
         return _cached(inputs, blends, settings, stored, computing)
@@ -94,7 +94,7 @@ def _cached(
     stored: dict[str, object],
     computing: Computing,
 ) -> Answer:
-    """Put some frames into the cache and nothing into the scene."""
+    """Compute frames into the cache without changing the scene."""
     job = prepared_job(inputs, blends, settings, stored)
     frames, records = [], []
 
@@ -110,7 +110,7 @@ def _cached(
     folder = computing.cache.folder
     print(
         f"convwass: frames {frames[0]}-{frames[-1]} of {blends[-1].frame} are in {folder}; the same command without "
-        "--frames-range makes the .blend once all are",
+        "--frames-range writes the .blend once all frames are there",
         file=sys.stderr,
     )
     record = {"settings": settings.as_dict(), "range": [frames[0], frames[-1]], "frames": records}

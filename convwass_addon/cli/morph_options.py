@@ -17,11 +17,11 @@ from .morph_choices import suffixes
 
 MORPH_HELP = """Morph shapes of any topology into each other by optimal transport and save the result as a .blend.
 
-A shape is a file that Blender reads (OBJ, PLY, STL, glTF, FBX, USD, Alembic), or an object in a .blend, written
-file.blend:Object. It may be open, in several parts, self-intersecting or inside out.
+A shape is a file that Blender can import (OBJ, PLY, STL, glTF, FBX, USD, Alembic), or an object in a .blend, written
+file.blend:Object. It may be open, self-intersecting, inside out, or consist of several parts.
 
-Shapes may also be flat, if all of them are: text:WORD, an SVG file, an image whose silhouette is taken (PNG, JPEG,
-TIFF, BMP, WebP), or a text, a curve, a drawing, an image empty or a flat mesh in a .blend. Frames are curves then.
+Shapes can also be flat, if all of them are. A flat shape is text:WORD, an SVG file, an image (PNG, JPEG, TIFF, BMP,
+WebP), whose silhouette is used, or a text, curve, drawing, image Empty or flat mesh in a .blend. The frames are curves.
 
 examples:
   morph cow.obj duck.ply torus.stl --frames 24 --resolution 100 --out morph.blend --render
@@ -37,11 +37,11 @@ examples:
 """
 
 WRITTEN = ("flat_output", "faces", "grays", "key_error")
-"""The settings of a request that say what is written; the others say what is made."""
+"""The settings of a request that describe the output; the others describe the morph."""
 
 
 def add_morph_options(parser: ArgumentParser) -> None:
-    """Add all of them."""
+    """Add the options to the parser."""
     parser.add_argument(
         "shapes", nargs="+", metavar="SHAPE", help="a file, file.blend:Object, or text:WORD; two or more, in order"
     )
@@ -53,71 +53,73 @@ def add_morph_options(parser: ArgumentParser) -> None:
 
 
 def _add_layout_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("what is made")
+    group = parser.add_argument_group("layout")
     add_setting_options(group, MorphRequest, without=WRITTEN)
-    group.add_argument("--weights", type=numbers, help="one blend instead, such as 0.2,0.3,0.5: one number per shape")
+    group.add_argument(
+        "--weights", type=numbers, help="make a single blend with one weight per shape, such as 0.2,0.3,0.5"
+    )
     group.add_argument(
         "--at",
         type=numbers,
         metavar="NUMBERS",
-        help="path: a sheet of the blends at these frame numbers instead, such as 7.35,8.5; they start from the frames "
-        "about them in --cache, where those that are missing are put first",
+        help="path only: make a sheet of the blends at these fractional frame numbers, such as 7.35,8.5, starting "
+        "from the nearest frames in --cache; missing ones are computed first",
     )
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("how it is made")
+    group = parser.add_argument_group("method")
     add_setting_options(group, MorphSettings, FlatSettings)
     group.add_argument(
         "--guides",
         metavar="groups|empties|bones|FILE",
-        help="points of the shapes that belong together: small vertex groups, Empties or ends of bones of the same "
-        'name, or a JSON file such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
+        help="corresponding points of the shapes: small vertex groups, Empties or bone ends with the same name, or a "
+        'JSON file such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
     )
 
 
 def _add_computing_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("where it is computed")
+    group = parser.add_argument_group("computation")
     group.add_argument("--workers", **WORKERS)
     group.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="compute frames on the workers of a Dask cluster instead, such as tcp://HOST:8786",
+        help="compute frames on the workers of a Dask cluster, such as tcp://HOST:8786",
     )
     group.add_argument(
         "--cache",
         type=Path,
         metavar="FOLDER",
-        help="keep finished frames there, and compute only those that are missing; several machines may share it",
+        help="keep finished frames in this folder and compute only the missing ones; several machines can share it",
     )
     group.add_argument(
         "--frames-range",
         type=frame_range,
         metavar="A-B",
-        help="path: only put these frames into the cache and write no .blend; the first shape is frame 0",
+        help="path only: compute these frames into the cache and write no .blend; the first shape is frame 0",
     )
 
 
 def _add_output_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("what is written")
+    group = parser.add_argument_group("output")
     group.add_argument(
         "--output",
         choices=[*PACKED, *ON_DISK, SHAPE_KEYS],
         default="objects",
-        help="what shows the morph in the .blend: an object per frame, one player object, a pad to drag on (a sheet), "
-        "files beside it that are read as VDB volumes, Alembic or USD, or the first mesh with shape keys that lead to "
-        "the other shapes (%(default)s)",
+        help="how the .blend shows the morph: one object per frame, one player object, a pad to drag on (for a "
+        "sheet), VDB, Alembic or USD files next to it, or the first mesh with shape keys to the other shapes "
+        "(%(default)s)",
     )
     add_setting_options(group, MorphRequest, only=WRITTEN)
     group.add_argument(
         "--render",
         action="store_true",
-        help="also render a picture of the sequence and, for a path, an animation, beside the .blend",
+        help="also render a picture of the morph and, for a path, an animation, next to the .blend",
     )
     group.add_argument(
         "--export",
         type=Path,
         metavar="FILE",
-        help="also write the meshes for other programs; the ending says how: " + ", ".join(suffixes()),
+        help="also export the meshes; the extension sets the format: " + ", ".join(suffixes()),
     )
-    group.add_argument("--json", action="store_true", help="print the records of the solver as JSON")
+    group.add_argument("--json", action="store_true", help="print the solver's records as JSON")

@@ -30,9 +30,9 @@ from .softmap_command import run_softmap
 from .softmap_options import SOFTMAP_HELP, add_softmap_options
 
 EXIT_CODES = """exit codes:
-  0  done                            3  the shapes or settings cannot be used (the message says what to do)
-  1  a failure while working         4  the job needs more memory than there is
-  2  the command line is wrong     130  interrupted
+  0  success                         3  unusable shapes or settings (the message says what to do)
+  1  failure while working           4  not enough memory
+  2  wrong command line            130  interrupted
 """
 
 
@@ -49,12 +49,12 @@ class Command:
 
 COMMANDS = (
     Command("morph", "morph shapes into each other", MORPH_HELP, add_morph_options, run_morph),
-    Command("density", "move what is painted along a surface", DENSITY_HELP, add_density_options, run_density),
+    Command("density", "transport densities on a surface", DENSITY_HELP, add_density_options, run_density),
     Command("softmap", "map one mesh to another, transfer its data", SOFTMAP_HELP, add_softmap_options, run_softmap),
     Command("armature", "fit an armature into a mesh", ARMATURE_HELP, add_armature_options, run_armature),
     Command("recolor", "give images the palette of others", RECOLOR_HELP, add_recolor_options, run_recolor),
-    Command("reflect", "make materials between others", REFLECT_HELP, add_reflect_options, run_reflect),
-    Command("sky", "make skies between others", SKY_HELP, add_sky_options, run_sky),
+    Command("reflect", "blend materials", REFLECT_HELP, add_reflect_options, run_reflect),
+    Command("sky", "blend skies", SKY_HELP, add_sky_options, run_sky),
     Command("demo", "morph the project's sample shapes", DEMO_HELP, add_demo_options, run_demo),
 )
 
@@ -65,14 +65,14 @@ def run(arguments: Sequence[str], program: str) -> int:
     Parameters
     ----------
     arguments : sequence of str
-        The words after the program.
+        Arguments after the program's name.
     program : str
-        How the user called it, for the help text.
+        Name of the program in the help text.
 
     Returns
     -------
     int
-        The exit code; see the help text.
+        The exit code, as listed in the help text.
     """
     try:
         options = command_line_parser(program).parse_args(list(arguments))
@@ -98,7 +98,7 @@ def run(arguments: Sequence[str], program: str) -> int:
 
 
 def command_line_parser(program: str) -> ArgumentParser:
-    """Return the parser of all commands; `program` is how the user called it."""
+    """Return the parser of all commands; `program` is its name in the help text."""
     parser = ArgumentParser(program, description="Convolutional Wasserstein distances for Blender.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in COMMANDS:

@@ -34,12 +34,12 @@ from .recolor_frames import Frames, opened_frames, read_file
 
 
 def run_recolor(options: Namespace) -> Answer:
-    """Do what the command line asks for.
+    """Recolor images, or write a lookup table.
 
     Raises
     ------
     InputError, ResourceError
-        Images or options that cannot work.
+        The images or options cannot be used.
     """
     _check_options(options)
     settings = RecolorSettings(**given_settings(options, RecolorSettings))
@@ -64,23 +64,23 @@ def run_recolor(options: Namespace) -> Answer:
 
 def _check_options(options: Namespace) -> None:
     if bool(options.palette) == (options.lut is not None):
-        raise InputError("Name a palette with --palette, or a table with --lut.")
+        raise InputError("Name a palette with --palette, or a lookup table with --lut.")
     if options.out is None and options.cube is None:
-        raise InputError("Nothing would be written; name an image with --out, or a table with --cube.")
+        raise InputError("Nothing would be written; name an image with --out, or a lookup table with --cube.")
     if options.lut is not None and (options.cube is not None or options.steps is not None):
-        raise InputError("--lut applies a table as it is; it goes neither with --cube nor with --steps.")
+        raise InputError("--lut applies an existing table; it cannot be combined with --cube or --steps.")
     if options.weights is not None and len(options.weights) != len(options.palette):
-        raise InputError("There must be one weight for each of the {count} palettes.", count=len(options.palette))
+        raise InputError("Give one weight for each of the {count} palettes.", count=len(options.palette))
     if options.palette_mask is not None and len(options.palette) != 1:
-        raise InputError("--palette-mask goes with one palette.")
+        raise InputError("--palette-mask requires exactly one palette.")
     if options.steps is not None and not (options.steps >= 2 and len(options.images) == 1):
-        raise InputError("--steps must be 2 or more, and goes with one image.")
+        raise InputError("--steps must be 2 or more and requires exactly one image.")
     if options.steps is not None and options.images[0].suffix.lower() in bpy.path.extensions_movie:
-        raise InputError("--steps must be 2 or more, and goes with one image.")
+        raise InputError("--steps must be 2 or more and requires exactly one image.")
 
 
 def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
-    """Return where images of such names go; raises InputError where they cannot."""
+    """Return the output files for images with these names; raises InputError if they cannot be written."""
     if options.out is None:
         return []
     count = options.steps or len(names)
@@ -97,7 +97,7 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
     else:
         targets = [folder / name for name in names]
     if len(set(targets)) < len(targets) or share_a_place(targets, _sources(options)):
-        raise InputError("The results would replace each other, or the images; choose another folder with --out.")
+        raise InputError("The results would overwrite each other or the images; choose another folder with --out.")
     for target in targets:
         require_format(checked_target(target) if folder.is_dir() else target)
     return targets

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the command ``recolor`` reads: image files, or the frames of a movie."""
+"""Input of the command ``recolor``: image files, or the frames of a movie."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ from ..errors import InputError
 
 
 class Frames(Protocol):
-    """Pictures that are graded alike.
+    """Pictures that share one color map.
 
     Attributes
     ----------
     names : list of str
-        Of the files that they go to.
+        File names of the results.
     """
 
     names: list[str]
 
     def read(self, place: int) -> tuple[Picture, bpy.types.Image]:
-        """Give a context with one of them, and the image that says what its pixels mean."""
+        """Return a context with a picture and the image that defines its pixel format."""
 
 
 @contextmanager
 def opened_frames(paths: Sequence[Path], mask: Path | None) -> Iterator[Frames]:
-    """Open what is recolored.
+    """Open the images or the movie to recolor.
 
     Raises
     ------
     InputError
-        A file that is missing, or a movie among others.
+        A file is missing, or a movie is combined with other files.
     """
     movies = [path for path in paths if path.suffix.lower() in bpy.path.extensions_movie]
     if not movies:
         yield _Files(paths, mask)
         return
     if len(paths) > 1:
-        raise InputError("A movie is recolored by itself; {movie} is one.", movie=movies[0].name)
+        raise InputError("A movie must be the only input; {movie} is one.", movie=movies[0].name)
     with ExitStack() as stack:
         movie = stack.enter_context(opened_image(movies[0]))
         frames = ClipFrames(movie, None if mask is None else stack.enter_context(opened_image(mask)))
@@ -57,7 +57,7 @@ def opened_frames(paths: Sequence[Path], mask: Path | None) -> Iterator[Frames]:
 
 @contextmanager
 def read_file(path: Path, mask: Path | None) -> Iterator[tuple[Picture, bpy.types.Image]]:
-    """Read an image and its mask for as long as the context lasts."""
+    """Provide an image with its mask as a context."""
     with ExitStack() as stack:
         image = stack.enter_context(opened_image(path))
         own = None if mask is None else stack.enter_context(opened_image(mask))

@@ -11,11 +11,10 @@ from ..applications.palettes.palette_settings import RecolorSettings, TableSetti
 from .argument_types import numbers
 from .from_schema import add_setting_options
 
-RECOLOR_HELP = """Give images the palette of another image, or the barycenter of the palettes of several.
+RECOLOR_HELP = """Give images the palette of another image, or the barycenter of several palettes.
 
-Several images are frames of one clip, and so are those of a movie: they are graded alike, by the palette of all of them
-together, so that nothing flickers. With --cube the grade is written as a table too, for other programs; --lut applies
-such a table instead.
+Several images, or the frames of a movie, are treated as one clip: all of them get the same color map, so that nothing
+flickers. --cube also writes the color map as a lookup table for other programs; --lut applies such a table.
 
 examples:
   recolor photo.png --palette painting.jpg --out graded.png
@@ -30,30 +29,39 @@ examples:
 
 
 def add_recolor_options(parser: ArgumentParser) -> None:
-    """Add all of them."""
+    """Add the options to the parser."""
     parser.add_argument(
         "images", metavar="IMAGE", nargs="+", type=Path, help="an image, the frames of a clip, or a movie"
     )
-    parser.add_argument("--palette", type=Path, nargs="+", default=[], metavar="IMAGE", help="whose colors are taken")
-    parser.add_argument("--weights", type=numbers, metavar="W,W,...", help="of several palettes (all alike)")
+    parser.add_argument(
+        "--palette", type=Path, nargs="+", default=[], metavar="IMAGE", help="images whose colors are used"
+    )
+    parser.add_argument(
+        "--weights", type=numbers, metavar="W,W,...", help="weights of several palettes (default: equal)"
+    )
     parser.add_argument("--lut", type=Path, metavar="FILE", help="apply this .cube instead of a palette")
     _add_map_options(parser)
-    group = parser.add_argument_group("what is written")
+    group = parser.add_argument_group("output")
     group.add_argument("--out", type=Path, metavar="FILE", help="the image to write, or a folder for several")
-    group.add_argument("--cube", type=Path, metavar="FILE", help="write the grade as a .cube table")
+    group.add_argument("--cube", type=Path, metavar="FILE", help="write the color map as a .cube lookup table")
     add_setting_options(group, TableSettings)
     group.add_argument(
-        "--steps", type=int, metavar="N", help="write N images on the way from strength 0 to --strength, from one"
+        "--steps", type=int, metavar="N", help="with a single image: write N images from strength 0 to --strength"
     )
     group.add_argument(
-        "--depth", choices=("automatic", "8", "16", "32"), default="automatic", help="bits of a channel (%(default)s)"
+        "--depth", choices=("automatic", "8", "16", "32"), default="automatic", help="bits per channel (%(default)s)"
     )
-    group.add_argument("--json", action="store_true", help="print what is known about the map as JSON")
+    group.add_argument("--json", action="store_true", help="print the record of the map as JSON")
 
 
 def _add_map_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("how it is done")
+    group = parser.add_argument_group("method")
     add_setting_options(group, RecolorSettings)
-    group.add_argument("--mask", type=Path, metavar="IMAGE", help="white where the images change, of their size")
-    group.add_argument("--palette-mask", type=Path, metavar="IMAGE", help="white where the only palette counts")
-    group.add_argument("--workers", type=int, metavar="N", help="threads (one per processor)")
+    group.add_argument("--mask", type=Path, metavar="IMAGE", help="white where the images change; of the same size")
+    group.add_argument(
+        "--palette-mask",
+        type=Path,
+        metavar="IMAGE",
+        help="white where the palette's colors count; for a single palette",
+    )
+    group.add_argument("--workers", type=int, metavar="N", help="threads (default: one per processor)")

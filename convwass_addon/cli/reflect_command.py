@@ -29,7 +29,7 @@ from ..progress import payloads
 from .answer import Answer
 from .from_schema import given_settings
 
-# How many numbers every kind of material takes, and what makes it of them.
+# For every kind of material: how many parameters it may have, and its constructor.
 _KINDS = {
     "principled": ((1, 2), Ggx.principled),
     "ggx": ((2,), Ggx),
@@ -39,12 +39,12 @@ _KINDS = {
 
 
 def run_reflect(options: Namespace) -> Answer:
-    """Do what the command line asks for.
+    """Blend materials and write the result.
 
     Raises
     ------
     InputError
-        Materials or options that cannot work.
+        The materials or options cannot be used.
     """
     target = checked_target(options.out)
     kind = target.suffix.lower()
@@ -54,7 +54,7 @@ def run_reflect(options: Namespace) -> Answer:
     weights = _weights(options) if sheet is None else sheet.weights
     blend = _blend(options.materials, settings)
     if kind == ".exr" and not is_whole(target) and not blend.tables[0].is_isotropic:
-        raise InputError("Materials with a grain need all directions; choose .npz or .lobes.exr.")
+        raise InputError("Anisotropic materials need all directions; choose .npz or .lobes.exr.")
     frames = _solved(blend, weights)
     shown = frames if sheet is None else spread_out(sheet, frames)
     if is_whole(target):
@@ -70,23 +70,23 @@ def run_reflect(options: Namespace) -> Answer:
 
 
 def _check_kind(target: Path, kind: str, options: Namespace) -> None:
-    """Refuse a file that cannot hold what is asked for."""
+    """Raise InputError if the file format cannot hold the result."""
     if kind not in (".npz", ".exr", ".blend"):
-        raise InputError("{name} ends neither in .npz, .exr nor in .blend.", name=target.name)
+        raise InputError("{name} does not end in .npz, .exr or .blend.", name=target.name)
     if is_whole(target) and (options.steps is not None or options.pad is not None):
         raise InputError(
-            "A file .npz or .lobes.exr holds one blend; leave --steps and --pad out, or name another file .exr."
+            ".npz and .lobes.exr files hold one blend; leave out --steps and --pad, or name a different .exr file."
         )
     if options.steps is not None and options.steps < 2:
         raise InputError("--steps must be 2 or more.")
     if options.pad is not None and not 2 <= options.pad <= MOST_ON_PAD:
         raise InputError("--pad must be 2 to {most}.", most=MOST_ON_PAD)
     if options.pad is not None and (options.steps is not None or options.weights):
-        raise InputError("--pad goes all over the weights; leave --steps and --weights out.")
+        raise InputError("--pad covers all weights; leave out --steps and --weights.")
     if options.weights and len(options.weights) > 1 and options.steps is None:
-        raise InputError("Several --weights are a way; say with --steps how many blends it has.")
+        raise InputError("Several --weights define a path; set the number of blends on it with --steps.")
     if options.weights and len(options.weights) == 1 and options.steps is not None:
-        raise InputError("One --weights is one blend; leave --steps out, or give more of them.")
+        raise InputError("A single --weights defines one blend; leave out --steps, or give more --weights.")
 
 
 def _weights(options: Namespace) -> NDArray[np.float64]:
@@ -102,12 +102,12 @@ def _blend(words: Sequence[str], settings: ReflectanceSettings) -> LobeBlend:
     if not tables:
         return LobeBlend.of(found, settings)
     if len(tables) < len(found):
-        raise InputError("Tables go with tables only; write one of the other materials first.")
+        raise InputError("Tables can only be blended with tables; write the other materials as tables first.")
     return LobeBlend(tables, settings)
 
 
 def _material(word: str) -> Material | LobeTable:
-    """Make a material of a word, or read its file; raises InputError where it is neither."""
+    """Parse a material or read its file; raises InputError if it is neither."""
     path = Path(word)
     if path.suffix.lower() == ".binary":
         return read_merl(path)
@@ -120,7 +120,7 @@ def _material(word: str) -> Material | LobeTable:
     except ValueError:
         values = []
     if make is None or len(values) not in counts:
-        raise InputError("{word} is no material such as principled:0.3 or ggx:0.1,0.4, and no file.", word=word)
+        raise InputError("{word} is neither a material such as principled:0.3 or ggx:0.1,0.4, nor a file.", word=word)
     return make(*values)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ``morph --output shape-keys`` does."""
+"""Implementation of ``morph --output shape-keys``."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from ..errors import InputError
 from .answer import Answer
 from .reports import note
 
-# Options about frames, of which there are none.
+# Options that only apply to frames.
 _OF_FRAMES = ("render", "export", "at", "frames_range", "cache", "scheduler")
 
 
 def with_shape_keys(
     inputs: list[bpy.types.Object], options: Namespace, request: MorphRequest, settings: MorphSettings, target: Path
 ) -> Answer:
-    """Give the mesh of the first shape keys that lead to the others, and save it.
+    """Add shape keys to the first mesh that lead to the other shapes, and save it.
 
     Raises
     ------
     InputError
-        Shapes that are no meshes or too different, or options about frames.
+        The shapes are not meshes or too different, or there are options about frames.
     """
     given = [name for name in _OF_FRAMES if getattr(options, name)]
     if given:
         raise InputError(
-            "--output shape-keys makes one mesh and no frames; leave out --{option}.",
+            "--output shape-keys makes one mesh without frames; leave out --{option}.",
             option=given[0].replace("_", "-"),
         )
     refuse_one_mesh(inputs)

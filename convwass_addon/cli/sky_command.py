@@ -17,15 +17,15 @@ from .from_schema import given_settings
 
 
 def run_sky(options: Namespace) -> Answer:
-    """Do what the command line asks for.
+    """Interpolate skies and write the images.
 
     Raises
     ------
     InputError
-        Images or options that cannot work.
+        The images or options cannot be used.
     """
     if len(options.skies) < 2:
-        raise InputError("Name two images or more.")
+        raise InputError("Name at least two images.")
     if options.steps < 2:
         raise InputError("--steps must be 2 or more.")
     if options.width is not None and not 64 <= options.width <= 16384:

@@ -46,9 +46,9 @@ class _Ends:
     Attributes
     ----------
     source, target : bpy.types.Object
-        The same one twice for a mirror map.
+        Identical for a mirror map.
     readings : (SurfaceReading, SurfaceReading)
-        As they stand in the scene.
+        Their surfaces in the scene.
     """
 
     source: bpy.types.Object
@@ -56,7 +56,7 @@ class _Ends:
     readings: tuple[SurfaceReading, SurfaceReading]
 
     def sides(self, groups: list[str]) -> tuple[MapSide, MapSide]:
-        """Return what the solver takes."""
+        """Return the input of the solver."""
         objects = (self.source, self.target)
         return tuple(
             MapSide(reading.mesh, obj.name, dict(zip(groups, read_groups(obj, groups), strict=True)) if groups else {})
@@ -65,12 +65,12 @@ class _Ends:
 
 
 def run_softmap(options: Namespace) -> Answer:
-    """Do what the command line asks for.
+    """Compute a soft map, transfer data with it and save the result.
 
     Raises
     ------
     InputError, ResourceError
-        Meshes, pairs or options that cannot work.
+        The meshes, pairs or options cannot be used.
     """
     _check_options(options)
     target = checked_target(path_with_suffix(options.out, ".blend"))
@@ -100,29 +100,29 @@ def run_softmap(options: Namespace) -> Answer:
 
 def _check_options(options: Namespace) -> None:
     if options.mirror == (options.target is not None):
-        raise InputError("Name two meshes, or one with --mirror.")
+        raise InputError("Name two meshes, or one mesh with --mirror.")
     if options.mirror and {"uvs", "colors"} & set(options.transfer):
-        raise InputError("A mesh can take weights and keys from its mirror image, but no UV maps or colors.")
+        raise InputError("A mirror map can transfer weights and keys, but not UV maps or colors.")
     if options.pairs and options.pairs_from:
-        raise InputError("--pairs and --pairs-from exclude each other; choose one.")
+        raise InputError("--pairs and --pairs-from cannot be combined; choose one.")
 
 
 def _opened_ends(options: Namespace) -> _Ends:
     with ProgressBar("Reading the meshes") as bar:
         source, target = open_objects(options.source, options.target)
         if source == target and not options.mirror:
-            raise InputError("Both names mean {object}; name another one, or use --mirror.", object=source.name)
+            raise InputError("Both names refer to {object}; name another object, or use --mirror.", object=source.name)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         readings = tuple(read_surface(obj, depsgraph) for obj in (source, target))
         bar.show(1.0, f"{source.name}, {target.name}")
     ignored = dict.fromkeys(name for reading in readings for name in reading.ignored)
     if ignored:
-        note(f"modifiers that change the vertices are left out: {', '.join(ignored)}")
+        note(f"modifiers that change the vertices are ignored: {', '.join(ignored)}")
     return _Ends(source, target, readings)
 
 
 def _pairs(options: Namespace, ends: _Ends) -> np.ndarray:
-    """Return the pairs that are named or found, (k, 2)."""
+    """Return the pairs given or found, (k, 2)."""
     if not options.pairs_from:
         return np.array(options.pairs, dtype=np.int64).reshape(-1, 2)
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -132,7 +132,7 @@ def _pairs(options: Namespace, ends: _Ends) -> np.ndarray:
         found = pairs_from_empties(ends.source, ends.target, depsgraph, bpy.context.scene.objects)
     if not found.pairs:
         raise InputError(
-            "{source} and {target} have no {kind} of equal names; mark some.",
+            "{source} and {target} have no {kind} with the same names; mark some.",
             source=ends.source.name,
             target=ends.target.name,
             kind=options.pairs_from,
@@ -150,7 +150,7 @@ def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMa
 
 
 def _transferred(options: Namespace, request: TransferRequest, ends: _Ends, found: SurfaceMap) -> dict[str, list[str]]:
-    """Carry over what is asked for, and return the names that were written, by kind."""
+    """Transfer the requested data and return the names written, by kind."""
     way = _way(options, request, ends, found)
     makers = {
         "weights": lambda: CarriedGroups(way, WeightRules(request.limit, request.normalize)),
@@ -205,7 +205,7 @@ def _record(ends: _Ends, pairs: np.ndarray, found: SurfaceMap) -> dict[str, obje
 
 
 def _figures(points: PointMap) -> dict[str, object]:
-    """Say in few numbers how much a point map can be relied on."""
+    """Summarize the confidence of a point map."""
     confidence = points.confidence
     return {
         "vertices": len(points),

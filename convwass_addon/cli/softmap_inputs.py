@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two objects that the command ``softmap`` works on, in one scene, with all that can be transferred."""
+"""The two objects of the command ``softmap``, loaded into one scene with all data that can be transferred."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ..bridge.blend_files import appended_objects
 from ..bridge.imports import BLEND, READERS, Source, import_objects, parse_source
 from .density_inputs import object_in_scene, opened_object
 
-# Formats that may hold weights and shape keys, which must not be applied.
+# Formats that may contain weights and shape keys, which must not be applied.
 _WITH_KEYS = (".gltf", ".glb", ".fbx", ".usd", ".usda", ".usdc", ".usdz")
 
 
 def open_objects(source_text: str, target_text: str | None) -> tuple[bpy.types.Object, bpy.types.Object]:
-    """Open the objects that are named on the command line; the same one twice where no second is named.
+    """Open the objects given on the command line; without a second name, return the first one twice.
 
-    The first .blend that is named is opened as it is, without running what scripts it may hold; what comes from other
-    files is added to it, or to an empty scene.
+    The first .blend is opened unchanged, without running its scripts; objects of other files are added to it, or to an
+    empty scene.
 
     Raises
     ------
     InputError
-        Files or objects that cannot be used.
+        The files or objects cannot be used.
     """
     sources = [parse_source(text) for text in (source_text, target_text) if text is not None]
     opened = next((source for source in sources if _is_blend(source)), None)
@@ -49,12 +49,12 @@ def _is_blend(source: Source) -> bool:
 
 
 def _added(source: Source) -> bpy.types.Object:
-    """Bring an object of another file into the scene."""
+    """Import an object of another file into the scene."""
     if _is_blend(source) and source.object_name:
         return _appended(source)
     if source.path.suffix.lower() in _WITH_KEYS and source.path.is_file():
         before = set(bpy.data.objects)
-        # Of what cannot be read, import_objects says why.
+        # If this fails, import_objects below reports why.
         with suppress(RuntimeError):
             READERS[source.path.suffix.lower()](str(source.path.absolute()))
         new = [obj for obj in bpy.data.objects if obj not in before]
@@ -67,7 +67,7 @@ def _added(source: Source) -> bpy.types.Object:
 
 
 def _appended(source: Source) -> bpy.types.Object:
-    """Append an object with all that it needs, as it is."""
+    """Append an object unchanged, with its dependencies."""
     (obj,) = appended_objects(source.path, [source.object_name]).values()
     bpy.context.scene.collection.objects.link(obj)
     return obj

@@ -14,14 +14,15 @@ from .from_schema import add_setting_options
 from .reports import add_output_options
 
 KINDS = ("weights", "keys", "uvs", "colors")
-"""What can be transferred."""
+"""The kinds of data that can be transferred."""
 
-SOFTMAP_HELP = """Find where every vertex of one mesh belongs on another, from a few pairs of vertices, and carry vertex
-groups, shape keys, UV maps and colors across.
+SOFTMAP_HELP = """Map one mesh to another from a few pairs of corresponding vertices, and transfer vertex groups,
+shape keys, UV maps and colors with the map.
 
-A mesh is an object of a .blend, written file.blend:Object, as it stands with the modifiers that only move vertices; or
-a file that Blender reads. Pairs are vertices that belong together, such as 12:40: 12 of SOURCE, 40 of TARGET. Four do
-where one is a pose of the other, ten where proportions differ; mark the ends of limbs, left and right ones.
+A mesh is an object in a .blend, written file.blend:Object, with the modifiers that only move vertices applied, or a
+file that Blender can import. A pair such as 12:40 means that vertex 12 of SOURCE corresponds to vertex 40 of TARGET.
+Four pairs are enough for two poses of one mesh, about ten for meshes of different proportions. Mark the ends of limbs,
+on both the left and the right side.
 
 examples:
   softmap fox.blend:Fox dog.blend:Dog --pairs 12:40 77:301 5:9 63:118 --transfer weights keys --out dog_rigged.blend
@@ -33,50 +34,53 @@ examples:
 
 
 def add_softmap_options(parser: ArgumentParser) -> None:
-    """Add all of them."""
+    """Add the options to the parser."""
     parser.add_argument("source", metavar="SOURCE", help="a file, or file.blend:Object")
-    parser.add_argument("target", metavar="TARGET", nargs="?", help="another one, of the same file or of another")
+    parser.add_argument("target", metavar="TARGET", nargs="?", help="the other object, in the same file or another")
     _add_pair_options(parser)
     _add_transfer_options(parser)
     _add_solver_options(parser)
-    group = parser.add_argument_group("what is written")
-    add_output_options(group, Path("softmap.blend"), "write what is known about the map as JSON")
+    group = parser.add_argument_group("output")
+    add_output_options(group, Path("softmap.blend"), "write the record of the map as JSON")
 
 
 def _add_pair_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("what belongs together")
+    group = parser.add_argument_group("corresponding points")
     group.add_argument(
         "--pairs", type=vertex_pair, nargs="+", default=[], metavar="S:T", help="vertices of SOURCE and TARGET"
     )
     group.add_argument(
         "--pairs-from",
         choices=("groups", "empties"),
-        help="small vertex groups of equal names, or Empties of equal names that stand on both, also by parenting",
+        help="use small vertex groups of equal names, or Empties of equal names that lie on or are parented to both "
+        "objects",
     )
     add_setting_options(group, MapRequest)
     group.add_argument(
         "--mirror",
         action="store_true",
         help="map SOURCE to its own mirror image; pairs are vertices that mirror each other, and names with a side, "
-        "such as Arm.L, go to the other side",
+        "such as Arm.L, switch sides",
     )
 
 
 def _add_transfer_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("what is transferred")
+    group = parser.add_argument_group("transfer")
     group.add_argument(
         "--transfer", nargs="+", choices=KINDS, default=[], metavar="KIND", help=f"any of {', '.join(KINDS)}"
     )
-    group.add_argument("--names", nargs="+", default=[], metavar="NAME", help="only these groups, keys or maps")
+    group.add_argument(
+        "--names", nargs="+", default=[], metavar="NAME", help="only groups, keys or maps with these names"
+    )
     add_setting_options(group, TransferRequest)
 
 
 def _add_solver_options(parser: ArgumentParser) -> None:
-    group = parser.add_argument_group("how it is done")
+    group = parser.add_argument_group("method")
     add_setting_options(group, SoftMapSettings)
     group.add_argument(
         "--repair",
         type=float,
         metavar="CONFIDENCE",
-        help="fill in points of less confidence, 0 to 1, from those around them",
+        help="replace points with a confidence below this, 0 to 1, by those of their neighbors",
     )

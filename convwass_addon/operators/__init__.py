@@ -71,7 +71,7 @@ register, _unregister_classes = bpy.utils.register_classes_factory(
 
 
 def unregister() -> None:
-    """Take the operators away; what they are computing is given up first, and nothing of it is left."""
+    """Unregister the operators; running work is cancelled first, and its partial results are removed."""
     try:
         picking.stop_waiting(bpy.context)
         background.stop_running(bpy.context)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fit an armature into a body, beside the user's work: pinned joints stay, the others are laid out inside."""
+"""Fit an armature into a body in the background: pinned joints keep their positions, the others are placed inside."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ if TYPE_CHECKING:
 
 
 class FitJob:
-    """One fit. Everything but :meth:`steps` belongs on the main thread.
+    """A fit. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     context : bpy.types.Context
-        For the body as modifiers leave it.
+        Used to evaluate the body's modifiers.
     body, rig : bpy.types.Object
-        What is fitted into what.
+        The mesh, and the armature fitted into it.
     graph : RigGraph
         The joints of the rig.
     settings : SkeletonSettings
-        How.
+        Settings of the fit.
 
     Raises
     ------
     InputError
-        The body is no mesh, or one without a surface.
+        The body is not a mesh, or has no surface.
     """
 
     def __init__(
@@ -62,39 +62,41 @@ class FitJob:
         self.found: FittedSkeleton | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Do the work, and keep what it finds."""
+        """Compute the fit and keep the result."""
         from ..applications.skeletons.skeleton_fit import fit_steps
 
         self.found = yield from fit_steps(self._mesh, self.graph.graph, self._settings, control)
 
     def write(self, report: Progress[object]) -> None:
-        """Leave the file as it is until the end."""
+        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
-        """Forget it."""
+        """Discard the result."""
         self.found = None
 
     def objects(self) -> tuple[bpy.types.Object, bpy.types.Object]:
-        """Return body and rig; raises InputError where one of them is gone."""
+        """Return body and rig; raises InputError if one of them was deleted."""
         body, rig = self._body.find(), self._rig.find()
         if body is None or rig is None:
-            raise InputError("The body or the armature was deleted, or undone, while it was fitted; start again.")
+            raise InputError(
+                "The body or the armature was deleted, or its creation undone, during the fit; start again."
+            )
         return body, rig
 
     @property
     def edited(self) -> set[str]:
-        """Names of those of the two that are in Edit Mode."""
+        """Names of those of the two objects that are in Edit Mode."""
         return {obj.name for obj in (self._body.find(), self._rig.find()) if obj is not None and obj.mode == "EDIT"}
 
     @property
     def rig_name(self) -> str:
-        """The name of the rig; empty where it is gone."""
+        """The name of the rig; empty if it was deleted."""
         rig = self._rig.find()
         return "" if rig is None else rig.name
 
 
 class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.types.Operator):
-    """Move the joints of the armature that are not pinned into the body. Names, parents, connections, constraints and weights stay, bones keep the proportions of their lengths, and their roll turns with them"""  # noqa: E501
+    """Move the unpinned joints of the armature into the body. Names, parents, connections, constraints and weights are kept, bones keep the proportions of their lengths, and their roll turns with them"""  # noqa: E501
 
     bl_idname = "convwass.fit_armature"
     bl_label = "Fit Armature"
@@ -112,8 +114,8 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
         graph = rig_graph(rig, only_deforming=self.bones == "DEFORM")
         if not graph.graph.pinned.any():
             raise InputError(
-                "No joint of {object} is pinned; select the ends of limbs in Edit Mode, move them where they belong "
-                "and press Pin Joints, or press Place Joints and click on the body.",
+                "No joint of {object} is pinned. Select the ends of limbs in Edit Mode, move them into place and "
+                "press Pin Joints, or press Place Joints and click on the body.",
                 object=rig.name,
             )
         graph.require_pins_apart()
@@ -129,7 +131,7 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
         edited = self._job.edited
         in_the_way = context.mode.startswith("EDIT") and self._job.rig_name not in edited
         if in_the_way or (self.auto_weights and edited):
-            return Sentence("Done; leave Edit Mode to get the result")
+            return Sentence("Done; leave Edit Mode to apply the result")
         return self._waits_for_stroke(context)
 
     def _finish(self, context, job):
@@ -145,16 +147,16 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
         warnings = [*found.notices, *short_notice(short)]
         if self.auto_weights:
             warnings += unweighted_notice(bind_with_weights(body, rig), body)
-        text = rpt_("{:s} is fitted into {:s}: {:d} of {:d} joints are inside")
+        text = rpt_("{:s} fitted into {:s}: {:d} of {:d} joints are inside")
         inside = int(found.inside.sum())
         tell(self, text.format(rig.name, body.name, inside, len(found.inside)), posed_notice(rig), warnings)
         return {"FINISHED"}
 
 
 def _require_bindable(body: bpy.types.Object, rig: bpy.types.Object) -> None:
-    """Refuse objects that cannot be bound by weights; raises InputError."""
+    """Raise InputError if the objects cannot be bound with weights."""
     if rig.type != "ARMATURE":
-        raise InputError("{object} is no armature, so it gives no weights; switch them off.", object=rig.name)
+        raise InputError("{object} is not an armature, so it cannot provide weights; switch them off.", object=rig.name)
     writable_mesh(body)
     if rig.mode == "EDIT":
         raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=rig.name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pin joints of an armature where they are, and let go of them."""
+"""Pin and unpin joints of an armature."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .reporting import refuse
 
 
 class _PinsJoints(OnRig):
-    """An operator on pins."""
+    """Base of the operators that pin and unpin joints."""
 
     _pinned: bool
 
@@ -37,7 +37,7 @@ class _PinsJoints(OnRig):
 
 
 class CONVWASS_OT_pin_joints(_PinsJoints, bpy.types.Operator):
-    """Pin the selected heads and tails of bones: where they are now is where they belong, and fitting leaves them there"""  # noqa: E501
+    """Pin the selected heads and tails of bones: they are where they should be, and fitting does not move them"""
 
     bl_idname = "convwass.pin_joints"
     bl_label = "Pin Joints"
@@ -48,7 +48,7 @@ class CONVWASS_OT_pin_joints(_PinsJoints, bpy.types.Operator):
 
 
 class CONVWASS_OT_unpin_joints(_PinsJoints, bpy.types.Operator):
-    """Let go of the selected heads and tails of bones, so that fitting moves them"""
+    """Unpin the selected heads and tails of bones, so that fitting moves them"""
 
     bl_idname = "convwass.unpin_joints"
     bl_label = "Unpin Joints"
@@ -59,7 +59,7 @@ class CONVWASS_OT_unpin_joints(_PinsJoints, bpy.types.Operator):
 
 
 class CONVWASS_OT_clear_pins(OnRig, bpy.types.Operator):
-    """Let go of all joints of the armature"""
+    """Unpin all joints of the armature"""
 
     bl_idname = "convwass.clear_pins"
     bl_label = "Unpin All"

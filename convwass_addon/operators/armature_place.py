@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Place joints inside the body, behind the points of its surface that are clicked on."""
+"""Place joints inside the body, behind points clicked on its surface."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
-    """Put the selected joints into the body with one click each on its surface: each goes to the middle of what is behind the click, and is pinned"""  # noqa: E501
+    """Place each selected joint in the body with a click on the surface: it moves to the middle of the volume behind the click and is pinned"""  # noqa: E501
 
     bl_idname = "convwass.place_joint"
     bl_label = "Place Joints"
@@ -34,7 +34,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
     joints: joints_property()
     location: FloatVectorProperty(
         name="Location",
-        description="Point on the surface of the body, in world space, behind which the joint goes",
+        description="Point on the surface of the body, in world space; the joint is placed behind it",
         subtype="TRANSLATION",
         options={"SKIP_SAVE"},
     )
@@ -46,9 +46,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
         try:
             names = self._names(context)
             if len(names) != 1:
-                raise InputError(
-                    "A point of the surface is for one joint, not for {count}; name one.", count=len(names)
-                )
+                raise InputError("One surface point cannot place {count} joints; name one joint.", count=len(names))
             self._finder: InnerPointFinder = _finder(context)
             self._place(context, names[0], np.array(self.location, dtype=np.float64))
         except ConvwassError as error:
@@ -72,20 +70,20 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
         body, depsgraph = context.scene.convwass_armature.body, context.evaluated_depsgraph_get()
         point = surface_point_at(body, depsgraph, region, place)
         if point is None:
-            self.report({"INFO"}, rpt_("There is nothing of the body; click on its surface"))
+            self.report({"INFO"}, rpt_("This is not on the body; click on its surface"))
             return {"RUNNING_MODAL"}
         self._place(context, self._waiting[0], point)
         bpy.ops.ed.undo_push(message=rpt_("Place Joint"))
         self._waiting.pop(0)
         if not self._waiting:
             self.cancel(context)
-            # Every joint has its own undo step by now.
+            # Every joint already has its own undo step.
             return {"CANCELLED"}
         self._say(context)
         return {"RUNNING_MODAL"}
 
     def _names(self, context: bpy.types.Context) -> list[str]:
-        """Return the joints that are meant; raises InputError where there are none, or they cannot be moved."""
+        """Return the joints to place; raises InputError if there are none or they cannot be moved."""
         from ..bridge.armatures.rigs import require_movable, rig_graph
 
         rig = chosen_rig(context)
@@ -95,11 +93,11 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
         return [graph.graph.names[joint] for joint in chosen_joints(rig, graph, self.joints)]
 
     def _say(self, context: bpy.types.Context) -> None:
-        text = rpt_("Click on the body where {:s} belongs ({:d} to go)    Esc: done")
+        text = rpt_("Click on the body where {:s} belongs ({:d} left)    Esc: done")
         write_status(context, text.format(self._waiting[0], len(self._waiting)))
 
     def _place(self, context: bpy.types.Context, name: str, point: NDArray[np.float64]) -> None:
-        """Move a joint behind a point of the surface and pin it; raises InputError where that cannot be."""
+        """Move a joint behind a surface point and pin it; raises InputError if that is impossible."""
         from ..bridge.armatures.rigs import move_joints, rig_graph
 
         rig = chosen_rig(context)
@@ -108,7 +106,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
         joint = graph.joint(name)
         positions = graph.graph.positions.copy()
         positions[joint] = found.position
-        # Before it is moved, for the lengths of its bones.
+        # Bones are measured before the joint moves.
         pin_joints(rig, graph, [joint])
         move_joints(rig, graph, positions)
         text = rpt_("{:s} is pinned {:s} behind the surface")
@@ -116,7 +114,7 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
 
 def _finder(context: bpy.types.Context) -> InnerPointFinder:
-    """Return what finds points inside of the body, for as many clicks as there will be."""
+    """Return a finder of points inside the body, used for all clicks."""
     from ..applications.skeletons.inner_points import InnerPointFinder
     from ..bridge.armatures.rigs import resting_body
 

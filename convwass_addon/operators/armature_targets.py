@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rig and the body that are chosen, when their buttons can be pressed, and which joints are meant."""
+"""The chosen rig, body and joints, and the poll methods of their operators."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .chosen_inputs import split_names
 
 
 class OnRig:
-    """An operator on the chosen rig, or the active armature."""
+    """Base of operators on the chosen rig, or the active armature."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -33,7 +33,7 @@ class OnRig:
 
 
 class OnBody(OnRig):
-    """An operator on the rig and the body that it goes into."""
+    """Base of operators on the rig and the body."""
 
     @classmethod
     def poll(cls, context):
@@ -41,7 +41,7 @@ class OnBody(OnRig):
             return False
         body = context.scene.convwass_armature.body
         if body is None:
-            cls.poll_message_set("Choose a body, the mesh that the armature goes into")
+            cls.poll_message_set("Choose a body, the mesh to fit the armature into")
             return False
         if not body.users_scene:
             cls.poll_message_set("The body has been deleted; choose another one")
@@ -53,22 +53,22 @@ class OnBody(OnRig):
 
 
 def joints_property() -> object:
-    """Return the property by which a script names joints."""
+    """Return the property that names joints in scripts."""
     return StringProperty(
         name="Joints",
-        description="Names of joints, such as Arm.L.head or Arm.L.tail, one per line or with commas between them, or "
-        "numbers of vertices; empty for those that are selected in Edit Mode",
+        description="Names of joints, such as Arm.L.head or Arm.L.tail, or vertex numbers; one per line or separated "
+        "by commas. Empty: the joints selected in Edit Mode",
         options={"SKIP_SAVE"},
     )
 
 
 def chosen_joints(obj: bpy.types.Object, rig: RigGraph, text: str) -> list[int]:
-    """Return the joints that are named or, in Edit Mode, selected.
+    """Return the joints named or, in Edit Mode, selected.
 
     Raises
     ------
     InputError
-        There are none.
+        There are no such joints.
     """
     if text.strip():
         return list(dict.fromkeys(rig.joint(name) for name in split_names(text)))

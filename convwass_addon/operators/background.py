@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators whose work goes on beside the user's where there is a window, and at once where there is none."""
+"""Operators that run in the background if there is a window, and immediately otherwise."""
 
 from __future__ import annotations
 
@@ -23,29 +23,29 @@ from .reporting import refuse_if_known
 from .windows import clear_status, clear_windows, write_status
 
 _TIMER_SECONDS = 0.05
-# Editors whose sidebars show how far a job is.
+# Editors whose sidebars show the progress.
 _WITH_SIDEBAR = ("VIEW_3D", "IMAGE_EDITOR")
-# The window answers at least this often while many objects wait to be made.
+# The longest time, in seconds, that results are written before the window can respond again.
 _BUSY_SECONDS = 0.1
-# Seconds that a job which is stopped may take while the window waits.
+# Seconds that the window waits for a cancelled job.
 _PATIENCE = 0.5
-# From when on the time that is left is told: before that, the first steps say little.
+# The remaining time is shown after this many seconds and this share of the work; earlier estimates are unreliable.
 _SOONEST, _LEAST_FRACTION = 2.0, 0.15
 
 
 class Job(Protocol):
-    """Work that is computed on a thread and written on the main one."""
+    """Work that is computed on a thread and written on the main thread."""
 
     def write(self, report: Progress[Any]) -> None:
-        """Write what a report has brought, or answer its request."""
+        """Write the payload of a report, or answer its request."""
 
     def discard(self) -> None:
-        """Remove everything that has been written."""
+        """Remove everything that was written."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Running:
-    """What has to be ended where an operator cannot do it itself any more."""
+    """A running operator, with everything needed to end it from outside."""
 
     background: BackgroundJob[None] | InlineJob[None]
     job: Job
@@ -56,7 +56,7 @@ _RUNNING: set[_Running] = set()
 
 
 class BackgroundOperator:
-    """What operators of long work have in common; they fill in the hooks at the end."""
+    """Base of operators with long work; subclasses implement the hooks at the end."""
 
     _job: Job
     _background: BackgroundJob[None] | InlineJob[None]
@@ -95,11 +95,11 @@ class BackgroundOperator:
         return started
 
     def work(self) -> Callable[[Control], Work[None]]:
-        """Return what does the work that has begun, given a control; all of it is had from here."""
+        """Return the function that does the work, given a control."""
         return self._steps()
 
     def _start(self, context: bpy.types.Context) -> set[str]:
-        """Begin the work on its thread, for an operator that has a modal handler, or gets one."""
+        """Start the work on its thread; the operator has, or is about to get, a modal handler."""
         self._scene = Handle.of("scenes", context.scene)
         try:
             self._job = self._begin(context)
@@ -119,7 +119,8 @@ class BackgroundOperator:
         asked = context.window_manager.convwass_progress.stopping or (event.type == "ESC" and event.value == "PRESS")
         stopping = asked or self._ending
         if stopping:
-            # What is not checked often, such as a factorization, may take its time; the window goes on meanwhile.
+            # Steps that do not check the control, such as a factorization, may take a while; the window stays
+            # responsive.
             if not self._background.cancel(0.0 if self._ending else _PATIENCE):
                 self._ending = True
                 self._show(context, context.window_manager.convwass_progress.fraction, Sentence("Stopping"))
@@ -129,7 +130,7 @@ class BackgroundOperator:
         try:
             written = self._write(context, math.inf if stopping else _BUSY_SECONDS)
         except BaseException as error:
-            # Whatever it is, nothing may go on running behind the user's back.
+            # On any error, leave nothing running unnoticed.
             self._background.cancel()
             self._stop(context)
             self._job.discard()
@@ -148,10 +149,10 @@ class BackgroundOperator:
         self._job.discard()
 
     def _write(self, context: bpy.types.Context, seconds: float) -> bool:
-        """Write what has been done, for so long; return whether nothing more will come."""
+        """Write finished reports for at most `seconds`; return whether the work has ended."""
         done, until, report = self._background.done, time.monotonic() + seconds, None
         for report in self._background.poll():
-            # A job that has been stopped waits for no answer any more.
+            # A cancelled job does not wait for answers.
             if not (self._background.cancelled and isinstance(report.payload, Request)):
                 self._job.write(report)
             if time.monotonic() > until:
@@ -162,7 +163,7 @@ class BackgroundOperator:
         return done
 
     def _end(self, context: bpy.types.Context, stopping: bool) -> set[str]:
-        """Finish or give up once the thread has ended."""
+        """Finish or discard the job after its thread has ended."""
         self._stop(context)
         error = self._background.error
         if error is None and stopping and self._waits_for(context) is not None:
@@ -188,14 +189,14 @@ class BackgroundOperator:
             message = rpt_("{:s}, about {:d} s left").format(message, left)
         progress.running, progress.fraction, progress.message = True, fraction, message
         write_status(context, f"{self._title()}: {message}    Esc: {rpt_('stop')}")
-        # The sidebar alone: drawing the shapes again may take long, and new ones see to that themselves.
+        # Redraw the sidebar only: redrawing the shapes may be slow, and changed data triggers it anyway.
         for area in context.window.screen.areas:
             for region in area.regions if area.type in _WITH_SIDEBAR else ():
                 if region.type == "UI":
                     region.tag_redraw()
 
     def _own_scene(self, context: bpy.types.Context) -> bpy.types.Scene:
-        """Return the scene that the work began in, whichever is shown by now; the shown one where that is gone."""
+        """Return the scene in which the work began, or the current one if it was deleted."""
         return self._scene.find() or context.scene
 
     def _stop(self, context: bpy.types.Context) -> None:
@@ -206,43 +207,43 @@ class BackgroundOperator:
         for area in context.window.screen.areas if context.window else ():
             area.tag_redraw()
 
-    # What an operator fills in.
+    # Hooks for operators.
 
     def _begin(self, context: bpy.types.Context) -> Job:
-        """Read the inputs; everything that can be refused is refused here or before the first report."""
+        """Read the inputs. Invalid input must be refused here or before the first report."""
         raise NotImplementedError
 
     def _steps(self) -> Callable[[Control], Work[None]]:
-        """Return what does the work of the job, and touches nothing of Blender unless it is done in turn."""
+        """Return the function that does the work. It must not access Blender's data unless `_in_turn` is true."""
         raise NotImplementedError
 
     def _in_turn(self) -> bool:
-        """Return whether the work touches Blender's data: it is then done on the main thread, a piece at a time."""
+        """Return whether the work accesses Blender's data and must run on the main thread, in small pieces."""
         return False
 
     def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
-        """Leave the result in the file, and tell of it."""
+        """Write the result to the file and report it."""
         raise NotImplementedError
 
     def _title(self) -> str:
-        """Say in the user's language what is going on."""
+        """Return the name of the work, in the user's language."""
         raise NotImplementedError
 
     def _nothing_kept(self) -> str:
-        """Say in the user's language that a stopped job has left nothing."""
+        """Return the message for a stopped job without results, in the user's language."""
         return rpt_("Stopped; nothing was changed")
 
     def _keep(self, context: bpy.types.Context, job: Job) -> bool:
-        """Keep what a stopped job has finished; return whether that is anything."""
+        """Keep the finished part of a stopped job; return whether there is any."""
         return False
 
     def _waits_for(self, context: bpy.types.Context) -> Sentence | None:
-        """Say what the user should do before the result can be left in the file; None for nothing."""
+        """Return what the user must do before the result can be written, or None."""
         return None
 
 
 class CONVWASS_OT_stop(bpy.types.Operator):
-    """Stop what is running, as with Esc in the viewport; the finished frames of a new morph are kept"""
+    """Stop the running job, like Esc in the viewport; finished frames of a new morph are kept"""
 
     bl_idname = "convwass.stop"
     bl_label = "Stop"
@@ -251,7 +252,7 @@ class CONVWASS_OT_stop(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         if not context.window_manager.convwass_progress.running:
-            cls.poll_message_set("Nothing is being computed")
+            cls.poll_message_set("Nothing is running")
             return False
         return True
 
@@ -261,9 +262,9 @@ class CONVWASS_OT_stop(bpy.types.Operator):
 
 
 def stop_running(context: bpy.types.Context) -> None:
-    """End all that is being computed and remove what it has written, before the operators are taken away.
+    """Cancel all running jobs and remove their partial results, before the operators are unregistered.
 
-    Blender drops the handlers of a class that goes, and calls nothing of it.
+    Blender drops the modal handlers of an unregistered class without calling them.
     """
     while _RUNNING:
         running = _RUNNING.pop()
@@ -276,15 +277,15 @@ def stop_running(context: bpy.types.Context) -> None:
 
 
 def is_idle(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Tell for an operator's poll whether nothing runs in the background, or leave a message that something does."""
+    """Return whether no job is running; otherwise set the operator's poll message."""
     if context.window_manager.convwass_progress.running:
-        operator.poll_message_set("Something is being computed; press Esc in the viewport to stop it")
+        operator.poll_message_set("A job is running; press Esc in the viewport to stop it")
         return False
     return True
 
 
 def time_left(passed: float, fraction: float) -> int | None:
-    """Return how many seconds a job will take from here on, in steps that do not flicker; None while nobody knows."""
+    """Estimate the remaining seconds, rounded to steps that do not flicker; None if it is too early."""
     if passed < _SOONEST or fraction < _LEAST_FRACTION:
         return None
     left = passed * (1.0 - fraction) / fraction

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which shapes a bake takes: those that are named, else those on the scene's list, else those that are selected."""
+"""The inputs of a bake: the named shapes, else the scene's list, else the selected objects."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ..bridge.flat.flat_kinds import is_shape
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
 
-# Types of objects that Blender turns into meshes, and those that have no surface to turn into one.
+# Object types that Blender can convert to meshes, and types without a surface.
 _CONVERTIBLE = ("META", "SURFACE", "VOLUME")
 _WITHOUT_THICKNESS = ("CURVES", "POINTCLOUD")
 
 
 @dataclass(frozen=True)
 class ChosenInputs:
-    """Shapes to morph.
+    """The shapes to morph.
 
     Attributes
     ----------
     objects : list of bpy.types.Object
-        In the order of the morph.
+        In morph order.
     weights : list of float
-        For a single blend, one per shape.
+        One per shape, for a single blend.
     """
 
     objects: list[bpy.types.Object]
@@ -43,19 +43,19 @@ def chosen_inputs(
     Parameters
     ----------
     context : bpy.types.Context
-        Whose scene and selection count.
+        Provides the scene and the selection.
     settings : MorphProperties
-        For the order of shapes that are selected.
+        Defines the order of selected shapes.
     names : str
-        Names of objects, one per line or with commas between them; empty for those on the list or selected.
+        Names of objects, one per line or separated by commas; empty for the shapes on the list or selected.
     weights : str
-        Numbers with commas between them, one per shape; empty for those on the list, or all alike.
+        Numbers separated by commas, one per shape; empty for the weights on the list, or equal weights.
 
     Raises
     ------
     InputError
-        Fewer than two shapes, selected objects that must be converted first, names that are not there, or weights that
-        do not fit.
+        There are fewer than two shapes, selected objects must be converted first, named objects do not exist, or the
+        number of weights is wrong.
     """
     listed = context.scene.convwass_morph.enabled_inputs
     if names.strip():
@@ -64,7 +64,7 @@ def chosen_inputs(
     elif context.scene.convwass_morph.inputs:
         for item in listed:
             if item.object is None or item.object.name not in context.scene.objects:
-                raise InputError("A shape on the list of inputs has been deleted; remove it from the list.")
+                raise InputError("A shape on the input list was deleted; remove it from the list.")
         objects, numbers = [item.object for item in listed], [item.weight for item in listed]
     else:
         selected = selected_objects(context)
@@ -75,24 +75,24 @@ def chosen_inputs(
         numbers = _numbers(weights)
     if len(objects) < 2:
         raise InputError(
-            "Select at least two shapes (meshes, texts, curves, drawings or images), or put them on the list of inputs."
+            "Select at least two shapes (meshes, texts, curves, drawings or images), or add them to the input list."
         )
     return ChosenInputs(objects, numbers)
 
 
 def refuse_others(objects: Sequence[bpy.types.Object]) -> None:
-    """Refuse objects that have a shape which cannot be read, and say how to make a mesh of them; raises InputError.
+    """Raise InputError for objects whose shape cannot be read, with a hint how to convert them to meshes.
 
-    Cameras, lights and other objects without a shape are passed over.
+    Objects without a shape, such as cameras and lights, are ignored.
     """
     for obj in objects:
         if obj.type == "EMPTY" and obj.instance_type == "COLLECTION":
             raise InputError(
-                "{name} shows a collection: choose Object > Apply > Make Instances Real, and join the parts.",
+                "{name} is a collection instance: choose Object > Apply > Make Instances Real, and join the parts.",
                 name=obj.name,
             )
         if obj.type in _CONVERTIBLE:
-            raise InputError("{name} is no mesh: choose Object > Convert > Mesh.", name=obj.name)
+            raise InputError("{name} is not a mesh: choose Object > Convert > Mesh.", name=obj.name)
         if obj.type in _WITHOUT_THICKNESS:
             raise InputError(
                 "{name} has no surface: give its points or strands a radius with Geometry Nodes (Curve to Mesh, Points "
@@ -102,7 +102,7 @@ def refuse_others(objects: Sequence[bpy.types.Object]) -> None:
 
 
 def split_names(text: str) -> list[str]:
-    """Split a list of names: at the ends of lines if there are any, else at commas."""
+    """Split a list of names, at line breaks if there are any, else at commas."""
     names = text.splitlines() if "\n" in text.strip() else text.split(",")
     return [name.strip() for name in names if name.strip()]
 
@@ -118,4 +118,4 @@ def _numbers(text: str) -> list[float]:
     try:
         return [float(word) for word in text.split(",")]
     except ValueError as error:
-        raise InputError("Weights are numbers with commas between them, not {text!r}.", text=text) from error
+        raise InputError("Weights must be numbers separated by commas, not {text!r}.", text=text) from error

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the groups and the mesh that a density was made from are still as they were."""
+"""Whether the groups and the mesh of a density have changed since it was made."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _SAME = 1e-6
 
 
 def lost_inputs(obj: bpy.types.Object, stored: StoredDensity) -> list[str]:
-    """Return the names of groups that are gone, and that of the object where its mesh has other vertices or faces.
+    """Return the names of missing groups, and the object's name if the number of vertices or faces has changed.
 
-    That is quick enough for a panel.
+    Fast enough for a panel.
     """
     lost = [name for name in dict.fromkeys(stored.inputs) if name not in obj.vertex_groups]
     counts = [len(obj.data.vertices), len(obj.data.polygons)]
@@ -27,7 +27,7 @@ def lost_inputs(obj: bpy.types.Object, stored: StoredDensity) -> list[str]:
 
 
 def changed_inputs(obj: bpy.types.Object, stored: StoredDensity) -> list[str]:
-    """Return the same, and the groups that have been painted since."""
+    """Like `lost_inputs`, with the groups that were painted since."""
     lost, marks = lost_inputs(obj, stored), stored.settings.get("marks")
     if lost or not isinstance(marks, list) or len(marks) != len(stored.inputs):
         return lost

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work on the surface of an object: reads, hands arrays over, and finds the object again when it is done."""
+"""Long work on the surface of an object."""
 
 from __future__ import annotations
 
@@ -25,33 +25,33 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-# Share of a job that making the surface takes, as the progress tells it.
+# Share of the progress bar for building the surface.
 _SURFACE_SHARE = 0.1
 
 
 class DensityJob(ObjectJob, Generic[Result]):
-    """One piece of long work. Everything but :meth:`steps` belongs on the main thread.
+    """A computation on a surface. All methods except :meth:`steps` must be called on the main thread.
 
     Attributes
     ----------
     found : Result or None
-        What the work has returned, once it has.
+        The result of the work, once finished.
 
     Parameters
     ----------
     context : bpy.types.Context
-        For the object as modifiers leave it.
+        Used to evaluate the object's modifiers.
     obj : bpy.types.Object
-        Whose surface it is.
+        The object with the surface.
     settings : DensitySettings
-        For the blur and the substeps.
+        Blur and substeps.
     solve : callable
-        ``solve(surface, control)`` returns the work; it touches nothing of Blender.
+        ``solve(surface, control)`` returns the work; it does not access Blender's data.
 
     Raises
     ------
     InputError
-        No mesh, or one without a surface.
+        The object is not a mesh, or has no surface.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class DensityJob(ObjectJob, Generic[Result]):
         settings: DensitySettings,
         solve: Callable[[Surface, Control], Work[Result]],
     ) -> None:
-        gone = InputError("The object was deleted, or undone, while its densities were computed; start again.")
+        gone = InputError("The object was deleted, or its creation undone, during the computation; start again.")
         super().__init__(obj, gone)
         reading = read_surface(obj, context.evaluated_depsgraph_get())
         self.ignored = reading.ignored
@@ -71,24 +71,24 @@ class DensityJob(ObjectJob, Generic[Result]):
         self.found: Result | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Do the work, the first part of which is to make the surface, and keep what it finds."""
+        """Build the surface, compute the result and keep it."""
         from ..applications.densities.surface_densities import blur_notice, density_surface
 
-        yield Progress(0.0, Sentence("Measuring the surface"))
+        yield Progress(0.0, Sentence("Building the surface"))
         surface = density_surface(self._mesh, self._settings.blur, self._settings.substeps, control)
         notice = blur_notice(surface)
         self.warnings += [] if notice is None else [notice]
         self.found = yield from within(self._solve(surface, control), _SURFACE_SHARE, 1.0)
 
     def write(self, report: Progress[object]) -> None:
-        """Leave the file as it is until the end."""
+        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
-        """Forget what has been found."""
+        """Discard the result."""
         self.found = None
 
     def target(self) -> bpy.types.Object:
-        """Return the object; raises InputError where it is gone or has other vertices than it had."""
+        """Return the object; raises InputError if it was deleted or its vertices have changed."""
         obj = super().target()
         if len(obj.data.vertices) != self._count:
             raise other_vertices(obj)
@@ -96,7 +96,7 @@ class DensityJob(ObjectJob, Generic[Result]):
 
 
 class DensityOperator(BackgroundOperator):
-    """An operator of such work."""
+    """Base of operators with a `DensityJob`."""
 
     _job: DensityJob
 
@@ -105,18 +105,18 @@ class DensityOperator(BackgroundOperator):
 
 
 class WritingDensityOperator(DensityOperator, MeshWritingOperator):
-    """An operator of such work that ends with something written to the mesh."""
+    """Base of operators that write the result of a `DensityJob` to the mesh."""
 
 
 def slack_notices(frames: DensityFrames) -> list[Sentence]:
-    """Say how many frames are less exact than asked for."""
+    """Return a notice if frames are less exact than requested."""
     slack = [record for record in frames.records if not record["converged"]]
     if not slack:
         return []
     worst = max(record["marginal_error"] or 0.0 for record in slack)
     return [
         Sentence(
-            "Frames that are less exact than asked for: {count} (marginal error up to {worst:.1%}); try more blur.",
+            "Frames less exact than requested: {count} (marginal error up to {worst:.1%}); try more blur.",
             {"count": len(slack), "worst": worst},
         )
     ]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Do something with an animated density: bake it, show it, make it again, or remove it."""
+"""Operators on an animated density: bake, show, update, remove."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ from .reporting import refuse
 
 
 class _BakeJob(ObjectJob):
-    """Writes piece after piece on the main thread, and can be stopped between them."""
+    """Writes step by step on the main thread; can be stopped in between."""
 
     def __init__(self, obj: bpy.types.Object, writer: Iterator[str], total: int) -> None:
-        gone = ConvwassError("The object was deleted, or undone, while its density was baked; start again.")
+        gone = ConvwassError("The object was deleted, or its creation undone, during the bake; start again.")
         super().__init__(obj, gone)
         self._writer, self._total = writer, total
         self.made: list[str] = []
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Write all pieces; raises ConvwassError where the object is gone."""
+        """Write all steps; raises ConvwassError if the object was deleted."""
         for number in range(1, self._total + 1):
             message = Sentence("Writing {done} of {total}", {"done": number, "total": self._total})
             yield Progress((number - 1) / self._total, message)
@@ -54,20 +54,22 @@ class _BakeJob(ObjectJob):
             self.made.append(next(self._writer))
 
     def write(self, report: Progress[object]) -> None:
-        """Do nothing: the work itself writes."""
+        """Do nothing: `steps` writes."""
 
     def discard(self) -> None:
-        """Leave what has been written: every file is whole."""
+        """Do nothing: all files written so far are complete."""
 
 
 class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, bpy.types.Operator):
-    """Write the steps of an animated density to vertex groups, color attributes or images, which other programs read"""
+    """Write the steps of an animated density to vertex groups, color attributes or images, for other programs"""
 
     bl_idname = "convwass.bake_density"
     bl_label = "Bake Density"
 
     density: density_property()
-    uv_map: StringProperty(name="UV Map", description="Name of the UV map for images; empty for that of renders")
+    uv_map: StringProperty(
+        name="UV Map", description="Name of the UV map for images; empty for the active render UV map"
+    )
 
     def _begin(self, context):
         from ..bridge.densities.density_images import ImageSettings, write_step_images
@@ -78,7 +80,9 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
         writable_mesh(obj)
         frames = stored_frames(obj, self._name)
         if not len(frames):
-            raise InputError("{object} has lost the frames of {name}; make it again.", object=obj.name, name=self._name)
+            raise InputError(
+                "The frames of {name} in {object} are missing; interpolate it again.", object=obj.name, name=self._name
+            )
         if self.output != "IMAGES":
             return _BakeJob(obj, self._at_once(obj, frames), 1)
         settings = ImageSettings(self.size, self.margin, self.file_format, self.uv_map)
@@ -86,7 +90,7 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
         return _BakeJob(obj, map(str, paths), len(frames))
 
     def _at_once(self, obj: bpy.types.Object, frames: NDArray[np.float32]) -> Iterator[str]:
-        """Write everything in one piece, and yield the sentence that tells of it."""
+        """Write everything in one step, and yield the message."""
         name = self._name
         if self.output == "GROUPS":
             made = write_step_groups(obj, frames, name)
@@ -96,7 +100,7 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
             yield rpt_("{:d} color attributes, from {:s} to {:s}").format(len(made), made[0], made[-1])
         else:
             show_heat_colors(obj, name)
-            text = rpt_("{:s} shows the heat map: choose Attribute as the color of Viewport Shading")
+            text = rpt_("{:s} contains the heat map; set the color in Viewport Shading to Attribute to see it")
             yield text.format(color_name(name))
 
     def _steps(self):
@@ -126,14 +130,14 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
         return True
 
     def _remember(self, job: _BakeJob) -> None:
-        """Let the object remember its images."""
+        """Store the paths of the images with the object."""
         obj = job.target()
         known = stored_or_new(obj, self._name)
         store_density(obj, self._name, replace(known, outputs={**known.outputs, "images": job.made}))
 
 
 class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):
-    """Remove an animated density with its modifier, keys and frames; painted and baked vertex groups stay"""
+    """Remove an animated density with its modifier, keys and frames; painted and baked vertex groups are kept"""
 
     bl_idname = "convwass.remove_density"
     bl_label = "Remove Density"
@@ -149,7 +153,7 @@ class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):
 
 
 class CONVWASS_OT_show_density_material(OnDensity, bpy.types.Operator):
-    """Put a material that shows an animated density into the active material slot, or into a new one"""
+    """Assign a material that shows an animated density to the active material slot, or to a new one"""
 
     bl_idname = "convwass.show_density_material"
     bl_label = "Show Density"
@@ -159,14 +163,14 @@ class CONVWASS_OT_show_density_material(OnDensity, bpy.types.Operator):
         name="Kind",
         description="How the density is shown",
         items=(
-            ("HEAT", "Heat Map", "Dark to bright where there is more"),
-            ("MOSS", "Moss", "Moss grows where there is much"),
-            ("FROST", "Frost", "Frost grows where there is much"),
+            ("HEAT", "Heat Map", "From dark to bright with increasing density"),
+            ("MOSS", "Moss", "Moss grows where the density is high"),
+            ("FROST", "Frost", "Frost grows where the density is high"),
         ),
     )
     color: FloatVectorProperty(
         name="Color",
-        description="Color of what moss and frost grow on",
+        description="Color of the surface below moss and frost",
         default=(0.35, 0.3, 0.27, 1.0),
         size=4,
         min=0.0,
@@ -175,7 +179,7 @@ class CONVWASS_OT_show_density_material(OnDensity, bpy.types.Operator):
     )
     threshold: FloatProperty(
         name="Threshold",
-        description="Density at which moss and frost cover half of the surface; 1 is the largest one",
+        description="Density at which moss and frost cover half of the surface, relative to the maximum",
         default=0.25,
         min=0.01,
         max=1.0,
@@ -198,14 +202,14 @@ class CONVWASS_OT_show_density_material(OnDensity, bpy.types.Operator):
 
 
 class CONVWASS_OT_rebake_density(OnDensity, bpy.types.Operator):
-    """Interpolate an animated density again from the groups and settings that it was made from; its keys stay"""
+    """Interpolate an animated density again with its stored groups and settings; its keys are kept"""
 
     bl_idname = "convwass.rebake_density"
     bl_label = "Interpolate Again"
 
     density: density_property()
     only_if_changed: BoolProperty(
-        name="Only if Changed", description="Do nothing where the groups and the mesh are as they were", default=False
+        name="Only if Changed", description="Do nothing if the groups and the mesh have not changed", default=False
     )
 
     def invoke(self, context, event):
@@ -221,7 +225,7 @@ class CONVWASS_OT_rebake_density(OnDensity, bpy.types.Operator):
             stored = stored_density(obj, name)
             changed = changed_inputs(obj, stored)
             if self.only_if_changed and not changed:
-                self.report({"INFO"}, rpt_("The groups and the mesh are as they were"))
+                self.report({"INFO"}, rpt_("The groups and the mesh have not changed"))
                 return {"CANCELLED"}
             _call(bpy.ops.convwass.interpolate_density, how, name, stored)
         except ConvwassError as error:
@@ -235,7 +239,7 @@ class CONVWASS_OT_rebake_density(OnDensity, bpy.types.Operator):
 
 
 def _call(operator: Callable[..., set[str]], how: str, name: str, stored: StoredDensity) -> None:
-    """Call Interpolate Density with what is stored; raises InputError where that cannot be."""
+    """Call Interpolate Density with the stored settings; raises InputError if they are damaged."""
     try:
         settings = stored.settings
         arguments = {
@@ -247,7 +251,7 @@ def _call(operator: Callable[..., set[str]], how: str, name: str, stored: Stored
         operator(how, density=name, set_keys=False, add_material=False, **arguments)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
-            "What is stored with {name} is damaged ({reason}); interpolate it anew.", name=name, reason=str(error)
+            "The data stored with {name} is damaged ({reason}); interpolate it again.", name=name, reason=str(error)
         ) from error
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances along a surface: between two groups, between all pairs of them, and from vertices to everywhere."""
+"""Distances along a surface: between two groups, between all groups, and from vertices."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
-    """Measure the Wasserstein distance between two vertex groups along the surface, in units of the scene. Hidden and masked vertices count like all others"""  # noqa: E501
+    """Measure the Wasserstein distance between two vertex groups along the surface, in scene units. Hidden and masked vertices are included"""  # noqa: E501
 
     bl_idname = "convwass.measure_distance"
     bl_label = "Measure Distance"
@@ -48,8 +48,8 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
     )
     debias: BoolProperty(
         name="Debias",
-        description="Take the blur out of the distance, which is zero between equal groups then; otherwise it is the "
-        "plain value of eq. (10) of the paper",
+        description="Correct the distance for the blur, so that equal groups have distance zero; otherwise it is the "
+        "raw value of eq. (10) of the paper",
         default=True,
     )
 
@@ -60,7 +60,7 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
         first, second = chosen_pair(obj)
         self._names = self.first or first, self.second or second
         if not all(self._names):
-            raise InputError("Choose two groups to measure between.")
+            raise InputError("Choose two groups to measure.")
         pair = read_groups(obj, self._names)
         settings = DensitySettings(**values_of(self, DensitySettings, ON_SURFACE), substeps=MEASURING_SUBSTEPS)
         return DensityJob(context, obj, settings, partial(_distance_steps, pair, self._names, self.debias, settings))
@@ -95,18 +95,18 @@ def _distance_steps(
 
 
 def _inexact(converged: bool) -> list[Sentence]:
-    return [] if converged else [Sentence("It is less exact than asked for; a longer blur helps.")]
+    return [] if converged else [Sentence("The distance is less exact than requested; try a larger blur.")]
 
 
 class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
-    """Measure the distances between all pairs of vertex groups, as a table in the Text Editor; empty groups are left out"""  # noqa: E501
+    """Measure the distances between all pairs of vertex groups, as a table in the Text Editor; empty groups are ignored"""  # noqa: E501
 
     bl_idname = "convwass.measure_groups"
     bl_label = "Measure All Groups"
 
     groups: StringProperty(
         name="Groups",
-        description="Names of vertex groups, one per line or with commas between them; empty for all of them",
+        description="Names of vertex groups, one per line or separated by commas; empty for all groups",
         options={"SKIP_SAVE"},
     )
     blur: property_of(DensitySettings, "blur")
@@ -122,7 +122,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
             painted = weights.any(axis=1)
             names, weights = [name for name, own in zip(names, painted, strict=True) if own], weights[painted]
         if len(names) < 2:
-            raise InputError("There must be at least two groups to measure between; paint one more.")
+            raise InputError("Measuring requires at least two groups; paint another one.")
         settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
         return DensityJob(context, obj, settings, partial(_table_steps, weights, names))
 
@@ -151,7 +151,7 @@ def _table_steps(
 
 
 def _written(table: DistanceTable) -> str:
-    """Return a table as spreadsheets read it: tabs between cells, nothing where there is no distance."""
+    """Return a table for spreadsheets: cells separated by tabs, empty where there is no distance."""
     rows = [["", *table.names]]
     for name, lengths in zip(table.names, table.lengths, strict=True):
         rows.append([name, *(f"{length:.6g}" if np.isfinite(length) else "" for length in lengths)])
@@ -159,14 +159,12 @@ def _written(table: DistanceTable) -> str:
 
 
 class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnMesh, bpy.types.Operator):
-    """Write the distance along the surface from the selected vertices, or from where the surface is clicked on, as a vertex group; its largest weight is the farthest vertex. What lies on other pieces of the mesh has weight 1"""  # noqa: E501
+    """Write the distance along the surface from the selected vertices, or from a clicked point, to a vertex group. A weight of 1 is the distance of the farthest vertex. Vertices on other pieces of the mesh have weight 1 too"""  # noqa: E501
 
     bl_idname = "convwass.distance_from_vertices"
     bl_label = "Distance from Vertices"
 
-    group: StringProperty(
-        name="Group", description="Name of the vertex group that is written", default="Distance", maxlen=63
-    )
+    group: StringProperty(name="Group", description="Name of the vertex group to write", default="Distance", maxlen=63)
     blur: property_of(DensitySettings, "blur")
 
     def _begin(self, context):
@@ -182,7 +180,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
         return rpt_("Measuring")
 
     def _waits_for(self, context):
-        # Edit Mode is left for a moment.
+        # Edit Mode is left temporarily, so there is no need to wait for the user to leave it.
         return self._waits_for_stroke(context)
 
     def _finish(self, context, job):

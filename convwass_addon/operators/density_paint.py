@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tools on painted densities: make a distribution of a group, spread it, sharpen it, drop mass on it."""
+"""Operators on painted densities: normalize, diffuse, sharpen, drop mass."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from .reporting import tell
 if TYPE_CHECKING:
     from ..applications.densities.surface_densities import Surface
 
-# Of the surface's width: what a density is spread by where no length is given.
+# Default diffusion length, as a share of the width of the surface.
 _USUAL_SPREAD = 0.05
-# Of the largest weight: less is not counted as covered.
+# Share of the maximum below which a vertex is not counted as covered.
 _VISIBLE = 0.01
 
 
 @dataclass(frozen=True)
 class _Painted:
-    """What a tool has made of a group, and figures of it."""
+    """A changed density and its figures."""
 
     density: NDArray[np.float64]
     covered: float
@@ -47,7 +47,7 @@ class _Painted:
 
 
 class _PaintDensity(WritingDensityOperator):
-    """A tool that replaces the weights of one group."""
+    """Base of operators that replace the weights of a group."""
 
     def _begin(self, context):
         obj = context.object
@@ -62,18 +62,18 @@ class _PaintDensity(WritingDensityOperator):
         return chosen_group(obj, self.group)
 
     def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface, Control], NDArray[np.float64]]:
-        """Return what makes the new density of the group, (n,), and touches nothing of Blender."""
+        """Return a function that computes the new density of the group, (n,), without accessing Blender's data."""
         raise NotImplementedError
 
     def _title(self):
         return rpt_("Painting")
 
     def _waits_for(self, context):
-        # Edit Mode is left for a moment.
+        # Edit Mode is left temporarily, so there is no need to wait for the user to leave it.
         return self._waits_for_stroke(context)
 
     def _finish(self, context, job):
-        """Write the group, report its figures, and let the panel show them."""
+        """Write the group, report its figures and show them in the panel."""
         from ..applications.densities.surface_densities import heat_map
 
         obj, painted = job.target(), job.found
@@ -98,14 +98,14 @@ def _steps(
     yield Progress(0.0, message)
     density = change(surface, control)
     figures = density_figures(density, surface, name)
-    # Heat is everywhere at once, though nobody sees it.
+    # Diffusion leaves some heat everywhere, too little to be visible.
     visible = np.where(density >= _VISIBLE * density.max(), density, 0.0)
     covered = density_figures(visible, surface, name).covered
     return _Painted(density, covered, figures.radius, figures.entropy)
 
 
 class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator):
-    """Make a distribution of a vertex group: its heat map gets a maximum of 1, and loose vertices, which have no area, lose their weight. Hidden and masked vertices count like all others"""  # noqa: E501
+    """Normalize a vertex group to a distribution: its heat map has a maximum of 1, and loose vertices, which have no area, lose their weight. Hidden and masked vertices are included"""  # noqa: E501
 
     bl_idname = "convwass.normalize_density"
     bl_label = "Normalize"
@@ -120,7 +120,7 @@ class CONVWASS_OT_normalize_density(_PaintDensity, OnGroups, bpy.types.Operator)
 
 
 class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
-    """Let a vertex group spread by heat along the surface, also over hidden and masked vertices, but never from one connected piece of the mesh to another"""  # noqa: E501
+    """Diffuse a vertex group along the surface by the heat equation, also over hidden and masked vertices, but not between connected pieces of the mesh"""  # noqa: E501
 
     bl_idname = "convwass.diffuse_density"
     bl_label = "Diffuse"
@@ -138,7 +138,7 @@ class CONVWASS_OT_diffuse_density(_PaintDensity, OnGroups, bpy.types.Operator):
 
 
 class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
-    """Gather a vertex group around its peaks; each connected piece of the mesh keeps its share"""
+    """Concentrate a vertex group around its peaks; each connected piece of the mesh keeps its share"""
 
     bl_idname = "convwass.sharpen_density"
     bl_label = "Sharpen"
@@ -146,16 +146,16 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
     group: group_property()
     to: EnumProperty(
         name="To",
-        description="How far to sharpen",
+        description="Target of the sharpening",
         items=(
-            ("SHARE", "Share", "To a share of the area that the density covers"),
-            ("ENTROPY", "Entropy", "To an entropy in nats"),
+            ("SHARE", "Share", "The share of the area that the density covers"),
+            ("ENTROPY", "Entropy", "The entropy in nats"),
         ),
     )
     share: share_property()
     entropy: FloatProperty(
         name="Entropy",
-        description="Entropy afterwards, in nats; 0 covers the whole surface evenly, less is sharper",
+        description="Entropy of the result in nats; 0 is a uniform density, lower is sharper",
         default=-2.0,
     )
 
@@ -169,7 +169,7 @@ class CONVWASS_OT_sharpen_density(_PaintDensity, OnGroups, bpy.types.Operator):
 
 
 class CONVWASS_OT_drop_density(OnVertices, _PaintDensity, OnMesh, bpy.types.Operator):
-    """Drop a unit mass on the selected vertices, or where the surface is clicked on"""
+    """Drop a unit mass on the selected vertices, or on a clicked point of the surface"""
 
     bl_idname = "convwass.drop_density"
     bl_label = "Drop Mass"
@@ -178,7 +178,7 @@ class CONVWASS_OT_drop_density(OnVertices, _PaintDensity, OnMesh, bpy.types.Oper
     radius: radius_property()
     share: FloatProperty(
         name="Share",
-        description="Share of the group's mass that is dropped; the rest stays as it is painted, and at 1 nothing does",
+        description="Share of the group's mass that is replaced by the dropped mass; at 1 all of it",
         default=1.0,
         min=0.01,
         max=1.0,
@@ -202,7 +202,7 @@ def _dropped(
     surface: Surface,
     control: Control,
 ) -> NDArray[np.float64]:
-    """Return a density of which a share is dropped on some vertices."""
+    """Return a density with a share of its mass dropped on some vertices."""
     from ..applications.densities.density_tools import diffused, unit_mass
     from ..applications.densities.surface_densities import distribution
 

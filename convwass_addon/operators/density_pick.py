@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators on vertices: those that are named, those that are selected, or the one next to a click on the surface."""
+"""Vertices for operators: named, selected, or picked with a click on the surface."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from .windows import write_status
 
 
 class OnVertices(PicksPoints):
-    """Long work on vertices; where there is a window and nothing is selected by hand, the operator asks for a click.
+    """Base of operators on vertices. In a window without a visible selection, the operator waits for a click.
 
-    It goes before the other bases.
+    Must precede the other base classes.
     """
 
     vertices: StringProperty(
         name="Vertices",
-        description="Numbers of vertices with commas between them; empty for those that are selected, or in Object and "
-        "Weight Paint Mode for the one that is clicked on",
+        description="Vertex numbers separated by commas. Empty: the selected vertices or, in Object and Weight Paint "
+        "Mode, a clicked vertex",
         options={"SKIP_SAVE"},
     )
 
     _picks = False
-    # There is one click to wait for, and nothing that Enter could end early.
+    # One click is needed, so Enter does not end the operator.
     _ending_keys = frozenset({"ESC", "RIGHTMOUSE"})
 
     def invoke(self, context, event):
@@ -55,14 +55,14 @@ class OnVertices(PicksPoints):
     def _take(self, context, region, place):
         vertex = vertex_at(context.object, context.evaluated_depsgraph_get(), region, place)
         if vertex is None:
-            self.report({"INFO"}, rpt_("There is nothing of the active object; click on its surface"))
+            self.report({"INFO"}, rpt_("This is not on the active object; click on its surface"))
             return {"RUNNING_MODAL"}
         self.cancel(context)
         self.vertices = str(vertex)
         return self._start(context)
 
     def chosen_vertices(self, obj: bpy.types.Object) -> list[int]:
-        """Return the vertices that are meant; raises InputError where these are none."""
+        """Return the vertices to use; raises InputError if there are none."""
         chosen = numbered_vertices(self.vertices) or selected_vertices(obj)
         if not chosen:
             raise InputError("No vertex of {object} is selected; select some in Edit Mode.", object=obj.name)
@@ -70,5 +70,5 @@ class OnVertices(PicksPoints):
 
 
 def _shows_selection(obj: bpy.types.Object) -> bool:
-    """Tell whether the user sees which vertices are selected."""
+    """Return whether the selection of vertices is visible to the user."""
     return obj.mode == "EDIT" or (obj.mode == "WEIGHT_PAINT" and obj.data.use_paint_mask_vertex)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of groups that a density goes through: edit it, and tell which groups are meant."""
+"""The list of stops of a density: edit it, and find the groups to use."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from .reporting import refuse
 
 @dataclass(frozen=True)
 class Stops:
-    """Groups to go through, to blend or to propagate from.
+    """Groups along a path, or to blend or propagate from.
 
     Attributes
     ----------
     names : list of str
-        Of the groups; empty where none is named.
+        Names of the groups; empty for a place without a group.
     frames : list of float
         Scene frames.
     weights : list of float
-        For a blend.
+        Used for blending.
     """
 
     names: list[str]
@@ -37,12 +37,12 @@ class Stops:
 
 
 class StopArguments:
-    """The arguments by which a script says what is on the list."""
+    """Arguments with which scripts name groups."""
 
     groups: StringProperty(
         name="Groups",
-        description="Names of vertex groups in their order, one per line or with commas between them; empty for the "
-        "first and the second group, or else those on the list of stops",
+        description="Names of vertex groups in order, one per line or separated by commas. Empty: the list of stops "
+        "or, if that is empty too, the first and the second group",
         options={"SKIP_SAVE"},
     )
 
@@ -55,19 +55,19 @@ class StopArguments:
         first: str = "",
         second: str = "",
     ) -> Stops:
-        """Return what is meant: what is named, else the list of the object, else its first and its second group.
+        """Return the named stops, else the list of the object, else its first and second group.
 
         Raises
         ------
         InputError
-            Nothing is named and nothing is on the list, or numbers that do not fit.
+            There are no names and no stops, or some numbers are invalid.
         """
         own = context.object.convwass_density
         names = split_names(self.groups) or ([first, second] if first or second else [])
         if names or not own.stops:
             names = names or chosen_pair(context.object)
             if not all(names):
-                raise InputError("Choose a first and a second group, or put groups on the list of stops.")
+                raise InputError("Choose a first and a second group, or add groups to the list of stops.")
             start = context.scene.frame_start
             found = Stops(names, [float(start + steps * place) for place in range(len(names))], [1.0] * len(names))
         else:
@@ -81,10 +81,12 @@ class StopArguments:
 
 
 def named_stops(stops: Stops) -> Stops:
-    """Return the same stops; raises InputError where one of them names no group."""
+    """Return the stops unchanged; raises InputError if one of them has no group."""
     missing = next((place for place, name in enumerate(stops.names) if not name), None)
     if missing is not None:
-        raise InputError("Stop number {number} on the list has no group; choose one, or remove it.", number=missing)
+        raise InputError(
+            "Stop number {number} on the list has no group; choose one, or remove the stop.", number=missing
+        )
     return stops
 
 
@@ -92,7 +94,7 @@ def _numbers(text: str) -> list[float]:
     try:
         return [float(word) for word in text.replace(",", " ").split()]
     except ValueError as error:
-        raise InputError("Frames and weights are numbers with commas between them, not {text!r}.", text=text) from error
+        raise InputError("Frames and weights must be numbers separated by commas, not {text!r}.", text=text) from error
 
 
 class _OnOwnList(OnMesh):
@@ -102,7 +104,7 @@ class _OnOwnList(OnMesh):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        # Blender lets nobody change lists of linked objects, nor of library overrides.
+        # Blender does not allow changes to lists of linked objects or library overrides.
         if context.object.library is not None or context.object.override_library is not None:
             cls.poll_message_set("Make the object local first: Object > Relations > Make Local")
             return False
@@ -115,12 +117,12 @@ class _OnStops(_OnOwnList):
         if not super().poll(context):
             return False
         if not context.object.convwass_density.stops:
-            cls.poll_message_set("There are no stops on the list yet")
+            cls.poll_message_set("The list of stops is empty")
             return False
         return True
 
     def _place(self, own: CONVWASS_PG_densities) -> int:
-        """Return the index that is meant; raises InputError where there is none."""
+        """Return the index of the stop; raises InputError if there is none."""
         index = own.active_stop if self.index == ACTIVE else self.index
         if not 0 <= index < len(own.stops):
             raise InputError("There is no stop number {number} on the list", number=index)
@@ -128,22 +130,22 @@ class _OnStops(_OnOwnList):
 
 
 class CONVWASS_OT_add_density_stop(_OnOwnList, bpy.types.Operator):
-    """Put vertex groups on the list of stops, each some frames after the one before"""
+    """Add vertex groups to the list of stops, with a fixed number of frames between them"""
 
     bl_idname = "convwass.add_density_stop"
     bl_label = "Add Stop"
 
     which: EnumProperty(
         name="Which",
-        description="What to put on the list",
+        description="What to add to the list",
         items=(
             ("ACTIVE", "Active Group", "The active vertex group"),
-            ("ALL", "All Groups", "All vertex groups that are not on the list yet"),
-            ("EMPTY", "Place to Fill In", "A place without a group, which Propagate fills in"),
+            ("ALL", "All Groups", "All vertex groups that are not on the list"),
+            ("EMPTY", "Place to Fill In", "A stop without a group, which Propagate fills in"),
         ),
     )
     group: StringProperty(
-        name="Group", description="Name of a vertex group to put on the list instead", options={"SKIP_SAVE"}
+        name="Group", description="Name of a vertex group to add to the list instead", options={"SKIP_SAVE"}
     )
 
     def execute(self, context):
@@ -170,7 +172,7 @@ class CONVWASS_OT_add_density_stop(_OnOwnList, bpy.types.Operator):
 
 
 class CONVWASS_OT_remove_density_stop(_OnStops, bpy.types.Operator):
-    """Take a stop off the list; the vertex group stays as it is"""
+    """Remove a stop from the list; the vertex group is kept"""
 
     bl_idname = "convwass.remove_density_stop"
     bl_label = "Remove Stop"
@@ -188,7 +190,7 @@ class CONVWASS_OT_remove_density_stop(_OnStops, bpy.types.Operator):
 
 
 class CONVWASS_OT_move_density_stop(_OnStops, bpy.types.Operator):
-    """Move a group to another place on the list, which is the order of the path; frames stay where they are"""
+    """Move a group up or down the list, which is the order of the path; the frames stay in place"""
 
     bl_idname = "convwass.move_density_stop"
     bl_label = "Move Stop"
@@ -212,7 +214,7 @@ class CONVWASS_OT_move_density_stop(_OnStops, bpy.types.Operator):
 
 
 class CONVWASS_OT_clear_density_stops(_OnStops, bpy.types.Operator):
-    """Empty the list of stops; then the first and the second group count"""
+    """Clear the list of stops; the first and the second group are used instead"""
 
     bl_idname = "convwass.clear_density_stops"
     bl_label = "Clear Stops"

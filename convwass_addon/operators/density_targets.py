@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh, the groups and the densities that operators on densities work on."""
+"""The mesh, groups and densities that density operators act on."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from ..errors import InputError
 from .background import is_idle
 
 MODES = {"OBJECT", "PAINT_WEIGHT", "EDIT_MESH"}
-"""Modes in which densities are read and painted."""
+"""Modes in which densities can be read and painted."""
 
 
 def group_property() -> object:
-    """Return the property by which a script names a group."""
+    """Return the property that names a group in scripts."""
     return StringProperty(
         name="Group", description="Name of the vertex group; empty for the active one", options={"SKIP_SAVE"}
     )
 
 
 def density_property() -> object:
-    """Return the property by which a script names an animated density."""
+    """Return the property that names an animated density in scripts."""
     return StringProperty(
         name="Density",
         description="Name of the animated density; empty for the first one of the object",
@@ -33,7 +33,7 @@ def density_property() -> object:
 
 
 class OnMesh:
-    """An operator on the active mesh."""
+    """Base of operators on the active mesh."""
 
     bl_options = {"REGISTER", "UNDO"}
     modes = frozenset(MODES)
@@ -45,7 +45,7 @@ class OnMesh:
             cls.poll_message_set("Make a mesh object active")
             return False
         if context.mode not in cls.modes:
-            # Here and below two literals, which translations are found for.
+            # Two literals, here and below, so that translations are found.
             if "EDIT_MESH" in cls.modes:
                 cls.poll_message_set("Go to Object, Weight Paint or Edit Mode first")
             else:
@@ -55,7 +55,7 @@ class OnMesh:
 
 
 class OnGroups(OnMesh):
-    """An operator on vertex groups of the active mesh."""
+    """Base of operators on vertex groups of the active mesh."""
 
     @classmethod
     def poll(cls, context):
@@ -68,7 +68,7 @@ class OnGroups(OnMesh):
 
 
 class OnDensity(OnMesh):
-    """An operator on an animated density of the active mesh."""
+    """Base of operators on an animated density of the active mesh."""
 
     modes = frozenset({"OBJECT", "PAINT_WEIGHT"})
 
@@ -83,7 +83,7 @@ class OnDensity(OnMesh):
 
 
 def chosen_group(obj: bpy.types.Object, name: str) -> str:
-    """Return the name of a group: the one given, or the active one; raises InputError where there is none."""
+    """Return the given name of a group, else the active group; raises InputError if there is none."""
     if name:
         return name
     active = obj.vertex_groups.active
@@ -93,7 +93,7 @@ def chosen_group(obj: bpy.types.Object, name: str) -> str:
 
 
 def chosen_pair(obj: bpy.types.Object) -> list[str]:
-    """Return the groups chosen in the panel, empty where they are not; of two groups there is nothing to choose."""
+    """Return the groups chosen in the panel, possibly empty; an object with exactly two groups needs no choice."""
     own = obj.convwass_density
     if not (own.first or own.second) and len(obj.vertex_groups) == 2:
         return [group.name for group in obj.vertex_groups]
@@ -101,5 +101,5 @@ def chosen_pair(obj: bpy.types.Object) -> list[str]:
 
 
 def chosen_density(obj: bpy.types.Object, name: str) -> str:
-    """Return the name of a density: the one given, or the first that the object plays."""
+    """Return the given name of a density, else the first density of the object."""
     return name or next(iter(played_densities(obj)), "")

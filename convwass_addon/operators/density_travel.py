@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities that are made of painted ones: on the way between them, blended, or filled in over a graph."""
+"""New densities from painted ones: interpolated, blended, or propagated over a graph."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
 class CONVWASS_OT_interpolate_density(
     PathProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
 ):
-    """Let a density travel along the surface from vertex group to vertex group, as one animated attribute that plays without the add-on. Hidden and masked faces carry it like all others, loose vertices hold nothing, and nothing crosses to other pieces of the mesh"""  # noqa: E501
+    """Animate a density that travels along the surface from vertex group to vertex group. The result is one animated attribute that plays without the add-on. Hidden and masked faces are included, loose vertices hold no mass, and no mass moves between connected pieces of the mesh"""  # noqa: E501
 
     bl_idname = "convwass.interpolate_density"
     bl_label = "Interpolate Density"
@@ -50,14 +50,14 @@ class CONVWASS_OT_interpolate_density(
     second: StringProperty(name="Second", description="Vertex group that the density goes to", options={"SKIP_SAVE"})
     frames: StringProperty(
         name="Frames",
-        description="Scene frames with commas between them, rising, one per group; empty for those on the list, or one "
-        "frame per step from the start of the scene",
+        description="Scene frames in increasing order, separated by commas, one per group. Empty: the frames on the "
+        "list or, without a list, consecutive frames from the start of the scene",
         options={"SKIP_SAVE"},
     )
     set_keys: BoolProperty(
         name="Set Keys",
-        description="Set keys where the density comes to each group; otherwise those of a density of the same name "
-        "stay as they are",
+        description="Key the arrival of the density at each group; otherwise, keys of a density of the same name are "
+        "kept",
         default=True,
         options={"SKIP_SAVE"},
     )
@@ -103,7 +103,7 @@ def _path(weights, names, frames, settings, surface: Surface, control: Control):
 class CONVWASS_OT_blend_densities(
     TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
 ):
-    """Blend vertex groups along the surface into a new one, by the weights on the list of stops. Nothing crosses to other pieces of the mesh"""  # noqa: E501
+    """Blend vertex groups along the surface into a new group, with the weights on the list of stops. No mass moves between connected pieces of the mesh"""  # noqa: E501
 
     bl_idname = "convwass.blend_densities"
     bl_label = "Blend Groups"
@@ -112,12 +112,10 @@ class CONVWASS_OT_blend_densities(
 
     weights: StringProperty(
         name="Weights",
-        description="Numbers with commas between them, one per group; empty for those on the list",
+        description="Numbers separated by commas, one per group; empty for the weights on the list",
         options={"SKIP_SAVE"},
     )
-    group: StringProperty(
-        name="Group", description="Name of the vertex group that is written", default="Blend", maxlen=63
-    )
+    group: StringProperty(name="Group", description="Name of the vertex group to write", default="Blend", maxlen=63)
 
     def _begin(self, context):
         obj = context.object
@@ -151,7 +149,7 @@ def _blend(weights, names, shares, settings, surface: Surface, control: Control)
 class CONVWASS_OT_propagate_densities(
     TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
 ):
-    """Fill in the stops whose group is left out, missing or empty, so that neighbors along the edges are as near to each other as can be; each becomes a vertex group"""  # noqa: E501
+    """Fill in the stops without a group, or with an empty one, so that neighbors along the edges are as close to each other as possible; each result becomes a vertex group"""  # noqa: E501
 
     bl_idname = "convwass.propagate_densities"
     bl_label = "Propagate"
@@ -160,8 +158,8 @@ class CONVWASS_OT_propagate_densities(
 
     edges: StringProperty(
         name="Edges",
-        description="Pairs of stops that are to be near to each other, by their numbers from 0, such as 0-1, 1-2, 1-3; "
-        "empty for a chain",
+        description="Pairs of stops that should be close to each other, by their numbers from 0, such as 0-1, 1-2, "
+        "1-3; empty for a chain",
         options={"SKIP_SAVE"},
     )
 
@@ -175,7 +173,7 @@ class CONVWASS_OT_propagate_densities(
         weights = dict(zip(there, read_groups(obj, there), strict=True)) if there else {}
         fixed = {place: weights[name] for place, name in enumerate(stops.names) if weights.get(name, _NOTHING).any()}
         if len(fixed) == count:
-            raise InputError("All stops are painted; leave the group out where something is to be filled in.")
+            raise InputError("All stops have painted groups; leave out the group of those to fill in.")
         self._filled = {place: name for place, name in enumerate(names) if place not in fixed}
         require_unlocked(obj, self._filled.values())
         settings = self.density_settings()
@@ -190,7 +188,7 @@ class CONVWASS_OT_propagate_densities(
         from ..applications.densities.surface_densities import heat_map
 
         frames, obj = job.found, job.target()
-        # All or nothing.
+        # Either all groups are written or none.
         require_unlocked(obj, self._filled.values())
         for place, name in self._filled.items():
             write_group(obj, name, heat_map(frames.densities[place]).weights)
@@ -209,11 +207,11 @@ def _graph(pairs, fixed, names, settings, surface: Surface, control: Control):
 
 
 def _pairs(text: str) -> list[tuple[int, int]]:
-    """Read edges; raises InputError where they are none."""
+    """Parse edges; raises InputError if the text is invalid."""
     words = [word for word in re.split(r"[,;\s]+", re.sub(r"\s*-\s*", "-", text.strip())) if word]
     found = [re.fullmatch(r"(\d{1,6})-(\d{1,6})", word, re.ASCII) for word in words]
     if not all(found):
-        raise InputError("Edges are pairs of numbers such as 0-1, 1-2, not {text!r}.", text=text)
+        raise InputError("Edges must be pairs of numbers such as 0-1, 1-2, not {text!r}.", text=text)
     return [(int(pair[1]), int(pair[2])) for pair in found]
 
 

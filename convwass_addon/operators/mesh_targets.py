@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The vertices of a mesh that operators work on, and what they tell of it."""
+"""The vertices that operators work on, and messages about them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..sentence import Sentence
 
 @contextmanager
 def out_of_edit_mode(context: bpy.types.Context, obj: bpy.types.Object) -> Iterator[None]:
-    """Leave Edit Mode, in which groups cannot be written, for a moment."""
+    """Leave Edit Mode temporarily, since vertex groups cannot be written in it."""
     if obj.mode != "EDIT":
         yield
         return
@@ -28,20 +28,20 @@ def out_of_edit_mode(context: bpy.types.Context, obj: bpy.types.Object) -> Itera
 
 
 def numbered_vertices(text: str) -> list[int]:
-    """Read the numbers of vertices; raises InputError where they are none."""
+    """Parse vertex numbers; raises InputError if the text is invalid."""
     try:
         return [int(word) for word in text.replace(",", " ").split()]
     except ValueError as error:
-        raise InputError("Vertices are whole numbers with commas between them, not {text!r}.", text=text) from error
+        raise InputError("Vertices must be whole numbers separated by commas, not {text!r}.", text=text) from error
 
 
 def selected_vertices(obj: bpy.types.Object) -> list[int]:
-    """Return the vertices that are selected, or that were when Edit Mode was left.
+    """Return the selected vertices; outside Edit Mode, those selected when it was left.
 
     Raises
     ------
     InputError
-        All of them, which tells nothing.
+        All vertices are selected, which identifies none.
     """
     if obj.data.is_editmode:
         obj.update_from_editmode()
@@ -53,7 +53,7 @@ def selected_vertices(obj: bpy.types.Object) -> list[int]:
 
 
 def length_text(scene: bpy.types.Scene, length: float) -> str:
-    """Write a length in the units of a scene."""
+    """Format a length in the units of a scene."""
     units = scene.unit_settings
     if not np.isfinite(length):
         return "-"
@@ -62,7 +62,7 @@ def length_text(scene: bpy.types.Scene, length: float) -> str:
 
 
 def ignored_notice(ignored: Sequence[str]) -> list[Sentence]:
-    """Say which modifiers a surface does without."""
+    """Return a notice about the modifiers that a surface ignores."""
     if not ignored:
         return []
-    return [Sentence("Without the modifiers that make other vertices: {names}.", {"names": ", ".join(ignored)})]
+    return [Sentence("Modifiers that change the vertices are ignored: {names}.", {"names": ", ".join(ignored)})]

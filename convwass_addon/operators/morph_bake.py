@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake a morph of the selected shapes, in the background where there is a window."""
+"""Bake a morph, in the background if there is a window."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ if TYPE_CHECKING:
     from ..bridge.morphs.job import MorphJob
     from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
 
-# Meshes that are larger than this in all are worth a warning.
+# Total size of the meshes above which a warning is shown.
 _LARGE_MEGABYTES = 250.0
-# What is made of a morph for which output and layout.
+# The operator that creates the output, by kind and layout.
 _OUTPUT_OPERATORS = {
     ("PLAYER", "PATH"): "make_player",
     ("PLAYER", "GRID"): "make_blend_pad",
@@ -54,7 +54,7 @@ _OUTPUT_OPERATORS = {
 
 
 class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Operator):
-    """Morph shapes into each other by optimal transport: those on the list, or else the selected ones"""
+    """Morph shapes into each other by optimal transport: the shapes on the list, or the selected ones if it is empty"""
 
     bl_idname = "convwass.bake_morph"
     bl_label = "Bake Morph"
@@ -62,30 +62,30 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     inputs: StringProperty(
         name="Inputs",
-        description="Names of the objects to morph in their order, one per line or with commas between them; empty for "
-        "those on the list of inputs, or else the selected ones",
+        description="Names of the objects to morph in order, one per line or separated by commas; empty for the "
+        "shapes on the input list, or the selected ones",
         options={"SKIP_SAVE"},
     )
     weights: StringProperty(
         name="Weights",
-        description="Numbers with commas between them, one per shape, for a single blend; empty for those on the list",
+        description="Numbers separated by commas, one per shape, for a single blend; empty for the weights on the list",
         options={"SKIP_SAVE"},
     )
 
     guides: StringProperty(
         name="Guides",
-        description='Points that belong together, such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]; '
-        "empty for those on the list of guides",
+        description='Corresponding points, such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]; empty for '
+        "the list of guides",
         options={"SKIP_SAVE"},
     )
     replaces: StringProperty(
         name="Replaces",
-        description="Name of a morph's collection whose frames the new ones take the place of; empty for a new morph",
+        description="Name of the collection of a morph whose frames are replaced; empty for a new morph",
         options={"SKIP_SAVE"},
     )
     following: StringProperty(
         name="Following",
-        description="Names of morphs to bake again when this one is done, one per line",
+        description="Names of morphs to bake again after this one, one per line",
         options={"SKIP_SAVE"},
     )
 
@@ -93,14 +93,14 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def poll(cls, context):
         if not is_free_to_bake(cls, context):
             return False
-        # Which shapes are meant depends on the arguments.
+        # The shapes depend on the arguments, so the poll only counts objects.
         if len(bpy.data.objects) < 2:
             cls.poll_message_set("Select at least two shapes")
             return False
         return True
 
     def _begin(self, context: bpy.types.Context) -> MorphJob | FlatJob | PictureJob:
-        """Read the inputs; everything that can be refused is refused here or before the first frame."""
+        """Read the inputs. Invalid input is refused here or before the first frame."""
         from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
         from ..bridge.flat.flat_job import FlatJob
         from ..bridge.flat.picture_job import PictureJob
@@ -121,8 +121,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return self._shape_keys(context, chosen.objects, guides, first_frame)
         if are_flat:
             if guides:
-                self.report({"INFO"}, rpt_("Flat shapes are morphed without guides"))
-            # What shows a morph otherwise than by an object per frame takes meshes.
+                self.report({"INFO"}, rpt_("Flat shapes do not support guides"))
+            # Players, volumes and caches require meshes.
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
             options = replace(request, flat_output=kind).as_dict()
             settings = self.flat_settings()
@@ -143,7 +143,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return ShapeKeyJob(context.scene, depsgraph, objects, request, self.coherence, first_frame)
 
     def _guides(self, context: bpy.types.Context, names: list[str]) -> list[NamedGuide]:
-        """Return the guides about the shapes; raises InputError where others are named by the argument."""
+        """Return the guides on the shapes; raises InputError if the argument names other objects."""
         if not self.guides:
             return guides_among(context.scene.convwass_guides.named, names)
         guides = parsed_guides(self.guides)
@@ -151,7 +151,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return guides
 
     def _preferred(self) -> Computation:
-        """Return how the preferences want frames to be computed; raises InputError for a folder that cannot be used."""
+        """Return the computation settings of the preferences; raises InputError if the cache folder cannot be used."""
         from ..applications.morphs.computation import Computation
         from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
 
@@ -160,7 +160,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if preferred.cache_folder is not None:
             if not preferred.cache_folder.is_absolute():
                 raise InputError(
-                    "The cache folder {path} would be another one with every file; give a whole path in the "
+                    "The cache folder {path} is relative, so it depends on the file; set an absolute path in the "
                     "preferences of the add-on.",
                     path=str(preferred.cache_folder),
                 )
@@ -169,12 +169,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             try:
                 cache = SpareFrameCache(preferred.spare_folder, preferred.spare_bytes)
             except InputError as error:
-                # Nobody has asked for it, so the bake does without.
+                # This cache is optional, so the bake continues without it.
                 self.report({"WARNING"}, translated(error.sentence))
         return Computation(workers=preferred.workers, cache=cache)
 
     def _steps(self) -> Callable[[Control], Work[None]]:
-        # Previews are for those who can look at them and stop the bake.
+        # Previews are only useful if the user can see them and stop the bake.
         how = replace(self._computing, previews=self._in_background)
         return lambda control: self._job.steps(control, how)
 
@@ -185,7 +185,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if self.output == "SHAPE_KEYS":
             return rpt_("Stopped; nothing was changed")
         if self.replaces:
-            return rpt_("Stopped; the morph is as it was")
+            return rpt_("Stopped; the morph was not changed")
         return rpt_("Stopped before the first frame was finished")
 
     def _keep(self, context: bpy.types.Context, job: MorphJob | FlatJob | PictureJob) -> bool:
@@ -198,7 +198,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             # Flat shapes have no previews.
             if not (isinstance(job, MorphJob) and job.keep_previews()):
                 return False
-            message = rpt_("Stopped; the previews are kept, coarser than what was asked for")
+            message = rpt_("Stopped; the previews are kept, coarser than requested")
         collection = job.finish(self.hide_inputs)
         self._fit_range(context, job)
         select_only(context, frame_objects(collection)[:1])
@@ -218,12 +218,14 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         slack = [record for record in job.records if not record.get("converged", True)]
         if slack:
             worst = max(record["marginal_error"] for record in slack)
-            message = rpt_("{:d} frames are less exact than asked for (marginal error up to {:.1%}); try more blur")
+            message = rpt_("{:d} frames are less exact than requested (marginal error up to {:.1%}); try more blur")
             self.report({"WARNING"}, message.format(len(slack), worst))
         elif notices := [translated(notice) for notice in (*job.notices, *self._cache_notices())]:
             self.report({"WARNING"}, " ".join(notices))
         elif (megabytes := packed_bytes(frame_objects(collection)) / 1e6) > _LARGE_MEGABYTES:
-            message = rpt_("The meshes add about {:.0f} MB to the file; Make Cache or Make Volume keeps them beside it")
+            message = rpt_(
+                "The meshes add about {:.0f} MB to the file; Make Cache or Make Volume stores them next to it"
+            )
             self.report({"WARNING"}, message.format(megabytes))
         else:
             self.report({"INFO"}, self._summary(collection.name, len(job.records)) + self._when(job))
@@ -248,7 +250,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             play_whole(self._own_scene(context), *job.span)
 
     def _when(self, job: MorphJob) -> str:
-        """Say when the morph plays."""
+        """Return the frame range of the morph as text."""
         if job.span is None:
             return ""
         return rpt_(", frames {:d} to {:d}").format(*map(round, job.span))
@@ -266,10 +268,10 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
                 "PICTURE": rpt_("{:s}: {:d} pictures"),
             }
             return made.get(getattr(self._job, "kind", ""), rpt_("{:s}: {:d} meshes")).format(name, count)
-        return rpt_("{:s}: {:d} meshes, {:d} of them finished before").format(name, count, cache.reused)
+        return rpt_("{:s}: {:d} meshes, {:d} of them from the cache").format(name, count, cache.reused)
 
     def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection) -> None:
-        """Make of the morph in its scene what the output asks for; the meshes are kept where that fails."""
+        """Convert the morph to the requested output; if that fails, its meshes are kept."""
         name = _OUTPUT_OPERATORS.get((self.output, self.layout)) or _OUTPUT_OPERATORS.get((self.output, ""))
         if name is None or stand_ins(morph):
             return
@@ -285,14 +287,14 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
 def _turned_notice(path: KeyPath) -> Sentence:
     return Sentence(
-        "{count} triangles are folded over where {name} has no room for them; add guides there",
+        "{count} triangles are folded where {name} has no space for them; add guides there",
         {"count": path.turned, "name": path.name},
     )
 
 
 @contextmanager
 def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[None]:
-    """Make a morph the active one for operators, though the window shows another scene, and another morph in it."""
+    """Make a morph active for operators, although the window shows another scene."""
     nothing = {"object": None, "active_object": None, "selected_objects": []}
     with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=morph, **nothing):
         yield

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of guides of a morph: points of its shapes that belong together, clicked on or taken from names."""
+"""The list of guides of a morph: corresponding points, clicked or taken from names."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from .windows import write_status
 
 
 def guided_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """Return the shapes to morph that are meshes, which guides can be on; raises InputError for fewer than two."""
+    """Return the meshes to morph, on which guides can be placed; raises InputError if there are fewer than two."""
     objects = chosen_inputs(context, context.scene.convwass_morph).objects
     meshes = [obj for obj in objects if obj.type == "MESH"]
     if all(looks_flat(obj) for obj in objects):
-        raise InputError("Flat shapes are morphed without guides; choose solid meshes.")
+        raise InputError("Flat shapes do not support guides; choose solid meshes.")
     if len(meshes) < 2:
         raise InputError("Guides are points on meshes; choose at least two meshes to morph.")
     return meshes
@@ -49,15 +49,15 @@ class _EditsGuides:
 
 
 class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator):
-    """Click on the same point of each shape, again and again, until Esc ends it; blends then bring these points together"""  # noqa: E501
+    """Click on the same point of each shape, repeatedly until Esc; blends then bring these points together"""
 
     bl_idname = "convwass.add_morph_guide"
     bl_label = "Add Guide"
 
-    label: StringProperty(name="Label", description="What the points are, such as nose", options={"SKIP_SAVE"})
+    label: StringProperty(name="Label", description="Name of the point, such as nose", options={"SKIP_SAVE"})
     points: StringProperty(
         name="Points",
-        description='Vertices by the names of their objects, such as {"Man": 12, "Woman": 345}; empty for clicks',
+        description='Vertices by object name, such as {"Man": 12, "Woman": 345}; empty to click on them',
         options={"SKIP_SAVE"},
     )
 
@@ -74,7 +74,7 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
     def execute(self, context):
         try:
             if not self.points:
-                raise InputError("Name the points of the guide: vertices by the names of their objects.")
+                raise InputError("Name the points of the guide: vertices by object name.")
             _add(context.scene.convwass_guides, parsed_guide(self.label, self.points))
         except ConvwassError as error:
             return refuse(self, error)
@@ -102,7 +102,7 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
             if vertex is not None:
                 hits.append((depth_of(obj, vertex, depsgraph, region.data), obj, vertex))
         if not hits:
-            self.report({"INFO"}, rpt_("There is none of the shapes; click on their surfaces"))
+            self.report({"INFO"}, rpt_("This is not on any of the shapes; click on their surfaces"))
         else:
             _, obj, vertex = min(hits, key=lambda hit: hit[0])
             self._place(context.scene.convwass_guides, obj, vertex)
@@ -111,7 +111,7 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
         return {"RUNNING_MODAL"}
 
     def _place(self, own: CONVWASS_PG_guides, obj: bpy.types.Object, vertex: int) -> None:
-        """Take a vertex that has been clicked on."""
+        """Add a clicked vertex to a guide."""
         try:
             _require_free(own, obj.name, vertex)
         except InputError as error:
@@ -123,21 +123,21 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
             bpy.ops.ed.undo_push(message=rpt_("Add Guide"))
 
     def _marked(self, guide: CONVWASS_PG_guide) -> list[bpy.types.Object]:
-        """Return the shapes that a guide has a point on."""
+        """Return the shapes on which a guide has a point."""
         return [point.object for point in guide.points if point.object in self._shapes]
 
     def _open_guide(self, own: CONVWASS_PG_guides, obj: bpy.types.Object) -> CONVWASS_PG_guide:
-        """Return the guide that a click on an object belongs to: the last one, while it lacks that object."""
+        """Return the guide for a click on an object: the last one if it is incomplete, else a new one."""
         if own.items:
             on = self._marked(own.items[-1])
-            # The last click on the only object so far counts.
+            # A further click on the only object so far replaces its point.
             if 0 < len(on) < len(self._shapes) and (obj not in on or len(on) == 1):
                 return own.items[-1]
         own.active = len(own.items)
         return own.items.add()
 
     def _say(self, context: bpy.types.Context) -> None:
-        """Write in the status bar what to click on next."""
+        """Show in the status bar what to click next."""
         own = context.scene.convwass_guides
         on = self._marked(own.items[-1]) if own.items else []
         missing, number = self._shapes, len(own.items) + 1
@@ -148,15 +148,15 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
 
 
 def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
-    """Put a guide on the list.
+    """Add a guide to the list.
 
     Raises
     ------
     InputError
-        Objects or vertices that do not exist or are in another guide, or fewer than two.
+        An object or vertex does not exist or is in another guide, or there are fewer than two points.
     """
     if len(guide.points) < 2:
-        raise InputError("A guide joins points of at least two shapes; mark the same point on another shape, too.")
+        raise InputError("A guide connects points of at least two shapes; mark the same point on another shape too.")
     for name, vertex in guide.points.items():
         obj = bpy.data.objects.get(name)
         if obj is None or obj.type != "MESH":
@@ -173,11 +173,11 @@ def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
 
 
 def _require_free(own: CONVWASS_PG_guides, name: str, vertex: int) -> None:
-    """Refuse a vertex that is in a guide already; raises InputError."""
+    """Raise InputError if a vertex is already in a guide."""
     number = own.holder(name, vertex)
     if number is not None:
         raise InputError(
-            "Vertex {vertex} of {name} is in guide {number} already; take another one, or remove that guide.",
+            "Vertex {vertex} of {name} is already in guide {number}; choose another one, or remove that guide.",
             vertex=vertex,
             name=name,
             number=number,
@@ -189,7 +189,7 @@ def _is_free(own: CONVWASS_PG_guides, guide: NamedGuide) -> bool:
 
 
 class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
-    """Add a guide for everything that has the same name on several shapes"""
+    """Add a guide for each name that occurs on several shapes"""
 
     bl_idname = "convwass.morph_guides_from_names"
     bl_label = "Guides from Names"
@@ -198,9 +198,9 @@ class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
         name="From",
         description="What marks the points",
         items=(
-            ("GROUPS", "Vertex Groups", "Small vertex groups: the vertex in the middle of each"),
+            ("GROUPS", "Vertex Groups", "Small vertex groups: the central vertex of each"),
             ("EMPTIES", "Empties", "Empties such as Nose and Nose.001: the vertex nearest to each"),
-            ("BONES", "Bones", "The ends of chains of bones, such as fingertips and toes, of rigs that deform them"),
+            ("BONES", "Bones", "Ends of bone chains, such as fingertips and toes, of the rigs that deform the shapes"),
         ),
     )
 
@@ -216,7 +216,8 @@ class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
             new = [guide for guide in found if guide.name not in known and _is_free(own, guide)]
             if not found:
                 raise InputError(
-                    "The shapes have no small vertex groups, Empties or bones of the same name; click on points."
+                    "The shapes have no small vertex groups, Empties or bones of the same name; click on points "
+                    "instead."
                 )
             for guide in new:
                 _add(own, guide)
@@ -236,7 +237,7 @@ class _OnGuides(_EditsGuides):
 
 
 class CONVWASS_OT_remove_morph_guide(_OnGuides, bpy.types.Operator):
-    """Take a guide off the list"""
+    """Remove a guide from the list"""
 
     bl_idname = "convwass.remove_morph_guide"
     bl_label = "Remove Guide"
@@ -253,7 +254,7 @@ class CONVWASS_OT_remove_morph_guide(_OnGuides, bpy.types.Operator):
 
 
 class CONVWASS_OT_clear_morph_guides(_OnGuides, bpy.types.Operator):
-    """Empty the list of guides"""
+    """Clear the list of guides"""
 
     bl_idname = "convwass.clear_morph_guides"
     bl_label = "Clear Guides"

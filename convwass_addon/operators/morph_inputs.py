@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edit the list of shapes to morph, and check the shapes on it."""
+"""Edit and check the list of shapes to morph."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _EditInputs:
     bl_options = {"REGISTER", "UNDO"}
 
     def _place(self, context: bpy.types.Context) -> int:
-        """Return the index that is meant; raises InputError where there is none."""
+        """Return the index of the input; raises InputError if there is none."""
         settings = context.scene.convwass_morph
         index = settings.active_input if self.index == ACTIVE else self.index
         if not 0 <= index < len(settings.inputs):
@@ -41,13 +41,13 @@ class _OnList(_EditInputs):
     @classmethod
     def poll(cls, context):
         if not context.scene.convwass_morph.inputs:
-            cls.poll_message_set("There are no shapes on the list yet")
+            cls.poll_message_set("The input list is empty")
             return False
         return True
 
 
 class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
-    """Put the selected shapes on the list of those to morph, and check them"""
+    """Add the selected shapes to the list, and check them"""
 
     bl_idname = "convwass.add_morph_inputs"
     bl_label = "Add Inputs"
@@ -71,11 +71,11 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
             check(item, context.evaluated_depsgraph_get())
         settings.active_input = len(settings.inputs) - 1
         if not meshes:
-            self.report({"INFO"}, rpt_("All selected shapes are on the list already"))
+            self.report({"INFO"}, rpt_("All selected shapes are already on the list"))
         return {"FINISHED"}
 
     def _begin_with(self, preset: str) -> None:
-        """Take the settings of a preset, or say that they cannot be had: shapes are put on the list all the same."""
+        """Apply a preset, or report that it is not available; the shapes are added in any case."""
         try:
             apply_preset(preset)
         except InputError as error:
@@ -83,7 +83,7 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
 
 
 class CONVWASS_OT_remove_morph_input(_OnList, bpy.types.Operator):
-    """Take a shape off the list; the object stays as it is"""
+    """Remove a shape from the list; the object is kept"""
 
     bl_idname = "convwass.remove_morph_input"
     bl_label = "Remove Input"
@@ -101,7 +101,7 @@ class CONVWASS_OT_remove_morph_input(_OnList, bpy.types.Operator):
 
 
 class CONVWASS_OT_move_morph_input(_OnList, bpy.types.Operator):
-    """Move a shape to another place on the list, which is the order of the morph"""
+    """Move a shape up or down the list, which is the order of the morph"""
 
     bl_idname = "convwass.move_morph_input"
     bl_label = "Move Input"
@@ -123,7 +123,7 @@ class CONVWASS_OT_move_morph_input(_OnList, bpy.types.Operator):
 
 
 class CONVWASS_OT_clear_morph_inputs(_OnList, bpy.types.Operator):
-    """Empty the list; then whatever is selected is morphed"""
+    """Clear the list; the selected shapes are morphed instead"""
 
     bl_idname = "convwass.clear_morph_inputs"
     bl_label = "Clear Inputs"
@@ -136,13 +136,13 @@ class CONVWASS_OT_clear_morph_inputs(_OnList, bpy.types.Operator):
 
 
 class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
-    """Look again for holes, flipped faces and missing volume in the shapes on the list"""
+    """Check the shapes on the list again for holes, flipped faces and missing volume"""
 
     bl_idname = "convwass.check_morph_inputs"
     bl_label = "Check Inputs"
 
     index: IntProperty(
-        name="Index", description="Place on the list, from 0; -1 checks all of them", default=ACTIVE, min=ACTIVE
+        name="Index", description="Position on the list, from 0; -1 checks all shapes", default=ACTIVE, min=ACTIVE
     )
 
     @classmethod
@@ -161,14 +161,14 @@ class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
             check(item, depsgraph)
         faulty = sum(item.warns for item in inputs)
         if faulty:
-            self.report({"WARNING"}, rpt_("Shapes that need a look: {:d} of {:d}").format(faulty, len(inputs)))
+            self.report({"WARNING"}, rpt_("Shapes with problems: {:d} of {:d}").format(faulty, len(inputs)))
         else:
-            self.report({"INFO"}, rpt_("No faults were found"))
+            self.report({"INFO"}, rpt_("No problems found"))
         return {"FINISHED"}
 
 
 def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
-    """Look at the shape of an input, and note on the item what was found out."""
+    """Check the shape of an input, and store the findings on the item."""
     from ..applications.morphs.shape_check import check_shape
     from ..bridge.flat.flat_objects import flat_objects
 
@@ -192,14 +192,18 @@ def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 def _sentences(findings: ShapeFindings) -> list[str]:
-    """Return what to tell the user about a shape, the most important first."""
+    """Return the messages about a shape, the most important first."""
     if not findings.has_volume:
         return [rpt_("It encloses no volume: set Thickness, or add a Solidify modifier")]
     found = []
     if findings.open_edges:
-        found.append(rpt_("Holes with {:d} open edges; what they nearly enclose is filled").format(findings.open_edges))
+        found.append(
+            rpt_("Holes with {:d} open edges; the volume that they nearly enclose is filled").format(
+                findings.open_edges
+            )
+        )
     if findings.flipped_faces:
-        found.append(rpt_("{:d} flipped triangles, turned over for the morph").format(findings.flipped_faces))
+        found.append(rpt_("{:d} flipped triangles; they are corrected for the morph").format(findings.flipped_faces))
     return found
 
 

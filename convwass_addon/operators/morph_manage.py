@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Do something with a morph that has been baked: bake it again, or delete it."""
+"""Operators on a baked morph: select its inputs, bake it again, delete it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .reporting import refuse
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
-    """Return the morph that the active object shows or belongs to, or that is the active collection."""
+    """Return the morph of the active object, or the active collection if that is a morph."""
     active = active_object(context)
     candidates = [
         shown_morph(active),
@@ -38,7 +38,7 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
 
 
 def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
-    """Select these objects alone, and make the last one active; those that the view layer lacks are left out."""
+    """Select only these objects and make the last one active; objects outside the view layer are skipped."""
     for obj in selected_objects(context):
         obj.select_set(False)
     for obj in objects:
@@ -48,7 +48,7 @@ def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object])
 
 
 def is_free_to_bake(operator: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Tell for an operator's poll whether a bake may begin now, or leave a message that says why not."""
+    """Return whether a bake can start now; otherwise set the operator's poll message."""
     if context.mode != "OBJECT":
         operator.poll_message_set("Go to Object Mode first")
         return False
@@ -56,7 +56,7 @@ def is_free_to_bake(operator: type[bpy.types.Operator], context: bpy.types.Conte
 
 
 class OnActiveMorph:
-    """An operator on a morph that has been baked."""
+    """Base of operators on a baked morph."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -69,7 +69,7 @@ class OnActiveMorph:
 
 
 class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
-    """Show and select the shapes that the active morph was baked from, and take over its settings"""
+    """Show and select the shapes of the active morph, and load its settings"""
 
     bl_idname = "convwass.select_morph_inputs"
     bl_label = "Select Inputs"
@@ -93,7 +93,7 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
 
 
 class CONVWASS_OT_rebake_morph(bpy.types.Operator):
-    """Bake morphs again from the settings that are stored with them; players keep their keys"""
+    """Bake morphs again with their stored settings; players keep their keys"""
 
     bl_idname = "convwass.rebake_morph"
     bl_label = "Bake Again"
@@ -104,14 +104,14 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         description="Which morphs of the file to bake again",
         items=(
             ("ACTIVE", "Active", "The morph of the active object"),
-            ("STALE", "Stale", "All whose shapes have changed since they were baked"),
+            ("STALE", "Stale", "All morphs whose shapes have changed since the bake"),
             ("ALL", "All", "All morphs"),
         ),
         options={"SKIP_SAVE"},
     )
     morphs: StringProperty(
         name="Morphs",
-        description="Names of the morphs' collections instead, one per line",
+        description="Names of the collections of morphs to bake instead, one per line",
         options={"SKIP_SAVE"},
     )
 
@@ -125,7 +125,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         return True
 
     def invoke(self, context, event):
-        # One after the other in the background: each bake begins the next one.
+        # In the background, each bake starts the next one.
         return self._bake(context, "INVOKE_DEFAULT", lambda names: [(names[0], "\n".join(names[1:]))])
 
     def execute(self, context):
@@ -160,14 +160,14 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
 
 
 def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
-    """Return what Bake Morph has to be told to make a morph again; raises InputError where its shapes are gone.
+    """Return the arguments of Bake Morph to bake a morph again; raises InputError if its shapes were deleted.
 
-    What is damaged raises what Python does, for `refusing_damage`.
+    Damaged data raises Python's own errors, which `refusing_damage` converts.
     """
     stored, inputs = stored_morph(morph), stored_inputs(morph)
     if stored.settings.get("at"):
         raise InputError(
-            "{name} holds frames between others, from --at; make those by the command line.", name=morph.name
+            "{name} contains fractional frames made with --at; recompute them on the command line.", name=morph.name
         )
     known = {name: value for name, value in stored_arguments(stored.settings).items() if value is not None}
     weights = stored.records[0]["weights"] if known.get("layout") == "BLEND" and stored.records else []
@@ -184,7 +184,7 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
 
 
 class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
-    """Delete the active morph and its meshes, and show the shapes it was baked from"""
+    """Delete the active morph and its meshes, and show its shapes again"""
 
     bl_idname = "convwass.delete_morph"
     bl_label = "Delete Morph"
@@ -194,7 +194,7 @@ class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
         try:
             inputs = stored_inputs(morph)
         except ConvwassError:
-            # Inputs that are gone need not be shown, and the morph can be deleted all the same.
+            # A morph can be deleted even if its inputs no longer exist.
             inputs = []
         remove_bake(morph)
         for obj in inputs:

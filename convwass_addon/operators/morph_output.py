@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Move a baked morph out of the .blend file: to a sequence of volumes, or to an Alembic or USD file."""
+"""Move a baked morph out of the .blend file, to volumes or to an Alembic or USD file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class _OutputMorph(OnActiveMorph):
 
 
 class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
-    """Move the active morph to VDB files, shown by a Volume object and a mesh of editable level and smoothing"""
+    """Move the active morph to VDB files, shown by a Volume object and by a mesh with adjustable level and smoothing"""
 
     bl_idname = "convwass.make_volume"
     bl_label = "Make Volume"
@@ -64,7 +64,7 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
 
 
 class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
-    """Move the active morph to an Alembic or USD file, shown by one object with a Mesh Sequence Cache"""
+    """Move the active morph to an Alembic or USD file, shown by one object with a Mesh Sequence Cache modifier"""
 
     bl_idname = "convwass.make_cache"
     bl_label = "Make Cache"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Show a morph by one object: a player with a value to animate, or a pad on which an empty is dragged."""
+"""Show a morph with a single object: a player with an animatable value, or a pad with a draggable Empty."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ class _OnPlayedMorph(OnActiveMorph):
 
 
 class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
-    """Show the active morph by one object, whose value Morph can be animated: 0 is the first shape, 1 the second"""
+    """Show the active morph with one object, whose value Morph can be animated: 0 is the first shape, 1 the second"""
 
     bl_idname = "convwass.make_player"
     bl_label = "Make Player"
 
     playback: bpy.props.EnumProperty(
         name="Playback",
-        description="What is seen where the value goes past the last shape or before the first",
+        description="What the player shows before the first and after the last shape",
         items=(
-            ("ONCE", "Once", "Stay at the last or the first shape"),
+            ("ONCE", "Once", "Hold the first or last shape"),
             ("LOOP", "Loop", "Start again at the other end"),
             ("PING_PONG", "Ping-Pong", "Go back and forth"),
         ),
@@ -52,8 +52,8 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
         name="Easing",
         description="How the value goes from shape to shape; edit its curve for more",
         items=(
-            ("LINEAR", "Linear", "At constant speed, just as the morph was baked"),
-            ("SMOOTH", "Smooth", "Slow away from every shape and slow into the next"),
+            ("LINEAR", "Linear", "Constant speed, as baked"),
+            ("SMOOTH", "Smooth", "Slow down at every shape"),
         ),
     )
 
@@ -67,7 +67,7 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
 
 
 class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
-    """Show the active sheet by one object: the blend at an empty that is dragged or animated inside a pad"""
+    """Show the active sheet with one object: the blend at an Empty that is dragged or animated on a pad"""
 
     bl_idname = "convwass.make_blend_pad"
     bl_label = "Make Blend Pad"
@@ -82,7 +82,7 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
 
 
 class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
-    """Remove the player or the blend pad of the active morph, and show its baked objects again"""
+    """Remove the player or blend pad of the active morph, and show its baked objects again"""
 
     bl_idname = "convwass.remove_player"
     bl_label = "Back to Baked Objects"

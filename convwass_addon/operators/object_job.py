@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all long work on one object has in common: the object is found again when the work is done."""
+"""Long work on one object."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from ..errors import ConvwassError
 
 
 class ObjectJob:
-    """Work on one object, which goes on being edited, renamed or deleted meanwhile.
+    """Work on an object that may be edited, renamed or deleted in the meantime.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        Which.
+        The object.
     gone : ConvwassError
-        What is raised where it is no more.
+        The error to raise if the object was deleted.
     """
 
     def __init__(self, obj: bpy.types.Object, gone: ConvwassError) -> None:
         self._target, self._gone = Handle.of("objects", obj), gone
 
     def target(self) -> bpy.types.Object:
-        """Return the object; raises the error that was given where it was deleted, or undone."""
+        """Return the object; raises the given error if it was deleted or its creation undone."""
         obj = self._target.find()
         if obj is None:
             raise self._gone

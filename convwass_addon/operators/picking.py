@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clicks on surfaces in 3D views: waiting for them, and what is under the mouse."""
+"""Picking points on surfaces in 3D views."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ..errors import ConvwassError
 from .reporting import refuse
 from .windows import clear_status, clear_windows
 
-# Operators that wait for clicks now, by their identity.
+# Ids of the operators that are waiting for clicks.
 _WAITING: set[int] = set()
 
 
 class PicksPoints:
-    """An operator that waits for clicks in 3D views; others fill in the hooks at the end. It goes before other bases.
+    """Base of operators that wait for clicks in 3D views; must precede the other base classes.
 
-    Everything else in the window stays in use meanwhile.
+    Everything else in the window stays usable.
     """
 
     _ending_keys = frozenset({"ESC", "RIGHTMOUSE", "RET"})
@@ -30,7 +30,7 @@ class PicksPoints:
     def modal(self, context, event):
         if self._is_over(context) or (event.type in self._ending_keys and event.value == "PRESS"):
             self.cancel(context)
-            # What has been picked has undo steps of its own by now.
+            # Every picked point already has its own undo step.
             return {"CANCELLED"}
         if event.type != "LEFTMOUSE" or event.value != "PRESS":
             return {"PASS_THROUGH"}
@@ -49,38 +49,38 @@ class PicksPoints:
         clear_status(context)
 
     def _wait(self, context: bpy.types.Context) -> set[str]:
-        """Begin to wait for clicks."""
+        """Start waiting for clicks."""
         context.window_manager.modal_handler_add(self)
         context.window.cursor_modal_set("EYEDROPPER")
         _WAITING.add(id(self))
         return {"RUNNING_MODAL"}
 
-    # What an operator fills in.
+    # Hooks for operators.
 
     def _is_over(self, context: bpy.types.Context) -> bool:
-        """Tell whether what is clicked on has gone."""
+        """Return whether the objects to click on no longer exist."""
         raise NotImplementedError
 
     def _take(self, context: bpy.types.Context, region: bpy.types.Region, place: tuple[int, int]) -> set[str]:
-        """Take a click at a point of a view, in its pixels; return what a modal operator returns.
+        """Handle a click at a position of a view, in pixels; return the result of a modal operator.
 
         Raises
         ------
         ConvwassError
-            There is no use in going on.
+            The operator cannot continue.
         """
         raise NotImplementedError
 
 
 def stop_waiting(context: bpy.types.Context) -> None:
-    """Wait for no clicks any more, before the operators are taken away; what has been picked stays."""
+    """Stop waiting for clicks before the operators are unregistered; picked points are kept."""
     if _WAITING:
         _WAITING.clear()
         clear_windows(context)
 
 
 def view_at(window: bpy.types.Window, x: int, y: int) -> bpy.types.Region | None:
-    """Return the 3D view at a point of a window; None where there is none, or something lies over it."""
+    """Return the 3D view at a position in a window; None if there is none, or it is covered."""
     for area in window.screen.areas:
         under = [region for region in area.regions if _holds(region, x, y)] if area.type == "VIEW_3D" else []
         views = [region for region in under if region.type == "WINDOW"]
@@ -96,7 +96,7 @@ def _holds(region: bpy.types.Region, x: int, y: int) -> bool:
 def surface_point_at(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, region: bpy.types.Region, place: tuple[int, int]
 ) -> NDArray[np.float64] | None:
-    """Return the point of an object's surface that a point of a view shows, (3,) in world space; None for nothing."""
+    """Return the surface point of an object at a position of a view, (3,) in world space, or None."""
     evaluated = obj.evaluated_get(depsgraph)
     matrix = evaluated.matrix_world
     inverse = matrix.inverted_safe()
@@ -109,7 +109,7 @@ def surface_point_at(
 def vertex_at(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, region: bpy.types.Region, place: tuple[int, int]
 ) -> int | None:
-    """Return the vertex with a face that is nearest to what a point of a view shows of an object; None for nothing.
+    """Return the vertex of a face that is nearest to the surface point at a position of a view, or None.
 
     Raises
     ------
@@ -125,14 +125,14 @@ def vertex_at(
 
 
 def redraw_views(context: bpy.types.Context) -> None:
-    """Draw the 3D viewports of a window again."""
+    """Redraw the 3D viewports of a window."""
     for area in context.window.screen.areas:
         if area.type == "VIEW_3D":
             area.tag_redraw()
 
 
 def depth_of(obj: bpy.types.Object, vertex: int, depsgraph: bpy.types.Depsgraph, view: bpy.types.RegionView3D) -> float:
-    """Return how far from the viewer a vertex is, along the view."""
+    """Return the distance of a vertex from the viewer, along the view direction."""
     evaluated = obj.evaluated_get(depsgraph)
     is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)
     point: Vector = evaluated.matrix_world @ (evaluated.data if is_kept else obj.data).vertices[vertex].co

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Give the color attribute of an object the palette of that of another one."""
+"""Give the color attribute of an object the palette of another object."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .reporting import tell
 
 
 class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.types.Operator):
-    """Carry the palette of another object's active color attribute to that of the active object; colors count by the area that they cover"""  # noqa: E501
+    """Transfer the palette of another object's active color attribute to that of the active object; colors are weighted by the area they cover"""  # noqa: E501
 
     bl_idname = "convwass.recolor_attribute"
     bl_label = "Recolor Attribute"
@@ -35,7 +35,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
             cls.poll_message_set("Select a mesh with a color attribute")
             return False
         if giver is None or giver.type != "MESH" or giver.data.color_attributes.active_color is None:
-            cls.poll_message_set("Choose an object whose color attribute gives the palette")
+            cls.poll_message_set("Choose an object whose color attribute provides the palette")
             return False
         return is_idle(cls, context)
 
@@ -43,7 +43,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         from ..bridge.palettes.color_pictures import read_colors_as_picture
 
         if not self.result:
-            raise InputError("Give the color attribute of the result a name.")
+            raise InputError("Name the color attribute of the result.")
         obj, giver = context.object, context.scene.convwass_recolor.palette_object
         self._name, self._giver = obj.data.color_attributes.active_color_name, giver.name
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
@@ -57,7 +57,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
 
     def _waits_for(self, context):
         obj = self._job.target()
-        return Sentence("Done; leave Edit Mode to get the result") if obj.data.is_editmode else None
+        return Sentence("Done; leave Edit Mode to apply the result") if obj.data.is_editmode else None
 
     def _finish(self, context, job):
         from ..bridge.palettes.color_pictures import write_picture_colors

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grade a sequence of images or a movie by one map for all frames, beside the user's work."""
+"""Recolor an image sequence or a movie with one color map for all frames, in the background."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 
 
 class ClipJob:
-    """One clip. Everything but :meth:`steps` belongs on the main thread.
+    """Recolors a clip. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     frames : ClipFrames
-        What is measured, and recolored.
+        The frames to measure and recolor.
     palettes, weights
-        Where the colors come from.
+        The palettes of the result.
     settings : RecolorSettings
-        How.
+        Settings of the color map.
     targets : sequence of Path
-        Where the frames go, one for each; none to end with the map.
+        Output files, one per frame; empty to compute only the map.
     """
 
     def __init__(
@@ -61,14 +61,14 @@ class ClipJob:
         self.change: Recoloring | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Do the work, and keep the map."""
+        """Compute the color map, and recolor the frames if there are targets."""
         from ..applications.palettes.clip_job import clip_map_steps, clip_steps
 
         work = clip_steps if self._targets else clip_map_steps
         self.change = yield from work(len(self._frames.numbers), *self._inputs, control)
 
     def write(self, report: Progress[FrameRequest | RecoloredFrame]) -> None:
-        """Read the frame that is asked for, or write the one that has been recolored."""
+        """Read the requested frame, or write a recolored frame."""
         from ..applications.palettes.clip_job import FrameRequest, RecoloredFrame
 
         found = report.payload
@@ -78,12 +78,12 @@ class ClipJob:
             save_pixels(found.pixels, self._frames.image, self._drafts.draft_of(self._targets[found.place]))
 
     def discard(self) -> None:
-        """Leave everything as it was."""
+        """Remove drafts and temporary data."""
         self._drafts.discard()
         self._frames.close()
 
     def keep(self) -> list[Path]:
-        """Put the files into their places, and return these."""
+        """Move the finished files into place, and return their paths."""
         try:
             return self._drafts.keep()
         finally:
@@ -91,7 +91,7 @@ class ClipJob:
 
 
 class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, bpy.types.Operator):
-    """Carry the palette of another image, or the blend of several, to all frames of a sequence or a movie: by one map, from the colors of all frames together, so that nothing flickers. Files that are replaced stay until all frames are there"""  # noqa: E501
+    """Transfer the palette of another image, or a blend of several, to all frames of a sequence or a movie, with one color map computed from all frames together, so that nothing flickers. Existing files are only replaced once all frames are finished"""  # noqa: E501
 
     bl_idname = "convwass.recolor_clip"
     bl_label = "Recolor Clip"
@@ -121,7 +121,7 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
         frames = ClipFrames(image, own.mask)
         if share_a_place([folder], [frames.path.parent]):
             raise InputError(
-                "The results would replace the frames of {image}; choose another folder.", image=image.name
+                "The results would overwrite the frames of {image}; choose another folder.", image=image.name
             )
         self._name, self._image = image.name, Handle.of("images", image)
         try:
@@ -150,7 +150,7 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
 
 
 def _show(context: bpy.types.Context, source: bpy.types.Image, result: bpy.types.Image, paths: Sequence[Path]) -> None:
-    """Show a sequence where its clip is shown."""
+    """Show the result in the editor that shows the clip."""
     from ..bridge.palettes.clip_frames import first_number
 
     space = context.space_data

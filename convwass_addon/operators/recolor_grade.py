@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grades to reuse: a table for other programs, and nodes for the compositor."""
+"""Reusable color maps: a .cube table for other programs, and nodes for the compositor."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
-    """An operator that needs the map of colors as a table; that of a clip comes from all of its frames together."""
+    """Base of operators that need the color map as a table; the map of a clip comes from all of its frames."""
 
     _job: TableJob
     _source: str
@@ -60,16 +60,16 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
         return {"FINISHED"}
 
     def _target(self) -> CubeFile | None:
-        """Return the file that the table becomes, if any."""
+        """Return the file to write the table to, if any."""
         return None
 
     def _use(self, table: LookupTable) -> None:
-        """Do with the table what it is made for, and tell of it."""
+        """Use the table, and report the result."""
         raise NotImplementedError
 
 
 class CONVWASS_OT_write_cube(_MakesTable, bpy.types.Operator):
-    """Write the map of colors as a .cube table, which video editors and other programs apply to whole clips"""
+    """Write the color map as a .cube table, which video editors and other programs can apply to whole clips"""
 
     bl_idname = "convwass.write_cube"
     bl_label = "Write .cube"
@@ -94,7 +94,7 @@ class CONVWASS_OT_write_cube(_MakesTable, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
-        # The file browser calls this where others are invoked.
+        # The file browser calls execute, where other operators are invoked.
         return super().invoke(context, None) if self._chosen_in_browser else super().execute(context)
 
     def _begin(self, context):
@@ -111,7 +111,7 @@ class CONVWASS_OT_write_cube(_MakesTable, bpy.types.Operator):
 
 
 class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
-    """Make a node group for the compositor that applies the map of colors to whatever comes in: add it with Add > Group. The next one of the same image and palette takes its place"""  # noqa: E501
+    """Create a node group for the compositor that applies the color map: add it with Add > Group. The next group for the same image and palette replaces it"""  # noqa: E501
 
     bl_idname = "convwass.build_grade_nodes"
     bl_label = "Build Compositor Group"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Give an image the palette of others, beside the user's work."""
+"""Give an image the palette of others, in the background."""
 
 from __future__ import annotations
 
@@ -29,27 +29,27 @@ if TYPE_CHECKING:
     from ..applications.palettes.recolor_job import Picture
     from ..applications.palettes.recoloring import Recoloring
 
-# Share of a job that is done once the pixels are, where they become a file after that.
+# Share of the progress at which the pixels are finished, if they are then encoded to a file.
 _RECOLORED = 0.95
 
 
 class RecolorJob:
-    """One recoloring. Everything but :meth:`steps` belongs on the main thread.
+    """Recolors a picture. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     target : Handle
-        Of what gets the result.
+        The data-block that receives the result.
     source : Picture
-        What is recolored.
+        The picture to recolor.
     palettes : sequence of Picture
-        Where the colors come from.
+        The palettes of the result.
     weights : sequence of float
-        One for each.
+        One per palette.
     settings : RecolorSettings
-        How.
+        Settings of the color map.
     ends : "map", "pixels" or "file"
-        With what: a file only where pixels are bytes, which is what most time goes into when they are packed.
+        The kind of result. A file is only encoded for 8-bit pixels, where encoding takes most of the time for packing.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class RecolorJob:
         self._pixels: NDArray[np.float32] | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Do the work, and keep what it finds."""
+        """Compute the result and keep it."""
         from ..applications.palettes.recolor_job import map_steps, recolor_steps
 
         if self._ends == "map":
@@ -84,10 +84,10 @@ class RecolorJob:
             self.file = png_bytes(found.pixels, control)
 
     def write(self, report: Progress[object]) -> None:
-        """Leave the file as it is until the end."""
+        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
-        """Forget it."""
+        """Discard the result."""
         self._pixels = self.file = None
 
     @property
@@ -96,15 +96,17 @@ class RecolorJob:
         return self._pixels
 
     def target(self) -> bpy.types.ID:
-        """Return what gets the result; raises InputError where it is gone."""
+        """Return the data-block that receives the result; raises InputError if it was deleted."""
         found = self._target.find()
         if found is None:
-            raise InputError("What was recolored was deleted, or undone, meanwhile; start again.")
+            raise InputError(
+                "The image or object was deleted, or its creation undone, during the recoloring; start again."
+            )
         return found
 
 
 class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, bpy.types.Operator):
-    """Carry the palette of another image to this one, or the blend of several: every color goes where transport takes it, at the least change in all. The pixels of an image that is replaced cannot be undone; reload it instead"""  # noqa: E501
+    """Transfer the palette of another image, or a blend of several, to this image. The color map is an optimal transport map, which changes colors as little as possible in total. Replacing the pixels of an image cannot be undone; reload the image instead"""  # noqa: E501
 
     bl_idname = "convwass.recolor_image"
     bl_label = "Recolor Image"
@@ -112,10 +114,10 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
     image: image_property()
     output: EnumProperty(
         name="Output",
-        description="Where the result goes",
+        description="Destination of the result",
         items=(
-            ("NEW", "New Image", "An image of its own, packed into the file; the next result replaces it"),
-            ("REPLACE", "Replace", "The image itself; its file stays as it is until the image is saved"),
+            ("NEW", "New Image", "A new image, packed into the file; the next result replaces it"),
+            ("REPLACE", "Replace", "The image itself; its file is not changed until the image is saved"),
         ),
     )
 
@@ -130,7 +132,7 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
             )
         if self.output == "REPLACE" and is_clip(image):
             raise InputError(
-                "{image} is a clip, whose frames stay as they are; make a new image, or recolor the clip.",
+                "{image} is a clip, whose frames cannot be changed; make a new image, or recolor the clip.",
                 image=image.name,
             )
         self._palettes = palette_names(context)

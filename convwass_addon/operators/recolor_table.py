@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The work of making a table of a map of colors, and a file of the table."""
+"""Tabulate a color map, and write the table to a file."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from .recolor_image import RecolorJob
 if TYPE_CHECKING:
     from ..applications.palettes.lookup_table import LookupTable
 
-# Shares of the job that are done once the map is there, and once the table is.
+# Shares of the progress at which the map and the table are finished.
 _MAPPED, _TABULATED = 0.5, 0.7
 
 
 @dataclass(frozen=True)
 class CubeFile:
-    """A .cube file to write: where, and what other programs call its table."""
+    """A .cube file to write, and the title of its table."""
 
     path: Path
     title: str
 
 
 class TableJob:
-    """One table. Everything but :meth:`steps` belongs on the main thread.
+    """Computes a table. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     job : RecolorJob or ClipJob
-        What finds the map, and ends with it.
+        Computes the color map.
     size : int
-        Colors along an edge.
+        Number of colors along an edge.
     target : CubeFile or None
-        The file that the table becomes; what is there already stays until :meth:`keep`.
+        The file to write; an existing file is only replaced by :meth:`keep`.
     """
 
     def __init__(self, job: RecolorJob | ClipJob, size: int, target: CubeFile | None) -> None:
@@ -48,7 +48,7 @@ class TableJob:
         self.table: LookupTable | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Find the map, and make and write its table."""
+        """Compute the color map, tabulate it and write the table."""
         from ..applications.palettes.lookup_table import lookup_table, write_cube
 
         yield from within(self._job.steps(control), 0.0, _MAPPED)
@@ -60,17 +60,17 @@ class TableJob:
         self.table = table
 
     def write(self, report: Progress[object]) -> None:
-        """Answer the requests of the job that finds the map."""
+        """Answer the requests of the job that computes the map."""
         self._job.write(report)
 
     def keep(self) -> None:
-        """Put the file into its place; raises ConvwassError where the system refuses."""
+        """Move the file into place; raises ConvwassError if that fails."""
         try:
             self._drafts.keep()
         finally:
             self.discard()
 
     def discard(self) -> None:
-        """Leave everything as it was."""
+        """Remove drafts and temporary data."""
         self._drafts.discard()
         self._job.discard()

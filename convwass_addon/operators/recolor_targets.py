@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which image is recolored, by which palettes, and when the buttons for it can be pressed."""
+"""The image to recolor and the palettes, and the poll methods of their operators."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
 
 
 def image_property() -> object:
-    """Return the property by which a script names an image."""
+    """Return the property that names an image in scripts."""
     return StringProperty(
         name="Image",
-        description="Name of the image; empty for the one that the Image Editor shows",
+        description="Name of the image; empty for the image in the Image Editor",
         options={"SKIP_SAVE"},
     )
 
 
 def shown_image(context: bpy.types.Context) -> bpy.types.Image | None:
-    """Return the image of the editor that the user is in; of a result, the image that it was made from."""
+    """Return the image in the current Image Editor; for a result, the image that it was made from."""
     space = context.space_data
     image = space.image if space is not None and space.type == "IMAGE_EDITOR" else None
     return None if image is None else bpy.data.images.get(image.get(RESULT_OF, ""), image)
 
 
 def chosen_image(context: bpy.types.Context, name: str) -> bpy.types.Image:
-    """Return the image that is named, or else shown.
+    """Return the named image, or the one in the Image Editor.
 
     Raises
     ------
@@ -44,21 +44,21 @@ def chosen_image(context: bpy.types.Context, name: str) -> bpy.types.Image:
     """
     image = bpy.data.images.get(name) if name else shown_image(context)
     if image is None and name:
-        raise InputError("There is no image {name}.", name=name)
+        raise InputError("There is no image named {name}.", name=name)
     if image is None:
         raise InputError("Open an image in the Image Editor first, or name one.")
     return image
 
 
 class OnImage:
-    """An operator on an image and the palettes that are chosen for it."""
+    """Base of operators on an image and its chosen palettes."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         if not context.scene.convwass_recolor.chosen_palettes:
-            cls.poll_message_set("Choose a palette, an image whose colors are wanted")
+            cls.poll_message_set("Choose a palette, an image with the desired colors")
             return False
         space = context.space_data
         if space is not None and space.type == "IMAGE_EDITOR" and space.image is None:
@@ -73,7 +73,7 @@ def read_pictures(context: bpy.types.Context, image: bpy.types.Image) -> tuple[P
     Raises
     ------
     InputError
-        Images that cannot be read, or masks of other sizes.
+        An image cannot be read, or a mask has a different size.
     """
     from ..bridge.palettes.image_pixels import read_picture
 
@@ -87,7 +87,7 @@ def read_palettes(context: bpy.types.Context) -> tuple[list[Picture], list[float
     Raises
     ------
     InputError
-        Images that cannot be read, or a mask of another size.
+        An image cannot be read, or the mask has a different size.
     """
     from ..bridge.palettes.image_pixels import read_picture
 
@@ -100,8 +100,8 @@ def read_palettes(context: bpy.types.Context) -> tuple[list[Picture], list[float
 
 
 def palette_names(context: bpy.types.Context) -> list[str]:
-    """Return the names of the palettes that have a weight.
+    """Return the names of the palettes with a positive weight.
 
-    They are asked for when a job begins: others may be chosen while it runs.
+    Called when a job begins, because the choice can change while it runs.
     """
     return [image.name for image, weight in context.scene.convwass_recolor.chosen_palettes if weight > 0]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make a material between others, beside the user's work."""
+"""Blend materials in the background."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
 
 
 class ReflectanceJob:
-    """One blend of materials. Everything but :meth:`steps` belongs on the main thread.
+    """Blends materials. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     materials : sequence of GlossyMaterial
         Two to four.
     plan : BlendPlan
-        At which weights.
+        Weights of the blends.
     settings : ReflectanceSettings
-        How.
+        Settings of the transport.
     sun : bpy.types.Object or None
-        What tabulated highlights follow.
+        The sun that tabulated highlights follow.
     """
 
     def __init__(
@@ -60,32 +60,32 @@ class ReflectanceJob:
         self.found: list[LobeFrame] = []
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Make all blends."""
+        """Compute all blends."""
         from ..applications.reflectance.lobe_frames import lobe_frames
 
         return lobe_frames([own.lobe for own in self.materials], self.plan.weights, self._settings, control)
 
     def write(self, report: Progress[LobeFrame]) -> None:
-        """Take a finished blend; the file stays as it is until the end."""
+        """Collect a finished blend; the file is only changed at the end."""
         if report.payload is not None:
             self.found.append(report.payload)
 
     def discard(self) -> None:
-        """Forget it."""
+        """Discard the result."""
         self.found = []
 
     @property
     def sun(self) -> bpy.types.Object | None:
-        """What tabulated highlights follow; None where it is gone."""
+        """The sun that tabulated highlights follow; None if it was deleted."""
         return None if self._sun is None else self._sun.find()
 
     @property
     def has_grain(self) -> bool:
-        """Whether no picture could show the lobes."""
+        """Whether a material is anisotropic, so that a lookup image cannot represent it."""
         return not all(own.lobe.is_isotropic for own in self.materials)
 
     def fits(self) -> list[PrincipledFit]:
-        """Return what the fitted material is set to, blend by blend."""
+        """Return the settings of the fitted Principled BSDF for each blend."""
         from ..bridge.reflectance.lobe_materials import PrincipledFit, mixed
 
         return [
@@ -99,18 +99,18 @@ class ReflectanceJob:
 
     @property
     def shown(self) -> list[LobeFrame]:
-        """The blends in the order in which they are shown."""
+        """The blends in display order."""
         return self.found if self.plan.sheet is None else spread_out(self.plan.sheet, self.found)
 
     def diffuse(self) -> list[tuple[float, float, float]]:
-        """Return matte colors, blend by blend."""
+        """Return the diffuse color of each blend."""
         from ..bridge.reflectance.lobe_materials import mixed
 
         return [mixed([own.diffuse for own in self.materials], frame.weights) for frame in self.shown]
 
 
 class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy.types.Operator):
-    """Make a material between two to four others, whose highlights move and change their shape instead of fading out here and in there"""  # noqa: E501
+    """Blend two to four materials: highlights move and change their shape, instead of one fading out while another fades in"""  # noqa: E501
 
     bl_idname = "convwass.blend_materials"
     bl_label = "Blend Materials"
@@ -118,14 +118,14 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
 
     materials: StringProperty(
         name="Materials",
-        description="Names of materials, one per line or with commas between them; empty for those that are chosen in "
-        "the panel",
+        description="Names of materials, one per line or separated by commas; empty for the materials chosen in the "
+        "panel",
         options={"SKIP_SAVE"},
     )
     weights: StringProperty(
         name="Weights",
-        description="Numbers with commas between them, one per material; for a way of weights several such rows with "
-        "semicolons between them. Empty for those in the panel",
+        description="Numbers separated by commas, one per material; for a path, several rows separated by semicolons. "
+        "Empty for the weights in the panel",
         options={"SKIP_SAVE"},
     )
     _job: ReflectanceJob
@@ -141,7 +141,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         job = ReflectanceJob(read, plan, self.reflectance_settings(), sun_of(context))
         if job.has_grain and self.output == "LOBES":
             raise InputError(
-                "Highlights along a grain cannot be looked up by two angles; choose Fitted, or set the anisotropy to 0."
+                "Anisotropic highlights cannot be tabulated by two angles; choose Fitted, or set the anisotropy to 0."
             )
         if self.table:
             self._checked_table(job)
@@ -160,11 +160,11 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
 
         target = checked_target(Path(bpy.path.abspath(self.table)))
         if target.suffix.lower() not in (".npz", ".exr"):
-            raise InputError("{name} ends neither in .npz nor in .exr.", name=target.name)
+            raise InputError("{name} does not end in .npz or .exr.", name=target.name)
         if is_whole(target) and self.blend != "WEIGHTS":
-            raise InputError("A file .npz or .lobes.exr holds one blend; choose By Weights, or another file .exr.")
+            raise InputError(".npz and .lobes.exr files hold one blend; choose By Weights, or a different .exr file.")
         if not is_whole(target) and job.has_grain:
-            raise InputError("Materials with a grain need all directions; choose .npz or .lobes.exr.")
+            raise InputError("Anisotropic materials need all directions; choose .npz or .lobes.exr.")
         return target
 
     def _steps(self):
@@ -182,7 +182,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         if self.blend == "PAD":
             name = "{} {}".format(name, rpt_("on a pad"))
         made = self._made(context, job, name)
-        text = rpt_("Made {:s}; the fitted one differs by {:.0f} % of the light at most")
+        text = rpt_("Made {:s}; the fitted one differs by at most {:.0f} % of the light")
         worst = 100 * max(frame.fit.total_variation for frame in job.found)
         if self.output == "LOBES":
             text = rpt_("Made {:s}")
@@ -190,7 +190,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         return {"FINISHED"}
 
     def _made(self, context: bpy.types.Context, job: ReflectanceJob, name: str) -> list[bpy.types.Material]:
-        """Make the materials, and what drives them."""
+        """Create the materials and their drivers."""
         from ..bridge.reflectance.lobe_materials import fitted_material, lobe_material
         from ..bridge.reflectance.pad_materials import pad_fitted_material, pad_lobe_material
 
@@ -225,7 +225,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
     def _remarks(self, job: ReflectanceJob) -> list[Sentence]:
         remarks = [notice for own in job.materials for notice in own.notices]
         if self.output != "FITTED" and not job.has_grain and job.sun is None:
-            remarks.append(Sentence("There is no sun in the scene; set the direction of the light in the node group."))
+            remarks.append(Sentence("The scene has no sun; set the direction of the light in the node group."))
         return remarks
 
 
@@ -237,7 +237,7 @@ def _warnings(job: ReflectanceJob) -> list[Sentence]:
 def _named(name: str) -> bpy.types.Material:
     material = bpy.data.materials.get(name)
     if material is None:
-        raise InputError("There is no material {name}.", name=name)
+        raise InputError("There is no material named {name}.", name=name)
     return material
 
 

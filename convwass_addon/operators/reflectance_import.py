@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make a material of a table of lobes that lies in a file."""
+"""Import a table of highlights as a material."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .windows import busy_cursor
 
 
 class CONVWASS_OT_import_lobes(bpy.types.Operator):
-    """Make a material of a table of highlights: .exr or .npz as this add-on writes them, or a .binary of the MERL database, which takes seconds. Of a table with several steps the slider is keyed over the frames of the scene"""  # noqa: E501
+    """Make a material from a table of highlights: an .exr or .npz file of this add-on, or a .binary file of the MERL database, which takes a few seconds. If the table has several steps, the blend is keyed over the frames of the scene"""  # noqa: E501
 
     bl_idname = "convwass.import_lobes"
     bl_label = "Import Highlights"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""At which weights an operator blends materials: given in words, set in the panel, or keyed there."""
+"""The weights of blended materials: from an argument, from the panel, or keyed in the panel."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from ..properties.light import MATERIALS, ReflectanceProperties
 
 @dataclass(frozen=True)
 class BlendPlan:
-    """What is blended.
+    """The blends to compute.
 
     Attributes
     ----------
     weights : (n, k) float64
-        One row for every blend.
+        One row per blend.
     sheet : PadSheet or None
-        Where they are on a pad.
+        Positions on a pad.
     """
 
     weights: NDArray[np.float64]
@@ -34,23 +34,23 @@ class BlendPlan:
 
 
 def blend_plan(scene: bpy.types.Scene, options: ReflectanceProperties, words: str, names: Sequence[str]) -> BlendPlan:
-    """Return what is to be blended of materials of these names.
+    """Return the blends of some materials.
 
     Parameters
     ----------
     scene : bpy.types.Scene
-        Its panel has the weights that are not given.
+        Its panel provides weights that are not given.
     options : ReflectanceProperties
-        How the materials are blended, in how many steps.
+        Kind and number of blends.
     words : str
-        Given weights; see the operator.
+        Weights in the format of the operator's argument.
     names : sequence of str
-        Of the materials.
+        Names of the materials.
 
     Raises
     ------
     InputError
-        Weights that are no numbers, that are not keyed, or frames that do not follow each other.
+        The weights are invalid or not keyed, or the last frame does not come after the first one.
     """
     from ..applications.reflectance.lobe_frames import path_weights
 
@@ -61,7 +61,7 @@ def blend_plan(scene: bpy.types.Scene, options: ReflectanceProperties, words: st
     if options.blend == "WEIGHTS":
         rows = _given(words) if words.strip() else [_set(scene, names)]
         if len(rows) > 1:
-            raise InputError("Weights are numbers with commas between them, not {text!r}.", text=words)
+            raise InputError("Weights must be numbers separated by commas, not {text!r}.", text=words)
         return BlendPlan(np.array(rows))
     if options.frame_end <= options.frame_start:
         raise InputError("The last frame must come after the first one.")
@@ -74,15 +74,15 @@ def blend_plan(scene: bpy.types.Scene, options: ReflectanceProperties, words: st
 
 
 def _given(words: str) -> list[list[float]]:
-    """Read rows of numbers."""
+    """Parse rows of numbers."""
     try:
         return [[float(word) for word in row.split(",")] for row in words.strip(" ;").split(";")]
     except ValueError as error:
-        raise InputError("Weights are numbers with commas between them, not {text!r}.", text=words) from error
+        raise InputError("Weights must be numbers separated by commas, not {text!r}.", text=words) from error
 
 
 def _slots(scene: bpy.types.Scene, names: Sequence[str]) -> list[str | None]:
-    """Return which weights of the panel are those of the materials; None for one that is not chosen there."""
+    """Return the panel's weight property of each material, or None if it is not chosen there."""
     own = scene.convwass_reflectance
     chosen = [(material.name, name) for name in MATERIALS if (material := getattr(own, name)) is not None]
     if [name for name, _ in chosen] == list(names):
@@ -93,7 +93,7 @@ def _slots(scene: bpy.types.Scene, names: Sequence[str]) -> list[str | None]:
 
 
 def _set(scene: bpy.types.Scene, names: Sequence[str]) -> list[float]:
-    """Return the weights of the panel as they are; 1 for a material that is not chosen there."""
+    """Return the current weights of the panel; 1 for materials that are not chosen there."""
     return [1.0 if slot is None else getattr(scene.convwass_reflectance, slot) for slot in _slots(scene, names)]
 
 
@@ -106,5 +106,5 @@ def _keyed(scene: bpy.types.Scene, names: Sequence[str], frames: NDArray[np.floa
         is_keyed = is_keyed or curve is not None
         columns.append([value if curve is None else max(curve.evaluate(frame), 0.0) for frame in frames])
     if not is_keyed:
-        raise InputError("No weight is keyed; press I over the weights at some frames, or give a way of weights.")
+        raise InputError("No weight is keyed; press I over the weights at some frames, or pass a path of weights.")
     return np.array(columns).T

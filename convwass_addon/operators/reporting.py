@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How operators tell the user what went wrong, and what has come of their work."""
+"""Report errors and results to the user."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from ..errors import ConvwassError
 from ..sentence import Sentence
 from ..translations import translated
 
-# So many names are told of those that there are.
+# Longest list of names in a message.
 _NAMED = 5
 
 
 def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
-    """Report an error in the user's language; return what an operator returns that gives up."""
+    """Report an error in the user's language and cancel the operator."""
     operator.report({"ERROR"}, translated(error.sentence))
     return {"CANCELLED"}
 
 
 def refuse_if_known(operator: bpy.types.Operator, error: BaseException) -> set[str]:
-    """Report whatever the user can act on, full disks included; raise all else again."""
+    """Report an error that the user can act on, including a full disk; raise any other error again."""
     known = error_to_tell(error)
     if known is None:
         raise error
@@ -34,11 +34,11 @@ def refuse_if_known(operator: bpy.types.Operator, error: BaseException) -> set[s
 def tell(
     operator: bpy.types.Operator, text: str, remarks: Sequence[Sentence] = (), warnings: Sequence[Sentence] = ()
 ) -> None:
-    """Report a result with what should be known about it; as a warning where there are some."""
+    """Report a result with remarks and warnings, as a warning if there are any."""
     said = [text, *map(translated, (*warnings, *remarks))]
     operator.report({"WARNING"} if warnings else {"INFO"}, ". ".join(part.removesuffix(".") for part in said))
 
 
 def listed(names: Sequence[str]) -> str:
-    """Write names with commas between them, not without end."""
+    """Join names with commas, shortened to a few."""
     return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])

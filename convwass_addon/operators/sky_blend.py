@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make skies between worlds, beside the user's work: a sequence of images, and a world that shows it."""
+"""Blend the skies of worlds in the background, into a sequence of images and a world that shows it."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
     from ..applications.skies.sky_frames import SkyFrame
     from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles
 
-# Share of the work that reading the worlds takes.
+# Share of the work for reading the worlds.
 _READING = 0.2
 
 
 class WorldRequest(Request[NDArray[np.float64]]):
-    """Asks for the sky of a world, which only the main thread can read.
+    """Requests the sky of a world, which only the main thread can read.
 
     Parameters
     ----------
     place : int
-        Place of the world.
+        Index of the world.
     """
 
     def __init__(self, place: int) -> None:
@@ -45,18 +45,18 @@ class WorldRequest(Request[NDArray[np.float64]]):
 
 
 class SkyJob:
-    """One sequence. Everything but :meth:`steps` belongs on the main thread.
+    """Blends a sequence of skies. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     worlds : list of bpy.types.World
-        Two or more, in turn. Those that show no plain image are rendered, one for each request.
+        Two or more, in order. Worlds that are not plain images are rendered when requested.
     height : int
-        Of the skies, in pixels.
+        Height of the skies in pixels.
     files : SkyFiles
-        Where they go.
+        Output files.
     settings : SkySettings
-        How.
+        Settings of the suns.
     """
 
     def __init__(self, worlds: list[bpy.types.World], height: int, files: SkyFiles, settings: SkySettings) -> None:
@@ -67,7 +67,7 @@ class SkyJob:
         self.ends: list[SkyFrame] = []
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Ask for the skies of all worlds, then make those between them."""
+        """Request the skies of all worlds, then interpolate between them."""
         from ..bridge.skies.sky_sequence import sky_steps
 
         count, skies = len(self._worlds), []
@@ -79,7 +79,7 @@ class SkyJob:
         yield from within(sky_steps(skies, len(self.files.paths), self._settings, control), _READING, 1.0)
 
     def write(self, report: Progress[WorldRequest | PlacedSky]) -> None:
-        """Read the world that is asked for, or write the sky that has been made."""
+        """Read the requested world, or write a finished sky."""
         from ..bridge.skies.sky_sequence import PlacedSky
 
         found = report.payload
@@ -99,18 +99,18 @@ class SkyJob:
         return world_sky(world, self._height)
 
     def discard(self) -> None:
-        """Remove what has been written; older files stay."""
+        """Remove the files written so far; older files are kept."""
         self.files.discard()
 
     def notices(self) -> list[Sentence]:
-        """Say where no sun was found: there is nothing to move then."""
+        """Return a notice if a sky has no sun to move."""
         if all(end.lamps for end in self.ends):
             return []
-        return [Sentence("One of the skies has no sun that could move; what shines in the other one fades.")]
+        return [Sentence("One of the skies has no sun, so the suns of the other one fade instead of moving.")]
 
 
 class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Operator):
-    """Make the skies between two worlds or more: suns move across the sky with their glow, the rest fades. Each frame becomes an image, and a new world shows them. Worlds that are not just an image are rendered, in the place of the last rendering"""  # noqa: E501
+    """Blend the skies of two or more worlds: suns move across the sky with their glow, everything else cross-fades. Each frame becomes an image, and a new world shows them. Worlds that are not plain images are rendered, which replaces the Render Result"""  # noqa: E501
 
     bl_idname = "convwass.blend_skies"
     bl_label = "Blend Skies"
@@ -118,8 +118,8 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
 
     worlds: StringProperty(
         name="Worlds",
-        description="Names of two worlds or more to go through, one per line or with commas between them; empty for "
-        "those that are chosen in the panel",
+        description="Names of two or more worlds in order, one per line or separated by commas; empty for the worlds "
+        "chosen in the panel",
         options={"SKIP_SAVE"},
     )
 
@@ -145,7 +145,7 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         if self.worlds.strip():
             worlds = [_named(name) for name in split_names(self.worlds)]
         if len(worlds) < 2:
-            raise InputError("Choose two worlds or more, not {count}.", count=len(worlds))
+            raise InputError("Choose at least two worlds, not {count}.", count=len(worlds))
         return worlds
 
     def _steps(self):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compute soft maps, mirror maps, mend them, and remove them."""
+"""Compute, repair and remove soft maps and mirror maps."""
 
 from __future__ import annotations
 
@@ -34,12 +34,11 @@ _Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, Contro
 
 
 class _ComputesMap(SoftMapProperties, BackgroundOperator):
-    """An operator that computes a map and stores it."""
+    """Base of operators that compute and store a map."""
 
     pairs: StringProperty(
         name="Pairs",
-        description="Vertices that belong together, such as 12:40, 77:301: those of the source first; empty for the "
-        "list of pairs",
+        description="Corresponding vertices, such as 12:40, 77:301, source first; empty for the list of pairs",
         options={"SKIP_SAVE"},
     )
 
@@ -53,11 +52,11 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
         return SoftMapJob(context, own.source, own.target, self._groups(own), solve)
 
     def _solver(self) -> _Solver:
-        """Return what computes the map; it touches nothing of Blender."""
+        """Return the function that computes the map; it does not access Blender's data."""
         raise NotImplementedError
 
     def _groups(self, own: CONVWASS_PG_soft_map) -> list[str]:
-        """Return the names of vertex groups that take part."""
+        """Return the names of the vertex groups to use."""
         return []
 
     def _steps(self):
@@ -80,7 +79,7 @@ def _doubtful_share(found: SurfaceMap) -> float:
 
 
 class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
-    """Find for every vertex of the source where it belongs on the target, and the other way around, from the pairs. The map is stored with the source and serves for as many transfers as one likes"""  # noqa: E501
+    """Find the point of the target that corresponds to each vertex of the source, and vice versa, from the pairs. The map is stored with the source and can be used for any number of transfers"""  # noqa: E501
 
     bl_idname = "convwass.compute_soft_map"
     bl_label = "Compute Soft Map"
@@ -108,14 +107,14 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
 def _computed(
     pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, control: Control
 ) -> Work[SurfaceMap]:
-    """Put the arguments of the application in its order."""
+    """Adapt the order of arguments to the application."""
     from ..applications.soft_maps.map_solving import soft_map_steps
 
     return soft_map_steps(source, target, pairs, settings, control)
 
 
 def _require_editable(obj: bpy.types.Object) -> None:
-    """Refuse an object that cannot hold a map; raises InputError."""
+    """Raise InputError if an object cannot store a map."""
     if not obj.is_editable:
         raise InputError(
             "{object} is linked from another file and cannot be changed here; make it local with its data: "
@@ -125,12 +124,12 @@ def _require_editable(obj: bpy.types.Object) -> None:
 
 
 def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
-    """Return the pairs that are written in a text, or else those on the list, (k, 2).
+    """Return the pairs given as text, or else those on the list, (k, 2).
 
     Raises
     ------
     InputError
-        A text that does not name pairs, or a vertex on the list that the mesh does not have.
+        The text is invalid, or a vertex on the list does not exist.
     """
     words = text.replace(",", " ").split()
     if words:
@@ -139,8 +138,8 @@ def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
         for obj, vertex in ((own.source, pair.source_vertex), (own.target, pair.target_vertex)):
             if pair.enabled and pair.is_complete and vertex >= len(obj.data.vertices):
                 raise InputError(
-                    "Pair {number} names vertex {vertex}, and {object} has {count} vertices; remove the pair, or "
-                    "choose it anew.",
+                    "Pair {number} refers to vertex {vertex}, but {object} has {count} vertices; remove the pair, or "
+                    "choose it again.",
                     number=number,
                     vertex=vertex,
                     object=obj.name,
@@ -157,12 +156,12 @@ def _written_pairs(words: list[str]) -> NDArray[np.int64]:
     except ValueError as error:
         text = " ".join(words)
         raise InputError(
-            "Pairs are two vertex numbers with a colon, such as 12:40, not {text!r}.", text=text
+            "Pairs must be two vertex numbers with a colon, such as 12:40, not {text!r}.", text=text
         ) from error
 
 
 class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
-    """Find for every vertex of the object its mirror image on the same object, in any pose, from pairs of a left and a right vertex. With it, transfers go from left to right, or back"""  # noqa: E501
+    """Find the mirror image of each vertex on the same object, in any pose, from pairs of a left and a right vertex. With this map, transfers go from one side to the other"""  # noqa: E501
 
     bl_idname = "convwass.mirror_map"
     bl_label = "Compute Mirror Map"
@@ -187,14 +186,14 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
 def _mirrored(
     pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, control: Control
 ) -> Work[SurfaceMap]:
-    """Put the arguments of the application in its order."""
+    """Adapt the order of arguments to the application."""
     from ..applications.soft_maps.mirror_maps import mirror_map_steps
 
     return mirror_map_steps(side, pairs, settings, control)
 
 
 class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Operator):
-    """Fill in the images of vertices of which the stored map is not sure from those around them, both ways; distributions stay as they are"""  # noqa: E501
+    """Replace the images of vertices with low confidence by those of their neighbors, in both directions; distributions are not changed"""  # noqa: E501
 
     bl_idname = "convwass.repair_soft_map"
     bl_label = "Repair Doubtful Regions"
@@ -229,14 +228,14 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
 
 
 def _repaired(mend: Callable[[], SurfaceMap], control: Control) -> Work[SurfaceMap]:
-    """Mend a map in one step."""
+    """Repair a map in one step."""
     yield Progress(0.0, Sentence("Repairing the map"))
     control.check()
     return mend()
 
 
 class CONVWASS_OT_remove_soft_map(OnStoredMap, bpy.types.Operator):
-    """Remove the stored map between source and target; what was transferred by it stays"""
+    """Remove the stored map between source and target; transferred data is kept"""
 
     bl_idname = "convwass.remove_soft_map"
     bl_label = "Remove Soft Map"

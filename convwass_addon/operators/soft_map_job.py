@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computing a soft map beside the user's work: reads both objects, hands arrays over, stores what comes back."""
+"""Compute a soft map in the background, and store it."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ Solve = Callable[[MapSide, MapSide, Control], Work[SurfaceMap]]
 
 
 class _MapJob:
-    """Work that ends with a map between two objects. Everything but its steps belongs on the main thread."""
+    """Base of jobs that produce a map between two objects. Everything except the steps must run on the main thread."""
 
     _objects: tuple[Handle, Handle]
     _mapped: tuple[MappedSide, MappedSide]
     _found: SurfaceMap | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Do the work, and keep the map."""
+        """Compute the map and keep it."""
         self._found = yield from self._work(control)
 
     def _work(self, control: Control) -> Work[SurfaceMap]:
         raise NotImplementedError
 
     def write(self, report: Progress[object]) -> None:
-        """Leave the file as it is until the end."""
+        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
-        """Forget it."""
+        """Discard the map."""
         self._found = None
 
     @property
     def found(self) -> SurfaceMap:
-        """The map, once it is there."""
+        """The map, once computed."""
         return self._found
 
     def store(self) -> tuple[bpy.types.Object, bpy.types.Object]:
@@ -55,11 +55,11 @@ class _MapJob:
         Raises
         ------
         InputError
-            An object is gone, or has other vertices or faces than when the work began.
+            An object was deleted, or its vertices or faces have changed since the start.
         """
         source, target = (handle.find() for handle in self._objects)
         if source is None or target is None:
-            raise InputError("An object was deleted, or undone, while its soft map was computed; start again.")
+            raise InputError("An object was deleted, or its creation undone, during the computation; start again.")
         for obj, side in zip((source, target), self._mapped, strict=True):
             require_same_mesh(obj, side)
         store_soft_map(source, target, StoredSoftMap(self._found, *self._mapped))
@@ -67,23 +67,23 @@ class _MapJob:
 
 
 class SoftMapJob(_MapJob):
-    """One soft map that is being computed.
+    """Computes a soft map.
 
     Parameters
     ----------
     context : bpy.types.Context
-        For the objects as modifiers leave them.
+        Used to evaluate the objects' modifiers.
     source, target : bpy.types.Object
-        Meshes; they may be the same one.
+        Meshes, possibly identical.
     groups : sequence of str
-        Names of vertex groups that both have and that take part.
+        Names of vertex groups on both objects to use.
     solve : callable
-        ``solve(source, target, control)`` returns the work; it touches nothing of Blender.
+        ``solve(source, target, control)`` returns the work; it does not access Blender's data.
 
     Raises
     ------
     InputError
-        No meshes, or ones without a surface.
+        An object is not a mesh, or has no surface.
     """
 
     def __init__(
@@ -111,14 +111,14 @@ class SoftMapJob(_MapJob):
 
 
 class RepairJob(_MapJob):
-    """A stored map that is being mended.
+    """Repairs a stored map.
 
     Parameters
     ----------
     way : StoredWay
         The map.
     mend : callable
-        ``mend(control)`` returns the work; it touches nothing of Blender.
+        ``mend(control)`` returns the work; it does not access Blender's data.
     """
 
     def __init__(self, way: StoredWay, mend: Callable[[Control], Work[SurfaceMap]]) -> None:
@@ -132,11 +132,11 @@ class RepairJob(_MapJob):
 
 
 def require_same_mesh(obj: bpy.types.Object, side: MappedSide) -> None:
-    """Refuse an object that has other vertices or faces than when the work on it began; raises InputError."""
+    """Raise InputError if the vertices or faces of an object have changed since the work began."""
     if map_state(obj, side) is MapState.OTHER:
         raise other_vertices(obj)
 
 
 def equal_groups(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
-    """Return the names of vertex groups that both objects have."""
+    """Return the names of the vertex groups that both objects have."""
     return [name for name in group_names(source) if name in target.vertex_groups]

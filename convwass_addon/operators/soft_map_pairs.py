@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of vertices that belong together: take them off and on it, from names and from what is selected."""
+"""The list of corresponding vertices: edit it, or fill it from names and selections."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from .soft_map_targets import OnMapObjects, one_selected
 
 
 class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
-    """Add a pair: the selected vertex of each object in Edit Mode, or in Object Mode those that are clicked on, one on each object, until Esc ends it"""  # noqa: E501
+    """Add a pair: in Edit Mode the selected vertex of each object; in Object Mode click on both objects in turn, until Esc"""  # noqa: E501
 
     bl_idname = "convwass.add_map_pair"
     bl_label = "Add Pair"
 
-    label: StringProperty(name="Label", description="What the two vertices are, such as nose", options={"SKIP_SAVE"})
+    label: StringProperty(name="Label", description="Name of the point, such as nose", options={"SKIP_SAVE"})
     source_vertex: IntProperty(
         name="Source Vertex",
         description="Number of a vertex of the source; -1 for the selected one",
@@ -53,7 +53,7 @@ class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
         return {"FINISHED"}
 
     def _vertices(self, own: CONVWASS_PG_soft_map) -> tuple[int, int]:
-        """Return the two vertices that are meant; raises InputError where that is not clear."""
+        """Return the two vertices; raises InputError if the choice is ambiguous."""
         if own.source == own.target and self.source_vertex < 0 and self.target_vertex < 0:
             return _both_selected(own.source)
         given = ((own.source, self.source_vertex), (own.target, self.target_vertex))
@@ -70,12 +70,12 @@ class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
 
 
 def _both_selected(obj: bpy.types.Object) -> tuple[int, int]:
-    """Return the two selected vertices of an object that is mapped to itself, or twice the only one, in the middle.
+    """Return the two selected vertices of an object mapped to itself, or a single vertex in the middle twice.
 
     Raises
     ------
     InputError
-        More are selected, or none.
+        The number of selected vertices is neither one nor two.
     """
     selected = selected_vertices(obj)
     if len(selected) not in (1, 2):
@@ -88,7 +88,7 @@ def _both_selected(obj: bpy.types.Object) -> tuple[int, int]:
 
 
 def _require_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> None:
-    """Refuse a vertex that is in a pair already; raises InputError."""
+    """Raise InputError if a vertex is already in a pair."""
     require_free(own, pair.source, is_source=True)
     require_free(own, pair.target, is_source=False)
 
@@ -101,7 +101,7 @@ def _add(own: CONVWASS_PG_soft_map, pairs: Sequence[MapPair]) -> None:
 
 
 class _FromNames(OnMapObjects):
-    """An operator that makes pairs of what has the same name."""
+    """Base of operators that make pairs from equal names."""
 
     def execute(self, context):
         own = context.scene.convwass_soft_map
@@ -115,7 +115,7 @@ class _FromNames(OnMapObjects):
         _add(own, new)
         text = rpt_("{:d} pairs added").format(len(new))
         if found.left_out:
-            text += "; " + rpt_("left out: {:s}").format(listed(found.left_out))
+            text += "; " + rpt_("ignored: {:s}").format(listed(found.left_out))
         self.report({"INFO"}, text)
         return {"FINISHED"} if new else {"CANCELLED"}
 
@@ -129,7 +129,7 @@ def _is_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> bool:
 
 
 class CONVWASS_OT_map_pairs_from_groups(FromGroupsProperties, _FromNames, bpy.types.Operator):
-    """Add a pair for every small vertex group that both objects have, in the middle of each; with one object as source and target, for groups such as Hand.L and Hand.R"""  # noqa: E501
+    """Add a pair for every small vertex group that both objects have, at the center of each; with one object as source and target, for groups such as Hand.L and Hand.R"""  # noqa: E501
 
     bl_idname = "convwass.map_pairs_from_groups"
     bl_label = "Pairs from Groups"
@@ -169,13 +169,13 @@ class _OnPairs(OnMapObjects):
     @classmethod
     def poll(cls, context):
         if not context.scene.convwass_soft_map.pairs:
-            cls.poll_message_set("There are no pairs")
+            cls.poll_message_set("The list of pairs is empty")
             return False
         return True
 
 
 class CONVWASS_OT_remove_map_pair(_OnPairs, bpy.types.Operator):
-    """Take a pair off the list"""
+    """Remove a pair from the list"""
 
     bl_idname = "convwass.remove_map_pair"
     bl_label = "Remove Pair"
@@ -192,7 +192,7 @@ class CONVWASS_OT_remove_map_pair(_OnPairs, bpy.types.Operator):
 
 
 class CONVWASS_OT_clear_map_pairs(_OnPairs, bpy.types.Operator):
-    """Empty the list of pairs"""
+    """Clear the list of pairs"""
 
     bl_idname = "convwass.clear_map_pairs"
     bl_label = "Clear Pairs"
@@ -205,7 +205,7 @@ class CONVWASS_OT_clear_map_pairs(_OnPairs, bpy.types.Operator):
 
 
 class CONVWASS_OT_swap_map_objects(OnMapObjects, bpy.types.Operator):
-    """Let source and target change places, in all pairs too; a stored map serves both ways"""
+    """Swap source and target, in all pairs too; a stored map works in both directions"""
 
     bl_idname = "convwass.swap_map_objects"
     bl_label = "Swap Source and Target"

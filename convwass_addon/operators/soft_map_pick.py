@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Picking pairs of vertices with the mouse: a click on either object, then one on the other, again and again."""
+"""Pick pairs of vertices with alternating clicks on the two objects."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .windows import write_status
 
 
 class PicksPair(PicksPoints):
-    """An operator that adds pairs, by clicks where there is a window and no vertices are given or selected.
+    """Base of operators that add pairs by clicks, if there is a window and no vertices are given or selected.
 
-    Each pair is an undo step of its own. It goes before the other bases.
+    Each pair has its own undo step. Must precede the other base classes.
     """
 
     def invoke(self, context, event):
@@ -44,7 +44,7 @@ class PicksPair(PicksPoints):
         own = context.scene.convwass_soft_map
         hit = _hit(context, own, region, place)
         if hit is None:
-            self.report({"INFO"}, rpt_("There is nothing of the source or the target; click on their surfaces"))
+            self.report({"INFO"}, rpt_("This is not on the source or the target; click on their surfaces"))
         else:
             self._add_vertex(own, *hit)
         self._say(context, own)
@@ -52,9 +52,9 @@ class PicksPair(PicksPoints):
         return {"RUNNING_MODAL"}
 
     def _add_vertex(self, own: CONVWASS_PG_soft_map, obj: bpy.types.Object, vertex: int) -> None:
-        """Add what is clicked on to the pair that is being made; the last click on an object counts."""
+        """Add a clicked vertex to the incomplete pair; another click on the same object replaces it."""
         pair = _half_pair(own)
-        # On one and the same object the second click is the other vertex.
+        # If source and target are the same object, the second click is the target vertex.
         is_source = obj == own.source and (own.source != own.target or pair is None)
         try:
             require_free(own, vertex, is_source)
@@ -72,7 +72,7 @@ class PicksPair(PicksPoints):
             bpy.ops.ed.undo_push(message=rpt_("Add Pair"))
 
     def _say(self, context: bpy.types.Context, own: CONVWASS_PG_soft_map) -> None:
-        """Write in the status bar what to click on next."""
+        """Show in the status bar what to click next."""
         pair = _half_pair(own)
         number = len(own.pairs) + (pair is None)
         if pair is None:
@@ -86,11 +86,11 @@ class PicksPair(PicksPoints):
 
 
 def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> None:
-    """Refuse a vertex of the source or of the target that is in a pair already; raises InputError."""
+    """Raise InputError if a vertex of the source or target is already in a pair."""
     for number, pair in enumerate(own.pairs, start=1):
         if pair.enabled and pair.is_complete and vertex == (pair.source_vertex if is_source else pair.target_vertex):
             raise InputError(
-                "Vertex {vertex} of {object} is in pair {number} already; remove that first.",
+                "Vertex {vertex} of {object} is already in pair {number}; remove that pair first.",
                 vertex=vertex,
                 object=(own.source if is_source else own.target).name,
                 number=number,
@@ -98,14 +98,14 @@ def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> Non
 
 
 def _half_pair(own: CONVWASS_PG_soft_map) -> CONVWASS_PG_map_pair | None:
-    """Return the pair that lacks a vertex, which is the last one."""
+    """Return the incomplete pair, which can only be the last one."""
     return own.pairs[-1] if own.pairs and not own.pairs[-1].is_complete else None
 
 
 def _hit(
     context: bpy.types.Context, own: CONVWASS_PG_soft_map, region: bpy.types.Region, place: tuple[int, int]
 ) -> tuple[bpy.types.Object, int] | None:
-    """Return the object whose surface is the first under the mouse, and its vertex there."""
+    """Return the object that is closest under the mouse, and its vertex there."""
     depsgraph = context.evaluated_depsgraph_get()
     hits = []
     for obj in dict.fromkeys((own.source, own.target)):

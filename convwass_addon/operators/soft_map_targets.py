@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two objects of a soft map, when its buttons can be pressed, and the stored map between them."""
+"""The two objects of a soft map, the poll methods of its operators, and the stored map."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from ..sentence import Sentence
 from .background import is_idle
 from .mesh_targets import out_of_edit_mode, selected_vertices
 
-# Others hold on to the mesh.
+# Other modes hold on to the mesh.
 _MODES = frozenset({"OBJECT", "PAINT_WEIGHT", "PAINT_VERTEX", "EDIT_MESH", "POSE"})
 
 
 class OnMapObjects:
-    """An operator on the source and the target that are chosen in the panel."""
+    """Base of operators on the source and target chosen in the panel."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         own = context.scene.convwass_soft_map
-        # The panel offers meshes only; scripts may set anything, and an object may get other data.
+        # The panel only offers meshes, but scripts can set other objects, and objects can get other data.
         if not all(obj is not None and obj.type == "MESH" for obj in (own.source, own.target)):
             cls.poll_message_set("Choose a source and a target")
             return False
@@ -44,7 +44,7 @@ class OnMapObjects:
 
 
 class OnStoredMap(OnMapObjects):
-    """An operator on a map that has been computed between the two."""
+    """Base of operators on the stored map between the two objects."""
 
     @classmethod
     def poll(cls, context):
@@ -58,12 +58,12 @@ class OnStoredMap(OnMapObjects):
 
 @dataclass(frozen=True)
 class StoredWay:
-    """A stored map, seen from the side that gives.
+    """A stored map and its objects.
 
     Attributes
     ----------
     source, target : bpy.types.Object
-        Of the map as it was computed; the source holds it.
+        Source and target when the map was computed; the source stores it.
     stored : StoredSoftMap
         The map.
     """
@@ -73,18 +73,18 @@ class StoredWay:
     stored: StoredSoftMap
 
     def point_map(self, receiver: bpy.types.Object) -> PointMap:
-        """Return the map that has a point of the other object for every vertex of this one."""
+        """Return the map that gives a point of the other object for every vertex of the receiver."""
         return self.stored.found.forward if receiver == self.source else self.stored.found.backward
 
     def side(self, obj: bpy.types.Object) -> MappedSide:
-        """Return what is stored of one of the two meshes."""
+        """Return the stored data of one of the meshes."""
         return self.stored.source if obj == self.source else self.stored.target
 
 
 def mapped_objects(context: bpy.types.Context) -> tuple[bpy.types.Object, bpy.types.Object] | None:
-    """Return source and target of the stored map between the two chosen objects; None where there is none.
+    """Return source and target of the stored map between the chosen objects, or None.
 
-    It may have been computed in the other direction than the one chosen now. Quick enough for a panel.
+    Its direction may differ from the current choice. Fast enough for a panel.
     """
     own = context.scene.convwass_soft_map
     ways = ((own.source, own.target), (own.target, own.source))
@@ -97,7 +97,7 @@ def current_way(context: bpy.types.Context) -> StoredWay:
     Raises
     ------
     InputError
-        There is none, it is damaged, or one of the meshes has other vertices or faces since.
+        There is no map, it is damaged, or the vertices or faces of a mesh have changed since.
     """
     own = context.scene.convwass_soft_map
     source, target = mapped_objects(context) or (own.source, own.target)
@@ -105,18 +105,18 @@ def current_way(context: bpy.types.Context) -> StoredWay:
     for obj in (source, target):
         if map_state(obj, way.side(obj)) is MapState.OTHER:
             raise InputError(
-                "{object} has other vertices or faces than when its soft map was computed; compute it again.",
+                "The vertices or faces of {object} have changed since its soft map was computed; compute it again.",
                 object=obj.name,
             )
     return way
 
 
 def reshaped_notices(way: StoredWay) -> list[Sentence]:
-    """Say which of the two meshes has been reshaped since."""
+    """Return notices about meshes that were reshaped since."""
     reshaped = [obj for obj in {way.source, way.target} if map_state(obj, way.side(obj)) is MapState.RESHAPED]
     return [
         Sentence(
-            "{object} has been reshaped since its soft map was computed; compute it again if it does not fit.",
+            "{object} was reshaped since its soft map was computed; compute it again if it does not fit.",
             {"object": obj.name},
         )
         for obj in sorted(reshaped, key=lambda obj: obj.name)
@@ -124,7 +124,7 @@ def reshaped_notices(way: StoredWay) -> list[Sentence]:
 
 
 def one_selected(obj: bpy.types.Object) -> int:
-    """Return the only selected vertex, as it was when Edit Mode was left; raises InputError where it is not one."""
+    """Return the only selected vertex; raises InputError unless exactly one is selected."""
     selected = selected_vertices(obj)
     if len(selected) != 1:
         raise InputError(
@@ -136,6 +136,6 @@ def one_selected(obj: bpy.types.Object) -> int:
 
 
 def edit_mode_left(context: bpy.types.Context) -> AbstractContextManager[None]:
-    """Leave Edit Mode for a moment, on all objects that are in it together."""
+    """Leave Edit Mode temporarily, for all objects in it."""
     active = active_object(context)
     return nullcontext() if active is None else out_of_edit_mode(context, active)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Carry vertex groups, shape keys, UV maps and color attributes along a stored soft map, either way."""
+"""Transfer vertex groups, shape keys, UV maps and color attributes with a stored soft map."""
 
 from __future__ import annotations
 
@@ -26,37 +26,37 @@ from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_lef
 
 
 class TransferJob(ObjectJob):
-    """What is carried, kind by kind. Everything but :meth:`steps` belongs on the main thread.
+    """Transfers some kinds of data. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     way : StoredWay
         The map.
     receiver : bpy.types.Object
-        Object that is written to, in the end.
+        The object to write to.
     parts : dict of str to part
-        What is carried, by the identifiers of `TRANSFERRED`.
+        The data to transfer, by identifiers of `TRANSFERRED`.
     """
 
     def __init__(self, way: StoredWay, receiver: bpy.types.Object, parts: dict[str, CarriedPart]) -> None:
-        gone = InputError("The object was deleted, or undone, while something was transferred to it; start again.")
+        gone = InputError("The object was deleted, or its creation undone, during the transfer; start again.")
         super().__init__(receiver, gone)
         self.parts, self._side = parts, way.side(receiver)
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Compute everything."""
+        """Compute all transfers."""
         yield from all_carried(self.parts.values(), control)
         yield Progress(1.0, Sentence("Writing"))
 
     def write(self, report: Progress[object]) -> None:
-        """Leave the file as it is until the end."""
+        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
-        """Forget what has been computed."""
+        """Discard the results."""
         self.parts = {}
 
     def target(self) -> bpy.types.Object:
-        """Return the object that is written to; raises InputError where it is gone, edited, or another mesh."""
+        """Return the object to write to; raises InputError if it was deleted, is being edited, or has changed."""
         obj = super().target()
         writable_mesh(obj)
         require_same_mesh(obj, self._side)
@@ -64,14 +64,14 @@ class TransferJob(ObjectJob):
 
 
 class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnStoredMap, bpy.types.Operator):
-    """Carry vertex groups, shape keys, UV maps or color attributes from one object to the other along the stored soft map"""  # noqa: E501
+    """Transfer vertex groups, shape keys, UV maps or color attributes from one object to the other with the stored soft map"""  # noqa: E501
 
     bl_idname = "convwass.transfer_by_map"
     bl_label = "Transfer"
 
     names: StringProperty(
         name="Names",
-        description="Names of what is transferred, one per line or with commas between them; empty for all",
+        description="Names of the data to transfer, one per line or separated by commas; empty for all",
         options={"SKIP_SAVE"},
     )
 
@@ -86,11 +86,11 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         writable_mesh(receiver)
         if giver == receiver and self.what & {"UVS", "COLORS"}:
             raise InputError(
-                "{object} cannot take UV maps or color attributes from itself; choose vertex groups or shape keys.",
+                "{object} cannot receive UV maps or color attributes from itself; choose vertex groups or shape keys.",
                 object=giver.name,
             )
         self._remarks = reshaped_notices(way)
-        # Attributes of what is being edited cannot be read.
+        # Attributes cannot be read in Edit Mode.
         with edit_mode_left(context):
             return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver)))
 
@@ -120,7 +120,7 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
             "UVS": lambda: CarriedUvs(ends),
             "COLORS": lambda: CarriedColors(ends),
         }
-        # In the order in which the panel lists them.
+        # In the order of the panel.
         return {kind: makers[kind]() for kind, *_ in TRANSFERRED if kind in self.what}
 
     def _title(self):
@@ -128,14 +128,14 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
 
     def _finish(self, context, job):
         receiver = job.target()
-        # Another object may be in Edit Mode, which Blender writes no groups in.
+        # Another object may be in Edit Mode, in which Blender cannot write groups.
         with edit_mode_left(context):
             carried = {kind: part.write(receiver) for kind, part in job.parts.items()}
         labels = {kind: iface_(label) for kind, label, _ in TRANSFERRED}
         counts = [f"{labels[kind]} {len(done.written)}" for kind, done in carried.items()]
         text = rpt_("Transferred to {:s}: {:s}").format(receiver.name, ", ".join(counts))
         kept = [name for done in carried.values() for name in done.kept]
-        remarks = [Sentence("Left as they were: {names}.", {"names": listed(kept)})] if kept else []
+        remarks = [Sentence("Not overwritten: {names}.", {"names": listed(kept)})] if kept else []
         warnings = [*self._remarks, *(notice for done in carried.values() for notice in done.notices)]
         tell(self, text, remarks, warnings)
         return {"FINISHED"}

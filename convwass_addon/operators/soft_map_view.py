@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Look at a stored soft map: colors of places, the distribution of one vertex, and how sure the map is."""
+"""Inspect a stored soft map: corresponding colors, the distribution of a vertex, and the confidence."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_lef
 
 
 class _ViewsMap(OnStoredMap):
-    """An operator that shows something of the stored map on both objects."""
+    """Base of operators that show the stored map on both objects."""
 
     def execute(self, context):
         try:
             way = current_way(context)
-            # Attributes and groups of what is being edited cannot be written.
+            # Attributes and groups cannot be written in Edit Mode.
             with edit_mode_left(context):
                 text = self._show(context, way)
         except ConvwassError as error:
@@ -31,12 +31,12 @@ class _ViewsMap(OnStoredMap):
         return {"FINISHED"}
 
     def _show(self, context: bpy.types.Context, way: StoredWay) -> str:
-        """Write it, and return in the user's language what was done."""
+        """Write the result, and return a message in the user's language."""
         raise NotImplementedError
 
 
 class CONVWASS_OT_show_soft_map(_ViewsMap, bpy.types.Operator):
-    """Color the source by its places and the target by those that it comes from: what has the same color belongs together, and black has no image"""  # noqa: E501
+    """Color corresponding points of source and target alike; black points have no image"""
 
     bl_idname = "convwass.show_soft_map"
     bl_label = "Show Map"
@@ -49,7 +49,7 @@ class CONVWASS_OT_show_soft_map(_ViewsMap, bpy.types.Operator):
 
 
 class CONVWASS_OT_show_distribution(_ViewsMap, bpy.types.Operator):
-    """Color the target by where the selected vertex of the source may belong, from dark to bright"""
+    """Color the target by the distribution of the selected source vertex, from dark to bright"""
 
     bl_idname = "convwass.show_distribution"
     bl_label = "Show Distribution"
@@ -73,14 +73,14 @@ class CONVWASS_OT_show_distribution(_ViewsMap, bpy.types.Operator):
 
 
 def show_attribute_colors(context: bpy.types.Context) -> None:
-    """Let the viewport that an operator is called from show color attributes, where it is shaded solid."""
+    """Show color attributes in the viewport of an operator, if it uses solid shading."""
     space = context.space_data
     if space is not None and space.type == "VIEW_3D" and space.shading.type == "SOLID":
         space.shading.color_type = "VERTEX"
 
 
 class CONVWASS_OT_map_confidence(_ViewsMap, bpy.types.Operator):
-    """Write how sure the map is to a vertex group of both objects, from 0 to 1; it says where to look, and is no probability"""  # noqa: E501
+    """Write the confidence of the map, from 0 to 1, to a vertex group of both objects. It shows where to check the map, and is not a probability"""  # noqa: E501
 
     bl_idname = "convwass.map_confidence"
     bl_label = "Confidence as Group"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What operators that wait for events leave on windows: a text in the status bar, and another cursor."""
+"""Status bar texts and cursors of operators that wait for events."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import bpy
 
 from ..bridge.handles import Handle
 
-# Workspaces whose status bar shows a text of an operator here: every workspace has its own.
+# Workspaces whose status bar shows a text of an operator; every workspace has its own.
 _WRITTEN: set[Handle] = set()
 
 
 def write_status(context: bpy.types.Context, text: str) -> None:
-    """Show a text in the status bar of the workspace that is seen, and no longer in one that the user has left."""
+    """Show a text in the status bar of the current workspace, and remove it from others."""
     now = Handle.of("workspaces", context.workspace)
     _clear_others(context, _WRITTEN - {now})
     _WRITTEN.add(now)
@@ -24,7 +24,7 @@ def write_status(context: bpy.types.Context, text: str) -> None:
 
 
 def clear_status(context: bpy.types.Context) -> None:
-    """Give the status bar back, in all workspaces."""
+    """Restore the status bar of all workspaces."""
     if context.workspace:
         context.workspace.status_text_set(None)
         _WRITTEN.discard(Handle.of("workspaces", context.workspace))
@@ -36,13 +36,13 @@ def _clear_others(context: bpy.types.Context, workspaces: Iterable[Handle]) -> N
         _WRITTEN.discard(handle)
         workspace = handle.find()
         if workspace is not None:
-            # Whichever workspace is asked, Blender sets the text of the context's.
+            # Blender sets the text of the context's workspace, whichever workspace is called.
             with context.temp_override(workspace=workspace):
                 workspace.status_text_set(None)
 
 
 def clear_windows(context: bpy.types.Context) -> None:
-    """Give every window its own status bar and cursor back."""
+    """Restore the status bar and cursor of every window."""
     for window in context.window_manager.windows:
         window.cursor_modal_restore()
         with context.temp_override(window=window):
@@ -51,7 +51,7 @@ def clear_windows(context: bpy.types.Context) -> None:
 
 @contextmanager
 def busy_cursor(context: bpy.types.Context) -> Iterator[None]:
-    """Show that Blender is busy, where there is a window, while something takes a few seconds."""
+    """Show a busy cursor during short work, if there is a window."""
     window = context.window
     if window is None:
         yield

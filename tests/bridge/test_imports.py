@@ -146,7 +146,7 @@ def refused(file, names, match):
 
 def test_several_meshes_in_a_blend(two_parts, tmp_path):
     save_blend(tmp_path / "a.blend")
-    refused(tmp_path / "a.blend", None, r"2 meshes; say which, as a\.blend:NAME, of A, B")
+    refused(tmp_path / "a.blend", None, r"2 meshes; name one as a\.blend:NAME, of A, B")
 
 
 def test_no_such_object(two_parts, tmp_path):

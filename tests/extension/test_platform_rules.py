@@ -171,6 +171,6 @@ def test_the_installed_extension_stays_off_the_network(monkeypatch, name, is_the
         morph_baking.run_job(idle, Computing(scheduler="tcp://192.0.2.1:8786"), print)
         assert asked == ["tcp://192.0.2.1:8786"]
         return
-    with pytest.raises(InputError, match="stays off the network"):
+    with pytest.raises(InputError, match="does not use the network"):
         morph_baking.run_job(None, Computing(scheduler="tcp://192.0.2.1:8786"), print)
     assert asked == []

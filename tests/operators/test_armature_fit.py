@@ -160,7 +160,7 @@ def test_a_mesh_of_edges(asked):
     call("pin_joints", joints="0, 2")
     call("fit_armature", weights="UNIFORM")
     np.testing.assert_allclose(edges.data.vertices[1].co, (2, 0, 0), atol=0.3)
-    with pytest.raises(RuntimeError, match="Lines is no armature, so it gives no weights"):
+    with pytest.raises(RuntimeError, match="Lines is not an armature, so it cannot provide weights"):
         call("fit_armature", auto_weights=True)
 
 
@@ -274,7 +274,7 @@ def test_what_is_missing_is_told(asked):
     with pytest.raises(RuntimeError, match="Choose an armature, or make one active"):
         call("fit_armature")
     rig = chain(2)
-    with pytest.raises(RuntimeError, match="Choose a body, the mesh that the armature goes into"):
+    with pytest.raises(RuntimeError, match="Choose a body, the mesh to fit the armature into"):
         call("fit_armature")
     body = tube()
     choose(body, rig)
@@ -325,7 +325,7 @@ def test_hidden_and_running(rig):
     progress = bpy.context.window_manager.convwass_progress
     progress.running = True
     try:
-        with pytest.raises(RuntimeError, match="Something is being computed"):
+        with pytest.raises(RuntimeError, match="A job is running"):
             call("fit_armature")
     finally:
         progress.running = False
@@ -448,7 +448,7 @@ def test_what_is_deleted_meanwhile_is_told(window, rig, which):
     pressed.invoke(window, None)
     bpy.data.objects.remove(own().body if which == "body" else rig)
     assert until(pressed, window) == {"CANCELLED"}
-    assert "The body or the armature was deleted, or undone, while it was fitted" in pressed.reports[-1][1]
+    assert "The body or the armature was deleted, or its creation undone" in pressed.reports[-1][1]
 
 
 def test_bones_that_are_added_meanwhile_are_told(window, rig):

@@ -167,7 +167,7 @@ def test_placing_is_one_undo_step(rig, axis):
 
 
 def test_what_cannot_be_placed(rig, monkeypatch):
-    with pytest.raises(RuntimeError, match="A point of the surface is for one joint, not for 2"):
+    with pytest.raises(RuntimeError, match="One surface point cannot place 2 joints"):
         call("place_joint", joints="A.head, C.tail", location=(0, 0, 0))
     with pytest.raises(RuntimeError, match="No joint of Rig is selected"):
         call("place_joint", location=(0, 0, 0))
@@ -180,7 +180,7 @@ def test_what_cannot_be_placed(rig, monkeypatch):
         call("place_joint", joints="C.tail", location=(0, 0, 0))
     assert pinned_ends(rig) == []
     own().body = None
-    with pytest.raises(RuntimeError, match="Choose a body, the mesh that the armature goes into"):
+    with pytest.raises(RuntimeError, match="Choose a body, the mesh to fit the armature into"):
         call("place_joint", joints="C.tail", location=(0, 0, 0))
 
 
@@ -222,7 +222,7 @@ def test_one_click_for_each_selected_joint(rig, clicking, axis):
     assert "where A.head belongs (2 to go)" in clicking.said[-1]
     assert pressed.modal(clicking, TIMER) == {"PASS_THROUGH"}
     assert click(clicking, pressed, 1500, 1500) == {"RUNNING_MODAL"}
-    assert "There is nothing of the body" in pressed.reports[-1][1]
+    assert "This is not on the body" in pressed.reports[-1][1]
     assert click(clicking, pressed, 50, 200) == {"RUNNING_MODAL"}
     assert "where C.tail belongs (1 to go)" in clicking.said[-1]
     assert click(clicking, pressed, 350, 210) == {"CANCELLED"}

@@ -125,7 +125,7 @@ def test_only_one_job_at_a_time():
     progress.running = True
     try:
         for name in ("measure_distance", "normalize_density", "interpolate_density"):
-            with pytest.raises(RuntimeError, match="Something is being computed"):
+            with pytest.raises(RuntimeError, match="A job is running"):
                 call(name)
     finally:
         progress.running = False

@@ -217,7 +217,7 @@ def test_ignored_modifiers_are_told(capfd):
     obj = ball()
     obj.modifiers.new("Finer", "SUBSURF")
     call("normalize_density")
-    assert "Without the modifiers that make other vertices: Finer" in capfd.readouterr().out
+    assert "Modifiers that change the vertices are ignored: Finer" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("tool", TOOLS)

@@ -62,7 +62,7 @@ def test_removing_and_clearing(obj):
     call("clear")
     assert listed(obj) == []
     for name in ("remove", "move", "clear"):
-        with pytest.raises(RuntimeError, match="no stops on the list"):
+        with pytest.raises(RuntimeError, match="list of stops is empty"):
             call(name)
     assert obj.vertex_groups.keys() == ["A", "B"]
 

@@ -170,7 +170,7 @@ def test_undo_takes_it_away(obj):
         ({"first": "A"}, "Choose a first and a second group"),
         ({"groups": "A"}, "at least two groups"),
         ({"groups": "A, Nobody"}, "no vertex group Nobody"),
-        ({**PAIR, "frames": "1, x"}, "Frames and weights are numbers"),
+        ({**PAIR, "frames": "1, x"}, "Frames and weights must be numbers"),
         ({**PAIR, "frames": "9, 3"}, "each later than the one before"),
         ({**PAIR, "frames": "1, 2, 3"}, "2 groups and 3 key times"),
         ({**PAIR, "density": "A"}, "has a vertex group or an attribute A already"),
@@ -282,8 +282,8 @@ def test_places_on_the_list_get_names(obj):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"groups": "A, B"}, "All stops are painted"),
-        ({"groups": "A, X, B", "edges": "0-1, 5"}, "Edges are pairs of numbers"),
+        ({"groups": "A, B"}, "All stops have painted groups"),
+        ({"groups": "A, X, B", "edges": "0-1, 5"}, "Edges must be pairs of numbers"),
         ({"groups": "A, X, B", "edges": "0-1, 1-7"}, "numbers from 0 to 2"),
         ({"groups": "A, X, B", "edges": "0-0"}, "to itself"),
         ({"groups": "X, Y"}, "No place of the graph is known"),

@@ -192,7 +192,7 @@ def test_flat_shapes_take_no_guides(cubes):
         obj.scale.z = 0.0
     bpy.context.view_layer.update()
     bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
-    with pytest.raises(RuntimeError, match="Flat shapes are morphed without guides"):
+    with pytest.raises(RuntimeError, match="Flat shapes do not support guides"):
         bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
     assert bake(motion="GUIDED", flat_resolution=64) == {"FINISHED"}
     assert stored_guides() == []

@@ -83,7 +83,7 @@ def test_the_active_one_or_the_one_of_an_index_is_removed(shapes):
     with pytest.raises(RuntimeError, match="no input number 7"):
         bpy.ops.convwass.remove_morph_input(index=7)
     bpy.ops.convwass.remove_morph_input()
-    with pytest.raises(RuntimeError, match="no shapes on the list"):
+    with pytest.raises(RuntimeError, match="input list is empty"):
         bpy.ops.convwass.remove_morph_input()
     assert len(bpy.data.objects) == 3
 
@@ -158,7 +158,7 @@ def test_the_warning_says_what_is_wrong(shapes):
     settings().inputs[0].finding = "It is bad"
     assert CONVWASS_OT_check_morph_inputs.description(bpy.context, Properties).startswith("It is bad.")
     Properties.index = -1
-    assert CONVWASS_OT_check_morph_inputs.description(bpy.context, Properties).startswith("Look again")
+    assert CONVWASS_OT_check_morph_inputs.description(bpy.context, Properties).startswith("Check the shapes")
 
 
 def test_the_list_is_baked_rather_than_the_selection(shapes):
@@ -189,7 +189,7 @@ def test_names_with_commas_stand_on_lines_of_their_own(shapes):
     [
         ({"inputs": "A, Nobody"}, "no object named Nobody"),
         ({"inputs": "A"}, "Select at least two shapes"),
-        ({"inputs": "A, B", "layout": "BLEND", "weights": "1, x"}, "Weights are numbers"),
+        ({"inputs": "A, B", "layout": "BLEND", "weights": "1, x"}, "Weights must be numbers"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "1, 2, 3"}, "2 shapes but 3 weights"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "0, 0"}, "All weights are zero"),
     ],

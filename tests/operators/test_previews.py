@@ -214,7 +214,7 @@ def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context, monkey
     # It may take longer than the window waits for.
     if pressed.modal(context, ESCAPE) == {"PASS_THROUGH"}:
         assert until(pressed, context) == {"CANCELLED"}
-    assert pressed.reports == ["Stopped; the morph is as it was"]
+    assert pressed.reports == ["Stopped; the morph was not changed"]
     assert census() == known
 
 

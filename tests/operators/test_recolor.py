@@ -268,7 +268,7 @@ def test_a_result_without_a_name_is_refused_before_the_work(own, monkeypatch):
     own.palette_object = _colored("Giver", (0.1, 0.3, 0.5), 1)
     _colored("Receiver", (0.4, 0.2, 0.2), 2)
     monkeypatch.setattr(RecolorJob, "steps", lambda *args: pytest.fail("it has begun"))
-    with pytest.raises(RuntimeError, match="Give the color attribute of the result a name"):
+    with pytest.raises(RuntimeError, match="Name the color attribute of the result"):
         call("recolor_attribute", result="")
 
 

@@ -166,7 +166,7 @@ def test_what_cannot_work_is_refused(clip, files, tmp_path):
     red_image()
     with pytest.raises(RuntimeError, match="neither a sequence"):
         call("recolor_clip", image="Red", folder=str(tmp_path / "graded"))
-    with pytest.raises(RuntimeError, match="frames stay as they are"):
+    with pytest.raises(RuntimeError, match="frames cannot be changed"):
         call("recolor_image", image="Shot", output="REPLACE")
     clip.filepath = str(tmp_path / "still.png")
     with pytest.raises(RuntimeError, match="no number"):

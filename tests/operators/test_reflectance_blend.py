@@ -96,7 +96,7 @@ def test_materials_with_a_grain_are_fitted_only():
     assert blend(blend="WEIGHTS", detail=8) == {"FINISHED"}
     assert "Blend A-B 50:50 fitted" in bpy.data.materials
     assert "Blend A-B 50:50" not in bpy.data.materials
-    with pytest.raises(RuntimeError, match="along a grain"):
+    with pytest.raises(RuntimeError, match="Anisotropic highlights"):
         blend(output="LOBES")
 
 
@@ -132,8 +132,8 @@ def test_the_cursor_tells_that_blender_is_busy_and_is_given_back():
         ({"materials": "A"}, "Choose two to four"),
         ({"materials": "A, C"}, "There is no material C"),
         ({"blend": "WEIGHTS", "weights": "1"}, "one weight for each"),
-        ({"blend": "WEIGHTS", "weights": "1, x"}, "Weights are numbers"),
-        ({"blend": "WEIGHTS", "weights": "1, 0; 0, 1"}, "Weights are numbers"),
+        ({"blend": "WEIGHTS", "weights": "1, x"}, "Weights must be numbers"),
+        ({"blend": "WEIGHTS", "weights": "1, 0; 0, 1"}, "Weights must be numbers"),
         ({"frame_start": 5, "frame_end": 5}, "must come after"),
         ({"table": "/tmp/x.png"}, "neither"),
         ({"table": "/tmp/x.npz"}, "one blend"),

@@ -66,7 +66,7 @@ def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
 
 def test_the_worlds_of_the_panel_count_where_none_is_named(worlds):
     own = bpy.context.scene.convwass_sky
-    with pytest.raises(RuntimeError, match="Choose two worlds or more, not 0"):
+    with pytest.raises(RuntimeError, match="Choose at least two worlds, not 0"):
         blend(worlds, worlds="")
     own.world, own.world_3 = bpy.data.worlds["0"], bpy.data.worlds["1"]
     assert blend(worlds, worlds="", frame_end=5) == {"FINISHED"}
@@ -94,7 +94,7 @@ def test_angles_are_those_of_the_application_and_frames_have_ends():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"worlds": "0"}, "Choose two worlds or more, not 1"),
+        ({"worlds": "0"}, "Choose at least two worlds, not 1"),
         ({"worlds": "0, 7"}, "There is no world 7"),
         ({"frame_end": 4}, "must come after"),
         ({"frame_start": -2}, "Frames before 0"),

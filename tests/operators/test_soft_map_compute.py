@@ -97,7 +97,7 @@ def test_painted_groups_take_part_where_wanted(pair, asked):
 
 @pytest.mark.parametrize("text", ["12", "a:b", "1:2:3", "1:2 3", "1-2"])
 def test_other_texts_are_no_pairs(pair, asked, text):
-    with pytest.raises(RuntimeError, match="Pairs are two vertex numbers with a colon, such as 12:40"):
+    with pytest.raises(RuntimeError, match="Pairs must be two vertex numbers with a colon, such as 12:40"):
         call("compute_soft_map", pairs=text)
     assert not has_soft_map(*pair)
 
@@ -112,7 +112,7 @@ def test_a_pair_that_has_lost_its_vertex_is_named(pair, asked):
 def test_modifiers_that_make_vertices_are_told(pair, asked, capfd):
     pair[0].modifiers.new("Subdivision", "SUBSURF")
     call("compute_soft_map")
-    assert "Without the modifiers that make other vertices: Subdivision" in capfd.readouterr().out
+    assert "Modifiers that change the vertices are ignored: Subdivision" in capfd.readouterr().out
 
 
 def test_an_error_of_the_application_leaves_the_map_that_was_there(pair, asked, monkeypatch):
@@ -322,4 +322,4 @@ def test_meshes_that_change_meanwhile_get_no_map(pair, asked, monkeypatch):
     pressed, context = start(monkeypatch)
     bpy.data.objects.remove(pair[1])
     assert until(pressed, context) == {"CANCELLED"}
-    assert "An object was deleted, or undone" in pressed.reports[-1][1]
+    assert "An object was deleted, or its creation undone" in pressed.reports[-1][1]

@@ -157,7 +157,7 @@ def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monk
     told = [line for line in capfd.readouterr().out.splitlines() if "meshes" in line]
     assert [line.rpartition(": ")[2] for line in told] == [
         "9 meshes, frames 1 to 9",
-        "9 meshes, 4 of them finished before, frames 1 to 9",
+        "9 meshes, 4 of them from the cache, frames 1 to 9",
     ]
 
 
