@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shape morphing and other geometry by convolutional Wasserstein distances, for Blender.
 
-Importing this package imports nothing of Blender: ``transport``, ``geometry`` and ``applications`` work without it.
+Importing this package does not import Blender: ``transport``, ``geometry`` and ``applications`` work without it.
 """
 
 from __future__ import annotations
@@ -14,25 +14,24 @@ _IN_PLATFORM_ZIPS = ("scipy", "skimage", "lazy_loader")
 
 
 def extension_id() -> str:
-    """Return the name by which Blender knows the add-on.
+    """Return the add-on's name in Blender.
 
     Returns
     -------
     str
-        ``bl_ext.<repository>.convwass`` where it was installed as an extension, ``convwass_addon`` where the package
-        was imported by itself. `bpy.utils.extension_path_user` takes it, and an ``AddonPreferences`` class names it as
-        its ``bl_idname``.
+        ``bl_ext.<repository>.convwass`` if installed as an extension, ``convwass_addon`` if the package was imported
+        directly. Used for `bpy.utils.extension_path_user` and as the ``bl_idname`` of ``AddonPreferences``.
     """
     return __package__.removesuffix(".convwass_addon")
 
 
 def register() -> None:
-    """Add the properties, operators, panels and command-line commands to Blender; all of them or, on an error, none.
+    """Register properties, operators, panels and command-line commands; on an error, register none.
 
     Raises
     ------
     ModuleNotFoundError
-        If Blender lacks a package that only the zip files for one platform bring along.
+        Blender lacks a package that is only contained in the platform-specific zip files.
     """
     _require_packages()
     done = []
@@ -47,13 +46,13 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take away what `register` added, in the opposite order."""
+    """Undo `register`, in reverse order."""
     for package in reversed(_packages()):
         package.unregister()
 
 
 def _require_packages() -> None:
-    # They are imported when work begins, which is too late to find out that they are missing.
+    # These packages are only imported when work begins, which is too late to find out that they are missing.
     for package in _IN_PLATFORM_ZIPS:
         if find_spec(package) is None:
             message = (
@@ -64,7 +63,7 @@ def _require_packages() -> None:
 
 
 def _packages() -> tuple[ModuleType, ...]:
-    # Imported here, since they import bpy and the rest of the package must do without.
+    # Imported here because they import bpy, which the rest of the package must not.
     from . import (
         cli,
         operators,

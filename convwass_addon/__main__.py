@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``python -m convwass_addon COMMAND …``, where the bpy module comes from pip."""
+"""``python -m convwass_addon COMMAND …``, with the bpy module from pip."""
 
 import os
 import sys
@@ -9,17 +9,17 @@ from .console import own_stdout
 
 try:
     with own_stdout():
-        # Blender greets on standard output when it is imported.
+        # Importing bpy prints a message to standard output.
         from .cli import main
     code = main(sys.argv[1:], "python -m convwass_addon")
     sys.stdout.flush()
     sys.stderr.flush()
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads at a normal exit.
     os._exit(code)
 except ModuleNotFoundError as error:
     if error.name != "bpy":
         raise
     sys.exit("The command line needs Blender as a Python module: pip install 'convwass[blender]'")
 except KeyboardInterrupt:
-    # Before the command line is there to say more.
+    # Interrupted before the command line could handle it.
     sys.exit(130)

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Named arrays and a JSON header in one checked file, which NumPy opens too: ``numpy.load`` takes it as ``.npz``.
+"""Named arrays and a JSON header in one checked file, which ``numpy.load`` can open as ``.npz``.
 
-The file is a zip archive with a member ``NAME.npy`` for every array and, where there is a header, ``header.json``. Its
-comment is the SHA-256 of all bytes before it, in hexadecimal. Files that other programs write have none; then the
-CRC-32 of the members is all that is checked.
+The file is a zip archive with a member ``NAME.npy`` for every array and, optionally, ``header.json``. The archive
+comment is the SHA-256 of all preceding bytes, in hexadecimal. Files of other programs lack it; for them, only the
+CRC-32 of the members is checked.
 
-Reading trusts nothing: objects are not unpickled, and no more memory is used than the caller allows.
+Files are not trusted: objects are not unpickled, and memory is limited by the caller.
 """
 
 from __future__ import annotations
@@ -29,35 +29,35 @@ from numpy.typing import NDArray
 
 _HEADER = "header.json"
 _MOST_HEADER_BYTES = 1 << 22
-# Characters of a SHA-256.
+# Length of a SHA-256 in hexadecimal.
 _SEAL_BYTES = 64
 # Bytes that are hashed at a time.
 _CHUNK = 1 << 20
-# The earliest date that an archive knows: the same arrays make the same file.
+# The earliest date of the format, so that equal arrays give equal files.
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 _DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError),
-    # NumPy reads the headers of arrays as Python.
+    # NumPy parses the headers of arrays as Python.
     *(SyntaxError, TokenError, MemoryError),
 )
 
 
 class DamagedArraysError(ValueError):
-    """The file is not what it should be; the message says in a few words why."""
+    """The file is damaged or invalid; the message says briefly why."""
 
 
 def array_bytes(arrays: Mapping[str, NDArray], header: Mapping[str, object] | None = None, level: int = 0) -> bytes:
-    """Return named arrays as the content of a file.
+    """Serialize named arrays.
 
     Parameters
     ----------
     arrays : mapping of str to ndarray
-        Of numbers or bools.
+        Numeric or boolean arrays.
     header : mapping, optional
-        Of what JSON knows.
+        Must be serializable as JSON.
     level : int
-        How hard to compress numbers, from 0, not at all, to 9. Bools always are.
+        Compression level of numbers, from 0 (none) to 9. Booleans are always compressed.
     """
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive:
@@ -78,28 +78,28 @@ def _write_member(archive: zipfile.ZipFile, name: str, content: bytes | memoryvi
 
 
 class ArrayReader:
-    """Takes arrays out of a file.
+    """Reads arrays from a file.
 
     Parameters
     ----------
     file : binary file
-        That can be read at any place; it stays open.
+        Seekable; remains open.
     most_bytes : int
-        How large all of the arrays may be together.
+        Maximum total size of the arrays.
     is_sealed : bool
-        Whether it must have the SHA-256 that :func:`array_bytes` gives it; without, other programs may have made it.
+        Whether the SHA-256 of :func:`array_bytes` is required; false for files of other programs.
 
     Attributes
     ----------
     header : dict
-        What the file says of its arrays; empty where it has no header.
+        The header; empty if the file has none.
 
     Raises
     ------
     DamagedArraysError
-        It is no such file, cut off or changed.
+        The file is invalid, truncated or modified.
     OSError
-        It cannot be read.
+        The file cannot be read.
     """
 
     def __init__(self, file: BinaryIO, most_bytes: int, *, is_sealed: bool = True) -> None:
@@ -110,45 +110,45 @@ class ArrayReader:
             names = self._archive.namelist()
         self._names, self._left = set(names), most_bytes
         if len(self._names) != len(names):
-            raise DamagedArraysError("two of its arrays have one name")
+            raise DamagedArraysError("two of its arrays have the same name")
         self.header: dict[str, object] = {}
         if _HEADER in self._names:
             with _damage_told():
                 self.header = json.loads(self._content(_HEADER, _MOST_HEADER_BYTES))
             if not isinstance(self.header, dict):
-                raise DamagedArraysError("its header is no table")
+                raise DamagedArraysError("its header is not a table")
 
     def __contains__(self, name: str) -> bool:
         return f"{name}.npy" in self._names
 
     def take(self, name: str, types: Collection[str], axes: Collection[int]) -> NDArray:
-        """Read an array, once.
+        """Read an array. Each array can be read once.
 
         Parameters
         ----------
         name : str
-            Which one.
+            Name of the array.
         types : collection of str
-            Those of NumPy's that it may have, such as ``<f4``.
+            The allowed NumPy types, such as ``<f4``.
         axes : collection of int
-            How many axes it may have.
+            The allowed numbers of axes.
 
         Returns
         -------
         ndarray
-            In rows, and in the byte order of the machine; it can be written to.
+            In C order and native byte order, writable.
 
         Raises
         ------
         DamagedArraysError
-            There is none, or it is damaged, of another type, has another number of axes, or is larger than allowed.
+            The array is missing, damaged, larger than allowed, or of the wrong type or number of axes.
         """
         if name not in self:
             raise DamagedArraysError(f"its {name} is missing")
         with _damage_told():
             content = self._content(f"{name}.npy", self._left)
             start = io.BytesIO(content)
-            # Later versions are for longer headers than numbers need.
+            # Later versions are only needed for longer headers.
             if npy.read_magic(start) != (1, 0):
                 raise DamagedArraysError(f"its {name} is of an unknown version")
             shape, in_columns, dtype = npy.read_array_header_1_0(start)
@@ -163,31 +163,31 @@ class ArrayReader:
         return array.astype(dtype.newbyteorder("="))
 
     def end(self) -> None:
-        """Refuse a file that holds more than has been taken.
+        """Check that all arrays have been read.
 
         Raises
         ------
         DamagedArraysError
-            Something is left.
+            The file contains other data.
         """
         if self._names:
-            raise DamagedArraysError("it holds more than it should")
+            raise DamagedArraysError("it contains more than it should")
 
     def _content(self, name: str, most: int) -> bytes:
         self._names.remove(name)
         entry = self._archive.getinfo(name)
         if entry.file_size > most:
             raise DamagedArraysError(f"its {name.removesuffix('.npy')} is too large")
-        # Other methods let a few bytes stand for any number of them.
+        # Other methods allow extreme compression ratios.
         if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             raise DamagedArraysError("it is compressed in an unknown way")
-        # This checks the CRC-32.
+        # Checks the CRC-32.
         return self._archive.read(entry)
 
 
 @contextmanager
 def _damage_told() -> Iterator[None]:
-    """Call what libraries raise at damaged files by one name."""
+    """Convert exceptions that libraries raise for damaged files to `DamagedArraysError`."""
     try:
         yield
     except DamagedArraysError:
@@ -195,7 +195,7 @@ def _damage_told() -> Iterator[None]:
     except _DAMAGE as error:
         raise DamagedArraysError(f"it cannot be unpacked: {error}") from error
     except OSError as error:
-        # A place that lies before the beginning of the file.
+        # An offset before the beginning of the file.
         if error.errno != errno.EINVAL:
             raise
         raise DamagedArraysError("it cannot be unpacked") from error
@@ -208,4 +208,4 @@ def _check_seal(file: BinaryIO) -> None:
     for start in range(0, max(size, 0), _CHUNK):
         hashed.update(file.read(min(_CHUNK, size - start)))
     if file.read(_SEAL_BYTES + 1) != hashed.hexdigest().encode():
-        raise DamagedArraysError("it was cut off or changed")
+        raise DamagedArraysError("it was truncated or modified")

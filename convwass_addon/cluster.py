@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Other machines that compute frames: the workers of a Dask scheduler.
+"""Compute frames on other machines, with the workers of a Dask scheduler.
 
-This file is left out of what Blender installs (``paths_exclude_pattern`` of the manifest): an extension without the
-permission to use the network has no client of one.
+This file is not part of the installed extension (``paths_exclude_pattern`` in the manifest), which has no permission to
+use the network.
 """
 
 from __future__ import annotations
@@ -23,42 +23,42 @@ if TYPE_CHECKING:
     from distributed import Client
 
 ANSWER_SECONDS = 10.0
-"""How long a scheduler may take to answer; chosen, as what follows."""
+"""Time limit for the scheduler to answer; chosen by hand, as the next one."""
 
 WORKER_SECONDS = 10.0
-"""How long its first worker may take to be there."""
+"""Time limit for the first worker to appear."""
 
 
 class ClusterExecutor(SharingExecutor):
-    """Runs calls on a Dask cluster; what many calls have in common is sent there once.
+    """Runs calls on a Dask cluster; arguments shared by many calls are sent only once.
 
-    A worker that is lost costs what it was computing: Dask computes that again elsewhere, until so many workers were
-    lost over one call that the call is to blame (``distributed.scheduler.allowed-failures``, 3 by default).
+    If a worker is lost, Dask repeats its calls elsewhere. A call that loses several workers is considered the cause and
+    fails (``distributed.scheduler.allowed-failures``, 3 by default).
 
     Parameters
     ----------
     client : distributed.Client
-        Connected.
+        A connected client.
     """
 
     def __init__(self, client: Client) -> None:
         self.client = client
-        # Not pure: otherwise Dask would take a hash of all arguments to find out whether it has the result already.
+        # Not pure: otherwise Dask would hash all arguments to look for cached results.
         self._calls = client.get_executor(pure=False)
 
     def share(self, value: object) -> Any:
-        """Send something to the cluster that many calls take as an argument, and return what stands for it there.
+        """Send an argument of many calls to the cluster, and return a reference to it.
 
-        It becomes a result of the cluster's own, since Dask makes lost results again, but not data that it was merely
-        given to keep.
+        The value becomes a result of the cluster: Dask recomputes lost results, but does not restore data that was only
+        stored there.
         """
-        # Bytes, which the scheduler passes on as they are.
+        # Sent as bytes, which the scheduler passes on unchanged.
         content = pickle.dumps(value, protocol=pickle.HIGHEST_PROTOCOL)
         with warnings.catch_warnings():
-            # That it is large is known, and it is sent once.
+            # The warning is irrelevant, since the value is sent once.
             warnings.filterwarnings("ignore", message="Sending large graph")
             shared = self.client.submit(pickle.loads, content, pure=False)
-        # Dask hands calls to workers that have their arguments. All of them shall have this one.
+        # Dask prefers workers that hold the arguments of a call; every worker should hold this one.
         self.client.replicate([shared])
         return shared
 
@@ -67,7 +67,7 @@ class ClusterExecutor(SharingExecutor):
         return self._calls.submit(call, *args, **options)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Take no more calls; those that have been taken are waited for, or cancelled."""
+        """Accept no more calls; wait for pending calls, or cancel them."""
         self._calls.shutdown(wait=wait and not cancel_futures)
 
 
@@ -83,20 +83,20 @@ def cluster_workers(address: str) -> Iterator[ClusterExecutor]:
     Yields
     ------
     ClusterExecutor
-        Ends with the context; the cluster itself stays.
+        Closed at the end of the context; the cluster keeps running.
 
     Raises
     ------
     InputError
-        The package distributed is missing, no scheduler answers, or it has no workers.
+        The package distributed is missing, the scheduler does not answer, or it has no workers.
     ConvwassError
-        The cluster was lost, or loses every worker that takes up some run.
+        The connection was lost, or some frames repeatedly lost their workers.
     """
     try:
         import distributed
     except ImportError:
         raise InputError(
-            "A scheduler needs the package distributed; install it with: {python} -m pip install distributed",
+            "--scheduler requires the package distributed; install it with: {python} -m pip install distributed",
             python=sys.executable,
         ) from None
     with _connected(distributed, address) as client:
@@ -104,8 +104,8 @@ def cluster_workers(address: str) -> Iterator[ClusterExecutor]:
             yield ClusterExecutor(client)
         except distributed.KilledWorker as error:
             raise ConvwassError(
-                "The workers of {address} were lost one after the other over the same frames, most likely for "
-                "want of memory; use a lower resolution, fewer threads for each worker, or larger machines.",
+                "The workers of {address} were lost one after another while computing the same frames, most likely "
+                "for lack of memory; use a lower resolution, fewer threads per worker, or larger machines.",
                 address=address,
             ) from error
         except (concurrent.futures.CancelledError, distributed.comm.CommClosedError) as error:
@@ -113,13 +113,13 @@ def cluster_workers(address: str) -> Iterator[ClusterExecutor]:
                 "The scheduler at {address} was lost; start it and bake again.", address=address
             ) from error
         except (ModuleNotFoundError, RuntimeError) as error:
-            # A scheduler that cannot import what a worker is to call says so in a message of its own.
+            # If the scheduler cannot import the called function, the error is wrapped in a message of the scheduler.
             missing = error if isinstance(error, ModuleNotFoundError) else error.__cause__
             if not isinstance(missing, ModuleNotFoundError):
                 raise
             raise ConvwassError(
-                "The cluster at {address} does not know {package}; start its scheduler and its workers with a "
-                "Python that has the same packages as this one.",
+                "The cluster at {address} does not have {package}; start its scheduler and workers with a Python that "
+                "has the same packages as this one.",
                 address=address,
                 package=missing.name,
             ) from error
@@ -147,10 +147,11 @@ def _connected(distributed: Any, address: str) -> Iterator[Client]:
 
 
 def _client(distributed: Any, address: str) -> Client:
-    """Connect; once more where Dask's own thread did not start in its ten seconds, on a machine that is too busy."""
+    """Connect to a scheduler, with one retry."""
     try:
         return distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
     except AssertionError:
+        # On a very busy machine, Dask's own thread may not start within its ten seconds.
         return distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
 
 

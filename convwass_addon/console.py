@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the command line shows: a progress bar, and a standard output that holds the answer and nothing else."""
+"""Output of the command line: a progress bar, and a standard output that contains only the result."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .progress import Work, drained, watched
 Result = TypeVar("Result")
 
 _WIDTH = 30
-# Between lines where the output is a file or a pipe.
+# Interval between lines if the output is a file or a pipe.
 _SECONDS_PER_LINE = 10.0
 
 
 class ProgressBar:
-    """A bar on standard error: redrawn in place on a terminal, a line now and then elsewhere."""
+    """A progress bar on standard error: redrawn in place on a terminal, otherwise printed now and then."""
 
     def __init__(self, title: str) -> None:
         self._title = title
@@ -45,7 +45,7 @@ class ProgressBar:
             print(f"{self._title}: done in {time.monotonic() - self._start:.0f} s", file=sys.stderr, flush=True)
 
     def show(self, fraction: float, message: str) -> None:
-        """Show how far the job is, 0 to 1, and what it is doing."""
+        """Show the finished share of the job, 0 to 1, and its current step."""
         now = time.monotonic()
         if self._terminal:
             filled = round(_WIDTH * fraction)
@@ -58,15 +58,15 @@ class ProgressBar:
             print(f"{self._title} {fraction:4.0%}  {message}{self._left(fraction, now)}", file=sys.stderr, flush=True)
 
     def result_of(self, work: Work[Result]) -> Result:
-        """Do the work while the bar shows its progress, and return its result."""
+        """Run the work with a progress bar and return its result."""
         return drained(self.shown(work))
 
     def shown(self, work: Work[Result]) -> Work[Result]:
-        """Hand reports on once the bar has shown them, and return the result of the work."""
+        """Show the reports of some work while passing them on, and return its result."""
         return watched(work, lambda report: self.show(report.fraction, str(report.message)))
 
     def _left(self, fraction: float, now: float) -> str:
-        """Time left at the mean pace so far; nothing before there is a pace."""
+        """Estimate of the remaining time; empty while it is too early."""
         passed = now - self._start
         if fraction < 0.05 or passed < 2.0:
             return ""
@@ -75,9 +75,9 @@ class ProgressBar:
 
 @contextmanager
 def own_stdout() -> Iterator[TextIO]:
-    """Give the caller standard output for itself; what Blender prints there meanwhile is chatter and is dropped.
+    """Reserve standard output for the caller; anything that Blender prints to it is dropped.
 
-    Blender's warnings and errors go to standard error, which stays as it is.
+    Blender's warnings and errors on standard error are not affected.
     """
     sys.stdout.flush()
     saved = os.dup(1)
@@ -88,7 +88,7 @@ def own_stdout() -> Iterator[TextIO]:
             with redirect_stdout(nowhere):
                 yield answer
         finally:
-            # What waits in the C library's buffer is chatter too.
+            # Drop what is still in the C library's buffer.
             ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None).fflush(None)
             os.dup2(saved, 1)
             os.close(saved)

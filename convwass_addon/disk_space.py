@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Disks that are full: Blender's writers say nothing where one is, and some of them end Blender.
+"""Checks for full disks, which Blender's writers do not report reliably.
 
-Measured on a full disk: .blend, PNG, JPEG, USD and OpenVDB files may be cut off without a word, and Alembic's writer
-throws an error that nobody catches. So there is a look at the disk before and after.
+On a full disk, Blender silently truncates .blend, PNG, JPEG, USD and OpenVDB files, and its Alembic writer crashes with
+an uncaught exception. Free space is therefore checked before and after writing.
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ from pathlib import Path
 
 from .errors import ConvwassError
 
-# A disk with less room than this after something was written is taken to have been full in between.
+# With less free space than this after writing, the disk is assumed to have been full in between.
 _LEFT = 1 << 16
-# How the last bytes of a whole file begin, or what they are.
+# The final bytes of a complete file.
 _ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9"}
 
 
 def require_space(folder: Path, needed: int) -> None:
-    """Refuse to begin to write where the disk has less room than that, in bytes.
+    """Check the free disk space before writing `needed` bytes.
 
     Raises
     ------
     ConvwassError
-        With what there is and what it takes.
+        There is not enough space.
     """
     free = _free(folder)
     if free is not None and free < needed:
         raise ConvwassError(
-            "{folder} has {free:.1f} MB of room left, and this may take {needed:.1f} MB; make room there, or choose "
-            "another folder.",
+            "{folder} has {free:.1f} MB of free space, but up to {needed:.1f} MB are needed; free up space there, or "
+            "choose another folder.",
             folder=str(folder),
             free=free / 1e6,
             needed=needed / 1e6,
@@ -39,22 +39,22 @@ def require_space(folder: Path, needed: int) -> None:
 
 
 def require_whole(draft: Path, file: Path) -> None:
-    """Refuse a draft of a file that has just been written and may have been cut off.
+    """Check that a draft was written completely.
 
     Raises
     ------
     ConvwassError
-        It is not there, is empty, does not end as it should, or the disk is full.
+        The draft is missing, empty or truncated, or the disk is full.
     """
     if not draft.is_file() or not draft.stat().st_size or not _ends_well(draft):
         raise ConvwassError("{file} could not be written; the disk may be full.", file=str(file))
     free = _free(draft.parent)
     if free is not None and free < _LEFT:
-        raise ConvwassError("The disk of {folder} is full; make room there.", folder=str(draft.parent))
+        raise ConvwassError("The disk of {folder} is full; free up space there.", folder=str(draft.parent))
 
 
 def _free(folder: Path) -> int | None:
-    """Bytes of room on the disk of a folder; None where the system does not say."""
+    """Free space on the disk of a folder in bytes, or None if unknown."""
     try:
         return shutil.disk_usage(folder).free
     except OSError:

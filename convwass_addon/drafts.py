@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are written whole or not at all."""
+"""Files that are either written completely or not at all."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from .disk_space import require_whole
 from .errors import ConvwassError
 
 _DRAFT = re.compile(r"\.convwass-[0-9a-f]{16}(\.\w+)?")
-# Seconds after which nobody writes a draft any more.
+# Age in seconds at which a draft counts as abandoned.
 _OLD = 86_400.0
 
 
 def new_draft(target: Path, suffix: str | None = None) -> Path:
-    """Return where to write what will take the place of a file or a folder: beside it, so that moving it is at once.
+    """Return a draft path for a file or folder, in the same folder so that moving it into place is atomic.
 
-    What a Blender that was killed has left there is removed, once it is a day old.
+    Drafts that a killed Blender left there are removed after a day.
 
     Parameters
     ----------
     target : Path
-        Its place.
+        The final path.
     suffix : str, optional
-        Of the draft, with its dot; by default that of the target.
+        Extension of the draft, with its dot; by default that of the target.
     """
     _drop_old(target.parent)
     return target.with_name(f".convwass-{uuid.uuid4().hex[:16]}{target.suffix.lower() if suffix is None else suffix}")
 
 
-# Once for each: folders may hold very many files, and what is old was there before.
+# Cached: a folder may contain very many files, and new abandoned drafts are unlikely.
 @lru_cache(maxsize=64)
 def _drop_old(folder: Path) -> None:
-    """Remove drafts from a folder that nobody will finish."""
+    """Remove abandoned drafts from a folder."""
     with suppress(OSError), os.scandir(folder) as entries:
         left = [entry for entry in entries if _DRAFT.fullmatch(entry.name) and _is_old(entry)]
         for entry in left:
@@ -57,17 +57,17 @@ def _is_old(entry: os.DirEntry[str]) -> bool:
 
 @contextmanager
 def draft_of(path: Path, suffix: str | None = None) -> Iterator[Path]:
-    """Give a path beside a file, which takes the file's place when it has been written.
+    """Provide a draft path, which replaces the file at the end of the context.
 
-    Where writing fails, the draft is removed, an old file stays as it is, and the error goes on.
+    On an error, the draft is removed, an existing file is kept, and the error is raised again.
 
     Parameters
     ----------
     path : Path
-        The file; one that is there already is replaced. A draft, as of :class:`DraftFiles`, needs none of its own and
-        is given as it is; whoever made it puts it into its place.
+        The file to write or replace. If it is a draft itself, as of :class:`DraftFiles`, it is returned unchanged, and
+        its creator moves it into place.
     suffix : str, optional
-        Of the draft, with its dot; by default that of the file.
+        Extension of the draft, with its dot; by default that of the file.
     """
     if _DRAFT.fullmatch(path.name):
         yield path
@@ -82,7 +82,7 @@ def draft_of(path: Path, suffix: str | None = None) -> Iterator[Path]:
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
-    """Give a draft, as :func:`draft_of` does, and tell of what goes wrong.
+    """Provide a draft path as :func:`draft_of` does, and report errors.
 
     Raises
     ------
@@ -99,9 +99,9 @@ def written_whole(path: Path) -> Iterator[Path]:
 
 
 class DraftFiles:
-    """Files that are written beside those they replace, and take their places together, once all of them are there.
+    """Files that are written as drafts and moved into place together once all are complete.
 
-    A work that is stopped, or fails, leaves whatever was there.
+    If the work fails or is stopped, existing files are kept.
     """
 
     def __init__(self) -> None:
@@ -109,7 +109,7 @@ class DraftFiles:
         self._folders: list[Path] = []
 
     def draft_of(self, target: Path) -> Path:
-        """Return where to write what will become a file; a folder that is missing is made."""
+        """Return the draft path for a file; a missing folder is created."""
         if not target.parent.is_dir():
             target.parent.mkdir()
             self._folders.append(target.parent)
@@ -118,12 +118,12 @@ class DraftFiles:
         return draft
 
     def keep(self) -> list[Path]:
-        """Put all of them into their places, and return these.
+        """Move all files into place, and return their paths.
 
         Raises
         ------
         ConvwassError
-            The system refused.
+            A file could not be moved.
         """
         done = []
         try:
@@ -143,7 +143,7 @@ class DraftFiles:
         return done
 
     def discard(self) -> None:
-        """Remove what was written, and folders that were made for it."""
+        """Remove all drafts and the folders created for them."""
         for draft in self._drafts.values():
             draft.unlink(missing_ok=True)
         for folder in self._folders:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors whose message is meant for the person at the keyboard."""
+"""Errors with messages for the user."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from .sentence import Sentence
 
 
 class ConvwassError(Exception):
-    """Something the user can act on; the message says what to do.
+    """An error that the user can act on; the message says how.
 
     Parameters
     ----------
     template : str
-        The message in English, with names in braces for what only the moment knows.
+        The message in English, with named placeholders in braces.
     values
-        What these names stand for.
+        Values of the placeholders.
     """
 
     def __init__(self, template: str, /, **values: object) -> None:
@@ -23,7 +23,7 @@ class ConvwassError(Exception):
         super().__init__(str(self.sentence))
 
     def __reduce__(self) -> tuple[object, ...]:
-        # Errors come back from other processes.
+        # Errors may be pickled by other processes.
         return _rebuilt, (type(self), self.sentence)
 
 
@@ -32,12 +32,12 @@ def _rebuilt(kind: type[ConvwassError], sentence: Sentence) -> ConvwassError:
 
 
 class InputError(ConvwassError, ValueError):
-    """The input cannot be used as it is; also a ValueError, as of other libraries."""
+    """The input cannot be used as it is. Also a ValueError, for callers from other libraries."""
 
 
 class ResourceError(ConvwassError):
-    """The job asks for more than this machine has."""
+    """The job needs more resources than this machine has."""
 
 
 class Cancelled(ConvwassError):
-    """The user stopped the job; what was finished is kept."""
+    """The user stopped the job; finished results are kept."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A `repr` that fits on a line, for records that hold arrays."""
+"""A `repr` on a single line for records with arrays."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from dataclasses import is_dataclass
 
 import numpy as np
 
-# Of what is shown by its kind alone within another record.
+# Marks records that are shown by type only within another record.
 _NAME = "represent_on_one_line"
-# Arrays of so many values are written out.
+# Arrays with at most this many values are shown in full.
 _FEW = 4
 
 
 def one_line(*names: str) -> Callable[[object], str]:
-    """Return a ``__repr__`` that shows some attributes: of arrays the type and the shape, of numbers four digits.
+    """Return a ``__repr__`` that shows some attributes: type and shape of arrays, numbers with four digits.
 
     Parameters
     ----------
     *names : str
-        Attributes, in the order in which they are shown.
+        Attributes, in display order.
     """
 
     def represent_on_one_line(record: object) -> str:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's preferences: where caches go, how many threads compute, and which preset new scenes begin with."""
+"""Preferences of the add-on: frame caches, number of threads, default preset."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ class CONVWASS_AP_preferences(bpy.types.AddonPreferences):
 
     cache_folder: StringProperty(
         name="Cache Folder",
-        description="Keep finished frames here for good, with what is needed to share them between machines and to "
-        "make frames between them; empty keeps those of the last bakes in a folder of the extension. It is one for "
-        "all files, so give a whole path",
+        description="Keep finished frames in this folder permanently, with the data needed to share them between "
+        "machines and to compute fractional frames; if empty, frames of recent bakes are kept in a folder "
+        "of the extension. Used for all files, so it must be an absolute path",
         subtype="DIR_PATH",
     )
     spare_megabytes: IntProperty(
         name="Kept Frames",
-        description="Megabytes of frames that are kept without a cache folder, so that a bake goes on where Blender "
-        "was closed or another file was opened, and one that is repeated is quick; 0 keeps none",
+        description="Megabytes of frames kept without a cache folder, so that an interrupted bake can continue and a "
+        "repeated one is fast; 0 keeps none",
         default=1000,
         min=0,
         soft_max=20_000,
     )
     threads: IntProperty(
         name="Threads",
-        description="Frames that are computed at the same time; 0 takes one per processor, as far as memory allows",
+        description="Number of frames computed at the same time; 0 for one per processor, as memory allows",
         default=0,
         min=0,
         max=1024,
     )
     default_preset: StringProperty(
         name="Default Preset",
-        description="Solver preset that a scene begins with when the first shapes are put on its list of inputs",
+        description="Solver preset for a scene when the first shapes are added to its input list",
         default=STANDARD,
         search=_matching_presets,
     )
@@ -67,18 +67,18 @@ class CONVWASS_AP_preferences(bpy.types.AddonPreferences):
 
 @dataclass(frozen=True)
 class Preferences:
-    """What the user prefers.
+    """The values of the preferences.
 
     Attributes
     ----------
     cache_folder : Path or None
-        Where finished frames are kept for good; not absolute where it was given from the open file on.
+        Permanent frame cache; relative if it was given relative to the open file.
     spare_folder : Path or None
-        Where they are kept otherwise, up to a size; None where none are to be, or where there is no such place.
+        Cache of limited size otherwise; None if disabled or not available.
     spare_bytes : int
-        That size.
+        Size limit of that cache.
     workers : int or None
-        Threads that compute; None for as many as there are processors.
+        Number of threads; None for one per processor.
     default_preset : str
         Name of a solver preset; empty for none.
     """
@@ -91,7 +91,7 @@ class Preferences:
 
 
 def preferences(context: bpy.types.Context | None = None) -> Preferences:
-    """Return the preferences; the defaults where the package runs without being enabled as an add-on."""
+    """Return the preferences, or the defaults if the package is not enabled as an add-on."""
     addon = (context or bpy.context).preferences.addons.get(extension_id())
     if addon is None or addon.preferences is None:
         return Preferences()
@@ -102,7 +102,7 @@ def preferences(context: bpy.types.Context | None = None) -> Preferences:
 
 
 def _own_folder() -> Path | None:
-    """Return where the extension may write; only what was installed as an extension has such a folder."""
+    """Return the extension's own folder; only installed extensions have one."""
     try:
         return Path(bpy.utils.extension_path_user(extension_id(), path="frames"))
     except ValueError:

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The protocol of long work: a generator that yields its progress and returns its result, and a control to stop it.
+"""Protocol of long work: a generator that yields progress reports and returns its result, and a control to stop it.
 
-- Work that takes long and has something to tell is a generator of :class:`Progress` that returns its result. The caller
-  drives it with a loop, uses the payloads, and takes the result with ``yield from`` or :func:`drained`. A work that is
-  part of another one is reported :func:`within` it.
+- Long work is a generator of :class:`Progress` that returns its result. The caller drives it with a loop, uses the
+  payloads, and gets the result with ``yield from`` or :func:`drained`. Work that is part of other work is wrapped in
+  :func:`within`.
 - All long work takes a ``control: Control``, by default :data:`UNINTERRUPTED`, and calls ``control.check()`` in its
-  loops; it never has to ask whether there is one. Cancelling raises :class:`.errors.Cancelled` there.
-- What only the caller can provide, because only the main thread may read it from Blender, is asked for with a
+  loops, which raises :class:`.errors.Cancelled` if the work was cancelled.
+- Data that only the caller can provide, because only the main thread may access Blender, is requested with a
   :class:`Request` as payload.
 """
 
@@ -21,7 +21,7 @@ from typing import Any, Generic, TypeVar
 from .errors import Cancelled
 from .sentence import Sentence
 
-# Seconds between two looks at the control while a request waits for its answer.
+# Interval in seconds at which the control is checked while a request waits for its answer.
 _PATIENCE = 0.05
 
 Payload = TypeVar("Payload")
@@ -30,16 +30,16 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Progress(Generic[Payload]):
-    """One report of long work.
+    """A progress report.
 
     Attributes
     ----------
     fraction : float
-        Share of the work that is done, from 0 to 1; it never falls.
+        Finished share of the work, from 0 to 1; never decreases.
     message : Sentence
-        What is being done.
+        The current step.
     payload : object or None
-        An intermediate result that the caller can use at once, such as a finished frame.
+        An intermediate result that the caller can use immediately, such as a finished frame.
     """
 
     fraction: float
@@ -48,16 +48,16 @@ class Progress(Generic[Payload]):
 
 
 Work = Generator[Progress[Any], None, Result]
-"""Long work: yields :class:`Progress` and returns its result."""
+"""Long work: a generator that yields :class:`Progress` and returns its result."""
 
 
 class Control:
-    """Stops long work, from any thread.
+    """Stops long work from any thread.
 
     Parameters
     ----------
     *parents : Control
-        Cancelling any of them cancels this one too, but not the other way around.
+        Cancelling a parent cancels this control too, but not vice versa.
     """
 
     def __init__(self, *parents: Control) -> None:
@@ -66,21 +66,21 @@ class Control:
 
     @property
     def cancelled(self) -> bool:
-        """Whether the work is to stop."""
+        """Whether the work should stop."""
         return self._event.is_set() or any(parent.cancelled for parent in self._parents)
 
     def cancel(self) -> None:
-        """Ask the work to stop at its next check."""
+        """Request the work to stop at its next check."""
         self._event.set()
 
     def check(self) -> None:
-        """Raise :class:`.errors.Cancelled` if the work is to stop; long loops call this between iterations."""
+        """Raise :class:`.errors.Cancelled` if the work should stop; called between iterations of long loops."""
         if self.cancelled:
             raise Cancelled("Cancelled.")
 
 
 class _Uninterrupted(Control):
-    """A control without a state, for work that nobody stops."""
+    """A stateless control for work that cannot be stopped."""
 
     def cancel(self) -> None:
         raise RuntimeError("Work that was started without a control cannot be cancelled.")
@@ -93,14 +93,14 @@ class _Uninterrupted(Control):
 
 
 UNINTERRUPTED: Control = _Uninterrupted()
-"""The control of work that runs to its end."""
+"""The control of work that is never cancelled."""
 
 
 class Request(Generic[Payload]):
-    """Something that only the caller of the work can provide.
+    """Data that only the caller of the work can provide.
 
-    The work yields it as the payload of a :class:`Progress` and then takes its `value`; the caller answers it before it
-    asks for the next report, or, where the work is on another thread, that thread waits for the answer.
+    The work yields a request as the payload of a :class:`Progress`, and then reads its `value`. The caller answers it
+    before it asks for the next report. If the work runs on another thread, that thread waits for the answer.
     """
 
     def __init__(self) -> None:
@@ -108,25 +108,25 @@ class Request(Generic[Payload]):
         self._value: Payload | None = None
 
     def answer(self, value: Payload) -> None:
-        """Provide it; called by whoever has received the request."""
+        """Provide the answer; called by the receiver of the request."""
         self._value = value
         self._answered.set()
 
     def wait(self, control: Control) -> None:
-        """Wait until it is answered, or raise :class:`.errors.Cancelled`; for the thread that drives the work."""
+        """Wait for the answer, or raise :class:`.errors.Cancelled`; for the thread that drives the work."""
         while not self._answered.wait(_PATIENCE):
             control.check()
 
     @property
     def value(self) -> Payload:
-        """The answer; taking it before there is one is an error of the caller."""
+        """The answer; must not be read before it was given."""
         if not self._answered.is_set():
             raise RuntimeError("The request has not been answered.")
         return self._value
 
 
 def drained(work: Generator[Any, None, Result]) -> Result:
-    """Do all of the work and return its result."""
+    """Run the work to its end and return its result."""
     while True:
         try:
             next(work)
@@ -135,14 +135,14 @@ def drained(work: Generator[Any, None, Result]) -> Result:
 
 
 def payloads(work: Iterable[Progress[Any]], kind: type[Payload]) -> Iterator[Payload]:
-    """Do the work and yield its payloads of one kind as they come."""
+    """Run the work and yield its payloads of one type."""
     for report in work:
         if isinstance(report.payload, kind):
             yield report.payload
 
 
 def watched(work: Work[Result], watch: Callable[[Progress[Any]], None]) -> Work[Result]:
-    """Hand reports on once `watch` has been called with them, and return the result of the work."""
+    """Pass reports on after calling `watch` with them, and return the result of the work."""
     while True:
         try:
             report = next(work)
@@ -153,9 +153,9 @@ def watched(work: Work[Result], watch: Callable[[Progress[Any]], None]) -> Work[
 
 
 def within(work: Work[Result], begin: float, end: float, message: Sentence | None = None) -> Work[Result]:
-    """Report work that is one part of other work: its fractions run from `begin` to `end`.
+    """Report work as a part of other work, with fractions from `begin` to `end`.
 
-    Its own messages are replaced by `message` if that is given.
+    If `message` is given, it replaces the messages of the work.
     """
     while True:
         try:

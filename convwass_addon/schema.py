@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are declared once, on the fields of a dataclass, and used by every layer.
+"""Settings that are declared once, as fields of a dataclass, and used by all layers.
 
 A setting is one line::
 
@@ -10,9 +10,9 @@ A setting is one line::
 
         radius: float = setting(0.1, "Radius", "How far the brush reaches", least=0.0, most=10.0)
 
-From it are made the check of the value, the property in Blender (:mod:`.properties.from_schema`), the option of the
-command line (:mod:`.cli.from_schema`), the row in a panel (:mod:`.panels.from_schema`), the entry that is stored
-(:meth:`Settings.as_dict`) and the line in the docstring, which the pages about the API show.
+It defines the validation of the value, the property in Blender (:mod:`.properties.from_schema`), the command-line
+option (:mod:`.cli.from_schema`), the panel row (:mod:`.panels.from_schema`), the stored entry
+(:meth:`Settings.as_dict`), and the docstring, which is shown in the API reference.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ _KEY = "convwass"
 
 @dataclass(frozen=True)
 class Choice:
-    """One of the values that a setting can have.
+    """One of the values of a setting.
 
     Attributes
     ----------
     value : str, None or the type float
-        In the dataclass; `float` stands for any number.
+        In the dataclass; `float` represents any number.
     label, description : str
-        What users read.
+        For users.
     identifier : str
-        In Blender: the value in capitals by default; "OFF" for None, "NUMBER" for any number.
+        In Blender; by default the value in upper case, "OFF" for None, "NUMBER" for any number.
     word : str
-        On the command line: the value in small letters by default; "off" for None, "NUMBER" for any number.
+        On the command line; by default the value in lower case, "off" for None, "NUMBER" for any number.
     """
 
     value: str | type[float] | None
@@ -54,7 +54,7 @@ class Choice:
     word: str = ""
 
     def __post_init__(self) -> None:
-        """Derive the two spellings that are left out."""
+        """Derive the identifier and word if they are not given."""
         name = "off" if self.value is None else "number" if self.value is float else str(self.value)
         word = "NUMBER" if self.value is float else name.lower().replace("_", "-")
         object.__setattr__(self, "identifier", self.identifier or name.upper().replace("-", "_"))
@@ -63,14 +63,14 @@ class Choice:
 
 @dataclass(frozen=True)
 class Companion:
-    """A second property in Blender, which has one type for a property and no word for None.
+    """A second Blender property for a setting, since a Blender property has a single type and cannot be None.
 
     Attributes
     ----------
     name, label, description : str
-        Of the property.
+        Texts of the property.
     start : float
-        The number that Blender shows first.
+        Initial value in Blender.
     """
 
     name: str
@@ -81,57 +81,57 @@ class Companion:
 
 @dataclass(frozen=True)
 class Setting:
-    """What is known about a setting.
+    """Description of a setting.
 
     Attributes
     ----------
     default : object
-        None where the value is chosen automatically; see `automatic`.
+        None if the value is chosen automatically; see `automatic`.
     label : str
-        Its name for users, in title case.
+        Name for users, in title case.
     description : str
-        What it means, in the words of Blender's tips: no article at the start, no full stop at the end. The help of the
-        command line and the pages about the API say the same.
+        Meaning of the setting, in the style of Blender's tooltips: no leading article, no final full stop. Also used in
+        the command-line help and the API reference.
     name : str
-        Of the field; filled in by :func:`settings_of`.
+        Name of the field, set by :func:`settings_of`.
     least, most : float or None
         Range of a number.
     open_ends : bool
         Whether the ends of the range are excluded.
     soft_least, soft_most : float or None
-        Range of the slider in Blender; with `open_ends` also the range of the property.
+        Slider range in Blender; with `open_ends`, also the range of the property.
     unit : str
-        Of a number, such as "cells"; for the pages about the API.
+        Unit of a number, such as "cells", for the API reference.
     subtype : str
-        Of Blender: "FACTOR", "DISTANCE", "PIXEL", "DIR_PATH" and so on. "ANGLE" is in degrees here.
+        Subtype in Blender: "FACTOR", "DISTANCE", "PIXEL", "DIR_PATH" and so on. "ANGLE" is in degrees here.
     precision, step : float or None
-        Of Blender: decimal places, and what an arrow changes.
+        In Blender: number of decimals, and step of the arrow buttons.
     choices : tuple of Choice
-        The values that there are; one of them may be any number.
+        The allowed values; one of them can be any number.
     automatic : str
-        What None stands for.
+        Meaning of None.
     switch : Companion or None
-        Of a number that may be None: the property that says whether it is set by hand.
+        For a number that may be None: the property that enables the number.
     number : Companion or None
-        Of a setting one of whose choices is any number: the property of the number.
+        For a setting with any number as one choice: the property of the number.
     zero_is_automatic : bool
-        Whether 0 in Blender stands for None.
+        Whether 0 in Blender means None.
     prop : str or None
-        Name in Blender, the field's by default; None where Blender has no such property.
+        Name in Blender, by default that of the field; None if there is no such property.
     option : str or None
-        Name on the command line, by default the field's with hyphens; None where there is no such option.
+        Name on the command line, by default that of the field with hyphens; None if there is no such option.
     flag : str or None
-        Of a setting with choices: the option is a flag that chooses this value.
+        For a setting with choices: the option is a flag that selects this value.
     help : str
-        What it means, for the command line and for scripts, where the description speaks of Blender.
+        Replaces the description on the command line and in scripts, if the description refers to Blender.
     note : str
-        What only those who write scripts need to know; for the pages about the API.
+        Additional information for scripts, for the API reference.
     panel : str
-        Which panel shows it, where the panel is made from the schema.
+        The panel that shows the setting, if the panel is generated from the schema.
     applies_when : tuple of str
-        Name of another setting and the value that it must have for this one to have an effect; () for none.
+        Name and required value of another setting on which this one depends; () if independent.
     preset : bool
-        Whether presets of the solver set it.
+        Whether solver presets include the setting.
     """
 
     default: Any
@@ -162,26 +162,26 @@ class Setting:
     preset: bool = True
 
     def named(self, name: str) -> Setting:
-        """Return the setting with the name of its field, and the names that follow from it."""
+        """Return the setting with its field name and the names derived from it."""
         option = "--" + name.replace("_", "-") if self.option == "" else self.option
         return replace(self, name=name, prop=name if self.prop == "" else self.prop, option=option)
 
     @property
     def kind(self) -> type:
-        """The type of its values: bool, int, float or str; numbers that may be None are float."""
+        """The value type: bool, int, float or str; float for numbers that may be None."""
         if self.choices:
             return str
         return float if self.default is None else type(self.default)
 
     @property
     def properties(self) -> tuple[str, ...]:
-        """The names of its properties in Blender."""
+        """The names of its Blender properties."""
         if self.prop is None:
             return ()
         return (*(one.name for one in (self.switch, self.number) if one), self.prop)
 
     def choice(self, value: object) -> Choice:
-        """Return the choice that has a value, or its spelling in Blender; ValueError where there is none."""
+        """Return the choice for a value or an identifier; raises ValueError if there is none."""
         for choice in self.choices:
             if choice.value is not float and value in (choice.value, choice.identifier):
                 return choice
@@ -192,12 +192,12 @@ class Setting:
         raise ValueError(f"{self.name} is {value!r}")
 
     def check(self, value: object) -> None:
-        """Refuse a value that the setting cannot have.
+        """Validate a value.
 
         Raises
         ------
         InputError
-            With the label and what the value must be.
+            Contains the label and the allowed values.
         """
         if self.choices:
             self._check_choice(value)
@@ -208,7 +208,7 @@ class Setting:
             self._check_number(value)
 
     def _said(self) -> Sentence:
-        """Return the label, and the name of the field where that is another word, for those who write scripts."""
+        """Return the label, followed by the field name if it differs, for users of scripts."""
         label = as_sentence(self.label)
         if self.label.lower().replace(" ", "_") == self.name:
             return label
@@ -245,7 +245,7 @@ class Setting:
 
     @property
     def range_text(self) -> str:
-        """The range of a number in words; empty where there is none."""
+        """The range of a number as text; empty if unlimited."""
         if self.least is None and self.most is None:
             return ""
         if self.open_ends and self.most is None:
@@ -260,7 +260,7 @@ class Setting:
 
     @property
     def type_text(self) -> str:
-        """The type in the words of a docstring, with its range."""
+        """The type as in a docstring, with its range."""
         if self.choices:
             *most, last = (_shown(choice.value) for choice in self.choices)
             return f"{', '.join(most)} or {last}" if most else last
@@ -269,10 +269,10 @@ class Setting:
 
 
 class Settings:
-    """A record of settings: its values are checked when it is made, and its docstring lists its fields."""
+    """Base of settings classes: values are validated on creation, and the docstring lists the fields."""
 
     def __init_subclass__(cls, **options: object) -> None:
-        """Add the class's own settings to its docstring, whose last section may be its other attributes."""
+        """Append the settings to the class's docstring, to its Attributes section if there is one."""
         super().__init_subclass__(**options)
         if cls.__doc__:
             own = [
@@ -285,37 +285,37 @@ class Settings:
             cls.__doc__ = "\n".join([text, *title, *(line for one in own for line in _documented(one))]) + "\n"
 
     def __post_init__(self) -> None:
-        """Refuse values that make no sense.
+        """Validate all values.
 
         Raises
         ------
         InputError
-            With the label of the setting and what it must be.
+            Contains the label of the setting and its allowed values.
         """
         for one in settings_of(type(self)):
             one.check(getattr(self, one.name))
 
     def as_dict(self) -> dict[str, object]:
-        """Return the settings ready for JSON."""
+        """Return the settings as a dict for JSON."""
         return asdict(self)
 
 
 def setting(default: object, label: str, description: str, **about: object) -> Any:
-    """Return a field of a dataclass that is a setting; for the rest see :class:`Setting`."""
+    """Return a dataclass field that defines a setting; for `about` see :class:`Setting`."""
     return field(default=default, metadata={_KEY: Setting(default, label, description, **about)})
 
 
 def settings_of(
     kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
 ) -> Iterator[Setting]:
-    """Yield the settings of a record in their order: all, `only` some or all `without` some, by the names of fields."""
+    """Yield the settings of a class in order, `only` or `without` some field names."""
     for one in _all_settings(kind):
         if (only is None or one.name in only) and one.name not in without:
             yield one
 
 
 def setting_of(kind: type[Settings], name: str) -> Setting:
-    """Return one setting by the name of its field; KeyError where there is none."""
+    """Return a setting by field name; raises KeyError if there is none."""
     return {one.name: one for one in _all_settings(kind)}[name]
 
 
@@ -325,7 +325,7 @@ def _all_settings(kind: type[Settings]) -> tuple[Setting, ...]:
 
 
 def _documented(one: Setting) -> list[str]:
-    """Return the lines of a setting in a docstring."""
+    """Return the docstring lines of a setting."""
     sentences = [one.help or one.description]
     sentences += [f"{_shown(choice.value)}: {choice.description}" for choice in one.choices]
     sentences += [f"None is {one.automatic}"] if one.automatic else []

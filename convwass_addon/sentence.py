@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sentences for the user, which can be said in another language before they are filled in."""
+"""Sentences for the user that can be translated before their values are filled in."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from string import Formatter
 
-# Alignment, sign, width, places and type, as the project's own messages have them.
+# The format specifications used by the project's messages: alignment, sign, width, precision, type.
 _SPECIFICATION = re.compile(r"[<>^]?[+,]?\d{0,2}(\.\d)?[a-z%]?")
 
 
 @dataclass(frozen=True)
 class Sentence:
-    """A template and what it is filled with.
+    """A template and its values.
 
     Attributes
     ----------
     template : str
-        English, with names in braces as for :meth:`str.format`; text as it is where there are no values.
+        English, with placeholders as for :meth:`str.format`; plain text if there are no values.
     values : mapping
-        What the names stand for.
+        Values of the placeholders.
     """
 
     template: str
@@ -30,9 +30,9 @@ class Sentence:
 
     @property
     def is_plain(self) -> bool:
-        """Whether the template takes values as they are: no parts of them, and no more room than a message has.
+        """Whether the template uses only plain placeholders with simple format specifications.
 
-        What comes from a file is asked this before it is filled in.
+        Checked for templates read from files before they are filled in.
         """
         fields = [(name, form) for _, name, form, _ in Formatter().parse(self.template) if name is not None]
         return all(name.isidentifier() and _SPECIFICATION.fullmatch(form or "") for name, form in fields)
@@ -41,7 +41,7 @@ class Sentence:
         return self.filled(self.template)
 
     def filled(self, template: str) -> str:
-        """Return a translation of the template with the values in place; in English where it asks for others."""
+        """Fill in a translation of the template, or the English template if the translation has other placeholders."""
         try:
             return template.format(**self.values) if self.values else template
         except (KeyError, IndexError, ValueError):
@@ -49,5 +49,5 @@ class Sentence:
 
 
 def as_sentence(text: str) -> Sentence:
-    """Return a text that Blender knows already, such as the label of a property, as a part of another sentence."""
+    """Return a text that Blender already translates, such as the label of a property, as a part of another sentence."""
     return Sentence(text)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets of the solver's settings: shipped ones in ``presets``, and those that users add to their own folder."""
+"""Solver presets: shipped ones in ``presets``, and those that users save in their own folder."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from .errors import InputError
 from .schema import settings_of
 
 SUBFOLDER = "convwass/solver"
-"""Where presets lie within a folder of presets."""
+"""Path of the presets within a preset folder."""
 
 MENU = "CONVWASS_PT_solver_presets"
-"""The popover that lists them."""
+"""The popover that lists the presets."""
 
 PRESET_PROPERTIES = tuple(name for one in settings_of(MorphSettings) if one.preset for name in one.properties)
-"""What a preset sets; thickness and parts belong to the shapes."""
+"""Properties set by a preset; thickness and parts are excluded because they depend on the shapes."""
 
 
 class CONVWASS_OT_add_solver_preset(AddPresetBase, bpy.types.Operator):
-    """Add the solver's settings as a preset, or remove a preset"""
+    """Save the solver settings as a preset, or remove a preset"""
 
     bl_idname = "convwass.add_solver_preset"
     bl_label = "Add Solver Preset"
@@ -35,19 +35,19 @@ class CONVWASS_OT_add_solver_preset(AddPresetBase, bpy.types.Operator):
 
 
 def preset_names() -> list[str]:
-    """Return the names of all presets there are."""
+    """Return the names of all presets."""
     folders = map(Path, bpy.utils.preset_paths(SUBFOLDER))
     files = (path for folder in folders for path in folder.glob("*.py"))
     return sorted(bpy.path.display_name(path.name, title_case=False) for path in files)
 
 
 def apply_preset(name: str) -> bool:
-    """Give the context's scene the settings of a preset; return whether there is one of that name.
+    """Apply a preset to the current scene; return whether it exists.
 
     Raises
     ------
     InputError
-        It cannot be used: it was written by hand, or by another version.
+        The preset is invalid: written by hand, or by another version.
     """
     path = bpy.utils.preset_find(name, SUBFOLDER, display_name=True)
     if not path:
@@ -55,14 +55,14 @@ def apply_preset(name: str) -> bool:
     try:
         bpy.utils.execfile(path)
     except Exception as error:
-        # A script of Blender's, which may fail in any way.
+        # Presets are Python scripts, which may fail in any way.
         reason = str(error).strip() or type(error).__name__
         raise InputError("The preset {name} cannot be used: {reason}", name=name, reason=reason) from error
     return True
 
 
 def is_untouched(settings: bpy.types.PropertyGroup) -> bool:
-    """Tell whether nobody has set any of the solver's settings of a scene."""
+    """Return whether none of the solver settings of a scene has been changed."""
     return not any(settings.is_property_set(name) for name in PRESET_PROPERTIES)
 
 
@@ -71,12 +71,12 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory((CON
 
 
 def register() -> None:
-    """Let Blender find the shipped presets, and add the operator that saves more."""
+    """Register the shipped presets and the operator that saves new ones."""
     _register_classes()
     bpy.utils.register_preset_path(_FOLDER)
 
 
 def unregister() -> None:
-    """Take both away."""
+    """Unregister both."""
     bpy.utils.unregister_preset_path(_FOLDER)
     _unregister_classes()

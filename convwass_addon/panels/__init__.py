@@ -9,7 +9,7 @@ import bpy
 from . import armatures, baked, densities, light, menus, morph, morph_guides, progress, recolor, soft_maps
 
 MODULES = (progress, morph, morph_guides, baked, densities, soft_maps, armatures, recolor, light)
-"""In the order in which they are drawn, from the top."""
+"""In drawing order, from the top."""
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
     [cls for module in MODULES for cls in module.classes]
@@ -23,6 +23,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take both away."""
+    """Remove both."""
     menus.unregister()
     _unregister_classes()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel that fits armatures into bodies: both of them, the joints that are pinned, settings."""
+"""The panel for fitting armatures: rig, body, pinned joints and settings."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from ..properties.armatures import FitProperties, chosen_rig
 from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
-# More pins than these are counted and not listed.
+# Longest list of pins that is shown in full.
 _LISTED = 30
 
 
 class CONVWASS_PT_armature(Sidebar, bpy.types.Panel):
-    """Fit an armature into any mesh from a few pinned joints"""
+    """Fit an armature into a mesh from a few pinned joints"""
 
     bl_label = "Armature"
     bl_idname = "CONVWASS_PT_armature"
@@ -44,7 +44,7 @@ class CONVWASS_PT_armature(Sidebar, bpy.types.Panel):
 
 
 class CONVWASS_PT_armature_pins(Sidebar, bpy.types.Panel):
-    """Joints that stay where they are"""
+    """Joints that keep their positions"""
 
     bl_label = "Pins"
     bl_idname = "CONVWASS_PT_armature_pins"
@@ -79,7 +79,7 @@ def _draw_pins(layout: bpy.types.UILayout, ends: list[str]) -> None:
 
 
 class CONVWASS_PT_armature_settings(Sidebar, bpy.types.Panel):
-    """Settings with good defaults"""
+    """Settings; the defaults suit most cases"""
 
     bl_label = "Fit Settings"
     bl_idname = "CONVWASS_PT_armature_settings"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels about a morph that has been baked."""
+"""The panels of a baked morph."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             column = layout.column(align=True)
             for value, name in ((morph_value(context.object), "Morph"), (playback(context.object), "Playback")):
                 column.prop(value.owner, value.path, text=iface_(name))
-        # What shows all frames by itself can be shown by nothing else.
+        # A volume or cache has replaced the frames, so no other output can be made.
         if not any(ALONE_KEY in obj for obj in morph.objects):
             _draw_outputs(layout, morph)
         column = layout.column(align=True)
@@ -58,7 +58,7 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
 
 
 class CONVWASS_PT_morph_diagnostics(Sidebar, bpy.types.Panel):
-    """How good the meshes are, and what would make them better"""
+    """Quality of the meshes, and how to improve it"""
 
     bl_label = "Diagnostics"
     bl_idname = "CONVWASS_PT_morph_diagnostics"
@@ -67,14 +67,14 @@ class CONVWASS_PT_morph_diagnostics(Sidebar, bpy.types.Panel):
     def draw(self, context):
         notes = stored_diagnostics(active_morph(context))
         if not notes:
-            self.layout.label(text="Nothing is known about it", icon="QUESTION")
+            self.layout.label(text="No diagnostics available", icon="QUESTION")
         for note in notes:
             icon = "CHECKMARK" if note.kind == "GOOD" else _ICONS[note.severity]
             draw_wrapped(self.layout, context, translated(note.sentence), icon)
 
 
 def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> None:
-    """Draw what else can be made of a morph."""
+    """Draw the buttons that make other outputs of a morph."""
     column = layout.column(align=True)
     # Its own objects are hidden while something else shows it.
     if not shows_frames(morph):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels of densities on the surface of the active mesh."""
+"""The panels for densities on the active mesh."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 
 class CONVWASS_UL_density_stops(bpy.types.UIList):
-    """Groups to go through: whether each takes part, its number, its name and its frame"""
+    """Stops: whether enabled, number, group and frame"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
@@ -66,7 +66,7 @@ class CONVWASS_UL_density_stops(bpy.types.UIList):
 
 
 class CONVWASS_PT_densities(Sidebar, bpy.types.Panel):
-    """Paint distributions on the active mesh, measure them, and let them travel along its surface"""
+    """Paint densities on the active mesh, measure them, and move them along its surface"""
 
     bl_label = "Densities"
     bl_idname = "CONVWASS_PT_densities"
@@ -89,7 +89,7 @@ class CONVWASS_PT_densities(Sidebar, bpy.types.Panel):
 
 
 def _draw_figures(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object, group: str) -> None:
-    """Tell what was last found out about the active group."""
+    """Show the last figures of the active group."""
     found = obj.convwass_density_findings
     if found.group != group:
         return
@@ -104,11 +104,11 @@ def _draw_figures(layout: bpy.types.UILayout, context: bpy.types.Context, obj: b
 
 
 def _draw_played(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object, name: str) -> None:
-    """Show the value of an animated density, and what it has lost."""
+    """Show the value of an animated density, and its missing inputs."""
     try:
         value = density_value(obj, name)
     except ConvwassError:
-        # Somebody has edited its nodes.
+        # Its nodes were edited by hand.
         return
     layout.prop(value.owner, value.path, text=name, translate=False)
     lost = lost_inputs(obj, stored_or_new(obj, name))
@@ -127,7 +127,7 @@ class _Subpanel(Sidebar):
 
 
 class _OfGroups(_Subpanel):
-    """A panel about groups that have been painted."""
+    """Base of panels that require painted groups."""
 
     @classmethod
     def poll(cls, context):
@@ -180,7 +180,7 @@ class CONVWASS_PT_density_measure(_OfGroups, bpy.types.Panel):
 
 
 class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
-    """Let densities travel along the surface"""
+    """Move densities along the surface"""
 
     bl_label = "Interpolate"
     bl_idname = "CONVWASS_PT_density_interpolate"
@@ -214,7 +214,7 @@ class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
 
 
 class CONVWASS_PT_density_solver(_Subpanel, bpy.types.Panel):
-    """Settings with good defaults"""
+    """Settings; the defaults suit most cases"""
 
     bl_label = "Solver"
     bl_idname = "CONVWASS_PT_density_solver"
@@ -225,7 +225,7 @@ class CONVWASS_PT_density_solver(_Subpanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_density_output(_Subpanel, bpy.types.Panel):
-    """What is made of an animated density"""
+    """Outputs of an animated density"""
 
     bl_label = "Output"
     bl_idname = "CONVWASS_PT_density_output"

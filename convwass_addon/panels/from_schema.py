@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rows of panels that are made from the settings of the applications."""
+"""Panel rows generated from the settings of the applications."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from ..schema import Setting, Settings, setting_of, settings_of
 
 
 def draw_settings(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, kind: type[Settings], panel: str) -> None:
-    """Draw the settings that belong into a panel, in their order.
+    """Draw the settings that belong to a panel, in their order.
 
     Parameters
     ----------
     layout : bpy.types.UILayout
-        Where.
+        Where to draw.
     own : bpy.types.PropertyGroup
-        Whose properties hold the settings.
+        Holds the properties of the settings.
     kind : type
-        Whose settings.
+        The settings class.
     panel : str
-        Which of them: those that name this panel.
+        Draw the settings that name this panel.
     """
     for one in settings_of(kind):
         if one.panel == panel and one.prop is not None:
@@ -29,7 +29,7 @@ def draw_settings(layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, kind
 
 
 def _applies(own: bpy.types.PropertyGroup, kind: type[Settings], one: Setting) -> bool:
-    """Tell whether a setting has an effect beside the others."""
+    """Return whether a setting has an effect, given the others."""
     if not one.applies_when:
         return True
     other, value = one.applies_when

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels of light: materials between others, and skies between others."""
+"""The panels for blending materials and skies."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, Refle
 from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
-# What counts for every kind of blend.
+# The properties that each kind of blend uses.
 _SPAN = ("blends", "frame_start", "frame_end")
 _COUNTED = {"PATH": _SPAN, "KEYED": _SPAN, "WEIGHTS": (), "PAD": ("blends",)}
 
 
 class CONVWASS_PT_light(Sidebar, bpy.types.Panel):
-    """Blend what surfaces reflect and what skies shine, so that highlights and suns move"""
+    """Blend materials and skies, so that highlights and suns move"""
 
     bl_label = "Light"
     bl_idname = "CONVWASS_PT_light"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        """Nothing: all is in its parts."""
+        """Draw nothing; the subpanels have all the content."""
 
 
 class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
-    """Materials between others"""
+    """Blend materials"""
 
     bl_label = "Materials"
     bl_idname = "CONVWASS_PT_reflectance"
@@ -60,19 +60,19 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
 
 
 def _missing(own: CONVWASS_PG_reflectance) -> str | None:
-    """Say in the user's language what a blend of materials lacks; None for nothing."""
+    """Return a hint what a blend of materials lacks, in the user's language, or None."""
     count = len(own.chosen_materials)
     if count < 2:
-        return iface_("Choose two materials or more")
+        return iface_("Choose at least two materials")
     if own.blend == "PAD" and count < 3:
-        return iface_("A pad takes three or four materials, there are {:d}").format(count)
+        return iface_("A pad requires three or four materials, not {:d}").format(count)
     if own.blend == "PAD" and own.blends > MOST_ON_PAD:
-        return iface_("A pad takes {:d} steps at most").format(MOST_ON_PAD)
+        return iface_("A pad can have at most {:d} steps").format(MOST_ON_PAD)
     return None
 
 
 def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) -> None:
-    """Draw the materials that are chosen and room for one more; weights where they count."""
+    """Draw the chosen materials and an empty slot, with weights if they are used."""
     column = layout.column(align=True)
     for name in _slots(own, MATERIALS, 1):
         row = column.row(align=True)
@@ -84,7 +84,7 @@ def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) ->
 
 
 def _slots(own: bpy.types.PropertyGroup, names: Sequence[str], least: int) -> list[str]:
-    """Return which of the slots of a choice are drawn: those that are filled, and one more, so many at least."""
+    """Return the slots to draw: the filled ones and one empty slot, at least `least` in total."""
     filled = [name for name in names if getattr(own, name) is not None]
     spare = [name for name in names if name not in filled]
     shown = {*filled, *spare[: max(1, least - len(filled))]}
@@ -92,7 +92,7 @@ def _slots(own: bpy.types.PropertyGroup, names: Sequence[str], least: int) -> li
 
 
 class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
-    """Settings with good defaults"""
+    """Settings; the defaults suit most cases"""
 
     bl_label = "Material Settings"
     bl_idname = "CONVWASS_PT_reflectance_settings"
@@ -111,7 +111,7 @@ class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
 
 
 class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
-    """Skies between others"""
+    """Blend skies"""
 
     bl_label = "Sky"
     bl_idname = "CONVWASS_PT_sky"
@@ -128,7 +128,7 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
         row.enabled = len(own.chosen_worlds) >= 2
         fill_operator(row.operator(CONVWASS_OT_blend_skies.bl_idname, icon="WORLD"), own, SkyProperties)
         if not row.enabled:
-            layout.label(text="Choose two worlds or more", icon="INFO")
+            layout.label(text="Choose at least two worlds", icon="INFO")
         layout.use_property_split = True
         layout.use_property_decorate = False
         for name in ("folder", "width", "frame_start", "frame_end"):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Entries of Blender's own menus, through which the search for operators (F3) finds them."""
+"""Entries in Blender's menus, so that the operator search (F3) finds them."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels that ask what to morph and how."""
+"""The panels for choosing what to morph and how."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
 from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
-# Selected shapes that are named; of more only the number is told.
+# Longest list of selected shapes that is shown in full.
 _NAMED = 8
 _NEEDED = {"GRID": 4, "TRIANGLE": 3}
 # Bytes from which on the memory that a bake takes is told.
@@ -42,7 +42,7 @@ _ICONS = {
 
 
 class CONVWASS_UL_inputs(bpy.types.UIList):
-    """Shapes to morph: whether each takes part, its name, its weight in a single blend, and what is wrong with it"""
+    """Shapes to morph: whether enabled, name, weight in a single blend, and problems"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
@@ -71,7 +71,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        # Who paints weights wants densities.
+        # Hidden in Weight Paint mode, where the Densities panel comes first.
         return context.mode != "PAINT_WEIGHT"
 
     def draw(self, context):
@@ -93,7 +93,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
             column.prop(settings, "frames")
         elif settings.layout != "BLEND":
             column.prop(settings, "steps")
-        # Buttons stay where they are when the selection changes under the mouse.
+        # The layout does not depend on the selection, so that buttons do not move under the mouse.
         column.prop(settings, "flat_resolution" if flat else "resolution")
         if flat:
             column.prop(settings, "words")
@@ -107,13 +107,13 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         row.enabled = count >= 2 if needed is None else count == needed
         operator = row.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
         fill_operator(operator, settings, MorphProperties)
-        # Of fewer shapes that are selected the box has told.
+        # For fewer selected shapes, the selection box shows a hint.
         if needed is not None and count != needed and (count >= 2 or settings.inputs):
-            text = iface_("This layout takes {:d} shapes, there are {:d}").format(needed, count)
+            text = iface_("This layout requires {:d} shapes, not {:d}").format(needed, count)
             draw_wrapped(layout, context, text, "INFO")
         elif count < 2 and settings.inputs:
-            # Without a list the selection says so.
-            layout.label(text="Put two or more shapes on the list", icon="INFO")
+            # Without a list, the selection box shows the hint.
+            layout.label(text="Add at least two shapes to the list", icon="INFO")
 
 
 def _draw_list(layout: bpy.types.UILayout, settings: CONVWASS_PG_morph) -> None:
@@ -134,12 +134,12 @@ def _draw_list(layout: bpy.types.UILayout, settings: CONVWASS_PG_morph) -> None:
 def _draw_selection(
     layout: bpy.types.UILayout, context: bpy.types.Context, settings: CONVWASS_PG_morph
 ) -> list[bpy.types.Object]:
-    """Name the selected shapes, which are morphed while there is no list, and return them."""
+    """Draw the selected shapes, which are morphed if there is no list, and return them."""
     shapes = settings.sorted_shapes([obj for obj in context.selected_objects if is_shape(obj)])
     box = layout.box().column(align=True)
     if len(shapes) < 2:
         box.label(text=_hint(settings.layout), icon="INFO", translate=False)
-        # After a bake, whose frame is selected and whose shapes are hidden.
+        # After a bake, a frame is selected and the shapes are hidden.
         if active_morph(context) is not None:
             box.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
     for index, obj in enumerate(shapes[:_NAMED]):
@@ -173,12 +173,12 @@ def _draw_memory(
 
 
 def _hint(layout: str) -> str:
-    """Say in the user's language how many shapes a layout takes."""
+    """Return a hint how many shapes a layout requires, in the user's language."""
     if layout == "GRID":
         return iface_("Select four shapes")
     if layout == "TRIANGLE":
         return iface_("Select three shapes")
-    return iface_("Select two or more shapes")
+    return iface_("Select at least two shapes")
 
 
 def _icon(obj: bpy.types.Object) -> str:
@@ -196,7 +196,7 @@ class _Subpanel(Sidebar):
 
 
 class CONVWASS_PT_morph_placement(_Subpanel, bpy.types.Panel):
-    """How the shapes are laid onto each other"""
+    """How the shapes are aligned with each other"""
 
     bl_label = "Matching"
     bl_idname = "CONVWASS_PT_morph_placement"
@@ -207,7 +207,7 @@ class CONVWASS_PT_morph_placement(_Subpanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
-    """When the morph begins, and how often its mesh changes"""
+    """Start of the morph, and how often its mesh changes"""
 
     bl_label = "Timing"
     bl_idname = "CONVWASS_PT_morph_timing"
@@ -225,7 +225,7 @@ class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
-    """What a bake leaves in the scene"""
+    """Result of a bake in the scene"""
 
     bl_label = "Output"
     bl_idname = "CONVWASS_PT_morph_output"
@@ -251,7 +251,7 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_solver_presets(PresetPanel, bpy.types.Panel):
-    """Settings of the solver under a name"""
+    """Named settings of the solver"""
 
     bl_label = "Solver Presets"
     preset_subdir = SUBFOLDER
@@ -260,7 +260,7 @@ class CONVWASS_PT_solver_presets(PresetPanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_morph_solver(_Subpanel, bpy.types.Panel):
-    """Settings with good defaults"""
+    """Settings; the defaults suit most cases"""
 
     bl_label = "Solver"
     bl_idname = "CONVWASS_PT_morph_solver"

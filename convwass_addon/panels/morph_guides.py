@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of the guides of a morph."""
+"""The panel for the guides of a morph."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .sidebar import Sidebar, draw_numbered, draw_wrapped
 
 
 class CONVWASS_UL_morph_guides(bpy.types.UIList):
-    """Guides: whether they take part, their number, their name, and on how many shapes they have a point"""
+    """Guides: whether enabled, number, name, and the shapes they are on"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
@@ -32,7 +32,7 @@ class CONVWASS_UL_morph_guides(bpy.types.UIList):
 
 
 class CONVWASS_PT_morph_guides(Sidebar, bpy.types.Panel):
-    """Points of the shapes that belong together"""
+    """Corresponding points of the shapes"""
 
     bl_label = "Guides"
     bl_idname = "CONVWASS_PT_morph_guides"
@@ -60,10 +60,10 @@ class CONVWASS_PT_morph_guides(Sidebar, bpy.types.Panel):
 
 
 def _unheeded(settings: CONVWASS_PG_morph) -> str:
-    """Return why guides make no difference, if so."""
+    """Return why guides have no effect, or an empty text."""
     if settings.motion in ("WARP", "TRANSPORT"):
-        return iface_("Guides take part where Motion is Automatic or Guided")
-    return iface_("At a coherence of 0 guides take no part") if settings.coherence == 0.0 else ""
+        return iface_("Guides only have an effect if Motion is Automatic or Guided")
+    return iface_("Guides have no effect at a coherence of 0") if settings.coherence == 0.0 else ""
 
 
 classes = (CONVWASS_UL_morph_guides, CONVWASS_PT_morph_guides)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bar of what is being computed, above all other panels: it is there whichever of them are closed."""
+"""The progress bar of the running job, above all other panels so that it is always visible."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from .sidebar import ImageSidebar, Sidebar
 
 
 class _Progress:
-    """How far it is, and a button that ends it."""
+    """Progress of the running job, and a button to stop it."""
 
-    # With a header: Blender would put a panel without one, and its tab, before those of everybody else.
+    # Has a header because Blender would otherwise move the panel and its tab before those of other add-ons.
     bl_label = "Progress"
 
     @classmethod
@@ -27,13 +27,13 @@ class _Progress:
 
 
 class CONVWASS_PT_progress(_Progress, Sidebar, bpy.types.Panel):
-    """What is being computed"""
+    """The running job"""
 
     bl_idname = "CONVWASS_PT_progress"
 
 
 class CONVWASS_PT_image_progress(_Progress, ImageSidebar, bpy.types.Panel):
-    """What is being computed"""
+    """The running job"""
 
     bl_idname = "CONVWASS_PT_image_progress"
 

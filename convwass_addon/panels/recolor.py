@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels that recolor: images in the Image Editor, color attributes in the 3D viewport."""
+"""The panels for recoloring images in the Image Editor and color attributes in the 3D viewport."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .sidebar import ImageSidebar, Sidebar, fill_operator
 
 
 class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
-    """Give an image the palette of another one, or the blend of several"""
+    """Give an image the palette of another image, or a blend of several"""
 
     bl_label = "Recolor"
     bl_idname = "CONVWASS_PT_recolor_image"
@@ -33,7 +33,7 @@ class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
 
 
 def _draw_image(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
-    """Draw what can be done with a still image."""
+    """Draw the buttons for a still image."""
     row = layout.row()
     row.scale_y = 1.6
     operator = row.operator(CONVWASS_OT_recolor_image.bl_idname, icon="COLOR")
@@ -43,7 +43,7 @@ def _draw_image(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
 
 
 def _draw_clip(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
-    """Draw what can be done with a sequence or a movie: all frames alike, or a try on the one that is shown."""
+    """Draw the buttons for a clip: recolor all frames, or try out the current one."""
     row = layout.row()
     row.scale_y = 1.6
     operator = row.operator(CONVWASS_OT_recolor_clip.bl_idname, icon="RENDER_ANIMATION")
@@ -56,7 +56,7 @@ def _draw_clip(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
 
 
 def _draw_palettes(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
-    """Draw the palettes that are chosen and room for one more; weights where there are several."""
+    """Draw the chosen palettes and an empty slot, with weights if there are several."""
     count = len(own.chosen_palettes)
     column = layout.column(align=True)
     column.label(text="Palette")
@@ -74,7 +74,7 @@ def _draw_palettes(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None
 
 
 class CONVWASS_PT_recolor_settings(ImageSidebar, bpy.types.Panel):
-    """Settings with good defaults"""
+    """Settings; the defaults suit most cases"""
 
     bl_label = "Recolor Settings"
     bl_idname = "CONVWASS_PT_recolor_settings"
@@ -92,7 +92,7 @@ class CONVWASS_PT_recolor_settings(ImageSidebar, bpy.types.Panel):
 
 
 class CONVWASS_PT_recolor_grade(ImageSidebar, bpy.types.Panel):
-    """The same colors for a whole clip"""
+    """Reuse the color map for a whole clip"""
 
     bl_label = "Grade to Reuse"
     bl_idname = "CONVWASS_PT_recolor_grade"
@@ -109,7 +109,7 @@ class CONVWASS_PT_recolor_grade(ImageSidebar, bpy.types.Panel):
 
 
 class CONVWASS_PT_recolor_attribute(Sidebar, bpy.types.Panel):
-    """Give a color attribute the palette of another object's"""
+    """Give a color attribute the palette of another object"""
 
     bl_label = "Recolor Attribute"
     bl_idname = "CONVWASS_PT_recolor_attribute"
@@ -127,7 +127,7 @@ class CONVWASS_PT_recolor_attribute(Sidebar, bpy.types.Panel):
         row.scale_y = 1.6
         operator = row.operator(CONVWASS_OT_recolor_attribute.bl_idname, icon="COLOR")
         fill_operator(operator, own, RecolorProperties)
-        # Neighbors of vertices are not those of pixels.
+        # The edge radius is measured in pixels and does not apply to vertices.
         operator.edge_radius = 0
         operator.result = own.result
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels in the sidebar have in common."""
+"""Base classes and helpers for panels in the sidebar."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from inspect import get_annotations
 
 import bpy
 
-# Width of a letter on average, and what the icon and the margins take, both in pixels at a scale of 1.
+# Average width of a letter, and the width of icon and margins, in pixels at UI scale 1.
 _LETTER, _MARGINS = 6.2, 60.0
 _FEWEST_LETTERS = 16
 
 
 class Sidebar:
-    """A panel on the add-on's tab."""
+    """A panel on the add-on's tab in the 3D viewport."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -23,7 +23,7 @@ class Sidebar:
 
 
 class ImageSidebar:
-    """A panel on the add-on's tab of the Image Editor."""
+    """A panel on the add-on's tab in the Image Editor."""
 
     bl_space_type = "IMAGE_EDITOR"
     bl_region_type = "UI"
@@ -31,7 +31,7 @@ class ImageSidebar:
 
 
 def draw_numbered(row: bpy.types.UILayout, item: bpy.types.PropertyGroup, index: int) -> bpy.types.UILayout:
-    """Begin the row of a list with an item's switch, number and name; return where the rest goes, gray if it is off."""
+    """Draw switch, number and name of a list item; return the layout for the rest, gray if disabled."""
     row.use_property_split = False
     row.prop(item, "enabled", text="")
     shown = row.row(align=True)
@@ -44,8 +44,8 @@ def draw_numbered(row: bpy.types.UILayout, item: bpy.types.PropertyGroup, index:
 
 
 def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
-    """Write a sentence on as many lines as the width of the region asks for, the first one with an icon."""
-    # Without a window, as in a background Blender, the scale is 0.
+    """Draw a text wrapped to the width of the region, with an icon on the first line."""
+    # In background mode there is no window and the scale is 0.
     scale = context.preferences.system.ui_scale
     width = context.region.width / scale if context.region and scale > 0 else 0.0
     column = layout.column(align=True)
@@ -56,7 +56,7 @@ def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: s
 
 
 def fill_operator(operator: bpy.types.OperatorProperties, own: bpy.types.PropertyGroup, kind: type) -> None:
-    """Give an operator the settings of a kind, a class of annotated properties, that a group holds."""
+    """Copy the annotated properties of a class from a property group to an operator."""
     names = [name for base in kind.__mro__ for name in get_annotations(base)]
     for name in names:
         setattr(operator, name, getattr(own, name))

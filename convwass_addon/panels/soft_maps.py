@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels of soft maps: two objects, pairs of vertices, and what is carried along the map."""
+"""The panels for soft maps: two objects, pairs of vertices, transfers, inspection."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .sidebar import Sidebar, draw_numbered, draw_wrapped, fill_operator
 
 
 class CONVWASS_UL_map_pairs(bpy.types.UIList):
-    """Vertices that belong together: whether they take part, their number, their name, and both vertices"""
+    """Corresponding vertices: whether enabled, number, name, and both vertices"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
@@ -50,7 +50,7 @@ class CONVWASS_UL_map_pairs(bpy.types.UIList):
 
 
 class CONVWASS_PT_soft_map(Sidebar, bpy.types.Panel):
-    """Carry weights, shape keys, UV maps and colors from one character to another"""
+    """Transfer weights, shape keys, UV maps and colors from one character to another"""
 
     bl_label = "Soft Map"
     bl_idname = "CONVWASS_PT_soft_map"
@@ -70,12 +70,12 @@ class CONVWASS_PT_soft_map(Sidebar, bpy.types.Panel):
             layout.label(text=text, icon="CHECKMARK", translate=False)
             changed = recounted(*way)
             if changed:
-                text = iface_("Other vertices or faces than the map: {:s}; compute it again")
+                text = iface_("Vertices or faces have changed since the map was computed: {:s}; compute it again")
                 draw_wrapped(layout, context, text.format(", ".join(changed)), "ERROR")
 
 
 def _draw_compute(layout: bpy.types.UILayout, own: CONVWASS_PG_soft_map) -> None:
-    """Draw the button that suits the two objects."""
+    """Draw the button for two objects, or for a mirror map of one object."""
     is_mirror = own.source is not None and own.source == own.target
     kind, icon = (
         (CONVWASS_OT_mirror_map, "MOD_MIRROR") if is_mirror else (CONVWASS_OT_compute_soft_map, "MOD_DATA_TRANSFER")
@@ -95,7 +95,7 @@ class _Subpanel(Sidebar):
 
 
 class _OfMap(_Subpanel):
-    """A panel about a map that is there."""
+    """Base of panels that require a stored map."""
 
     @classmethod
     def poll(cls, context):
@@ -103,7 +103,7 @@ class _OfMap(_Subpanel):
 
 
 class CONVWASS_PT_map_pairs(_Subpanel, bpy.types.Panel):
-    """Vertices that belong together"""
+    """Corresponding vertices"""
 
     bl_label = "Pairs"
     bl_idname = "CONVWASS_PT_map_pairs"
@@ -125,7 +125,7 @@ class CONVWASS_PT_map_pairs(_Subpanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_map_solver(_Subpanel, bpy.types.Panel):
-    """Settings with good defaults"""
+    """Settings; the defaults suit most cases"""
 
     bl_label = "Map Settings"
     bl_idname = "CONVWASS_PT_map_solver"
@@ -140,7 +140,7 @@ class CONVWASS_PT_map_solver(_Subpanel, bpy.types.Panel):
 
 
 class CONVWASS_PT_map_transfer(_OfMap, bpy.types.Panel):
-    """Carry something along the map"""
+    """Transfer data with the map"""
 
     bl_label = "Transfer"
     bl_idname = "CONVWASS_PT_map_transfer"

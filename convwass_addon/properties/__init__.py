@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of scenes, objects and operators, a module for every panel, and the state of running work."""
+"""Properties of scenes, objects and operators, with a module for every panel, and the state of the running job."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from types import ModuleType
 
 
 def registered() -> tuple[ModuleType, ...]:
-    """Return the modules that add something to Blender; imported here, since they import bpy."""
+    """Return the modules that register properties; imported here because they import bpy."""
     from . import armatures, densities, light, morph_guides, morph_inputs, progress, recolor, soft_maps
 
     return (progress, morph_inputs, morph_guides, densities, soft_maps, armatures, recolor, light)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of fitting armatures, as each scene has its own, and the pins of bones."""
+"""Settings for fitting armatures, stored in the scene, and the pins of bones."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .from_schema import values_of, with_properties
 @with_properties(FitRequest)
 @with_properties(SkeletonSettings)
 class FitProperties:
-    """What the fit of an armature is asked for."""
+    """Properties of a fit."""
 
     def skeleton_settings(self) -> SkeletonSettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
+        """Return the settings of the application; raises InputError if they are invalid."""
         return SkeletonSettings(**values_of(self, SkeletonSettings))
 
 
 def depth_property() -> object:
-    """Return the property of how far behind the surface a joint is placed."""
+    """Return the property for the depth of joints below the surface."""
     return FloatProperty(
         name="Depth",
-        description="How far behind the surface joints are placed by a click: 1 is the middle of the body there, less "
-        "stays closer to the surface",
+        description="How far below the clicked surface point a joint is placed: 1 is the middle of the body, smaller "
+        "values are closer to the surface",
         default=1.0,
         min=0.05,
         soft_min=0.2,
@@ -40,37 +40,35 @@ def depth_property() -> object:
 
 
 def is_mesh(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
-    """Whether an object can be a body, as the panel asks."""
+    """Poll of the body: return whether an object is a mesh."""
     return obj.type == "MESH"
 
 
 def is_rig(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
-    """Whether an object can be a rig: an armature, or a mesh of edges alone."""
+    """Poll of the rig: return whether an object is an armature, or a mesh with edges but no faces."""
     return obj.type == "ARMATURE" or (obj.type == "MESH" and not obj.data.polygons and bool(obj.data.edges))
 
 
 class CONVWASS_PG_armature(FitProperties, bpy.types.PropertyGroup):
-    """Settings of fitting armatures in a scene."""
+    """Settings for fitting armatures in a scene."""
 
-    body: PointerProperty(
-        name="Body", description="Mesh that the armature is fitted into", type=bpy.types.Object, poll=is_mesh
-    )
+    body: PointerProperty(name="Body", description="Mesh to fit the armature into", type=bpy.types.Object, poll=is_mesh)
     rig: PointerProperty(
         name="Armature",
-        description="Armature that is fitted, or a mesh of edges without faces; while there is none, the active one",
+        description="Armature to fit, or a mesh of edges without faces; if empty, the active armature",
         type=bpy.types.Object,
         poll=is_rig,
     )
     depth: depth_property()
     show_joints: BoolProperty(
         name="Show Joints",
-        description="Draw dots on the joints in the viewport: green ones are pinned, blue ones are free",
+        description="Draw dots on the joints in the viewport: green for pinned joints, blue for free joints",
         default=True,
     )
 
 
 def chosen_rig(context: bpy.types.Context) -> bpy.types.Object | None:
-    """Return the rig that is chosen in the panel, or else the active armature; None where there is neither."""
+    """Return the rig chosen in the panel, else the active armature, else None."""
     own = context.scene.convwass_armature
     if own.rig is not None:
         return own.rig
@@ -79,7 +77,7 @@ def chosen_rig(context: bpy.types.Context) -> bpy.types.Object | None:
 
 
 def dotted_rig(context: bpy.types.Context) -> bpy.types.Object | None:
-    """Return the rig whose joints are drawn: only where somebody works on one with the panel."""
+    """Return the rig whose joints are drawn, or None if the panel is not in use."""
     own = context.scene.convwass_armature
     rig = chosen_rig(context) if own.show_joints and own.body is not None else None
     return rig if rig is not None and rig.type in KINDS else None
@@ -99,7 +97,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them away."""
+    """Remove them."""
     _dots.unregister()
     unregister_pins()
     del bpy.types.Scene.convwass_armature

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of densities on surfaces, as each mesh object has its own, and what was last found out about it."""
+"""Settings of densities, stored with each mesh object, and the last figures measured on it."""
 
 from __future__ import annotations
 
@@ -21,35 +21,39 @@ from ..bridge.densities.density_request import DensityRequest
 from .from_schema import values_of, with_properties
 
 DEFAULT_FOLDER = "//density"
-"""Beside the .blend file."""
+"""Next to the .blend file."""
 
 OUTPUTS = (
-    ("GROUPS", "Vertex Groups", "One vertex group for each step"),
-    ("COLORS", "Color Attributes", "One color attribute for each step, in the colors of a heat map"),
-    ("ANIMATED_COLOR", "Animated Color", "One color attribute that shows the heat map of every frame, without images"),
-    ("IMAGES", "Images", "One grayscale image for each step, through the UV map"),
+    ("GROUPS", "Vertex Groups", "One vertex group per step"),
+    ("COLORS", "Color Attributes", "One color attribute per step, as a heat map"),
+    (
+        "ANIMATED_COLOR",
+        "Animated Color",
+        "One color attribute that shows the heat map of the current frame, without images",
+    ),
+    ("IMAGES", "Images", "One grayscale image per step, using the UV map"),
 )
-"""What a played density can be baked to, as items of an enum."""
+"""The outputs of an animated density, as items of an enum."""
 
 ON_SURFACE = ("blur", "pieces")
-"""The settings that every solve on a surface takes."""
+"""Settings of every solve on a surface."""
 
 _LENGTH = {"min": 0.0, "subtype": "DISTANCE", "precision": 3}
 
 
 def length_property() -> object:
-    """Return the property of how far a density is diffused."""
+    """Return the property for the length of a diffusion."""
     return FloatProperty(
         name="Length",
-        description="Standard deviation that the density gains along the surface; 0 takes a twentieth of the surface's "
-        "width",
+        description="Standard deviation by which the density spreads along the surface; 0 for a twentieth of the "
+        "width of the surface",
         soft_max=1.0,
         **_LENGTH,
     )
 
 
 def share_property() -> object:
-    """Return the property of how much a density is sharpened."""
+    """Return the property for the amount of sharpening."""
     return FloatProperty(
         name="Share",
         description="Share of its area that the density covers afterwards",
@@ -61,10 +65,10 @@ def share_property() -> object:
 
 
 def radius_property() -> object:
-    """Return the property of how far a dropped mass is spread."""
+    """Return the property for the radius of a dropped mass."""
     return FloatProperty(
         name="Radius",
-        description="Length by which a dropped mass is spread along the surface; 0 leaves it on the vertices alone",
+        description="Distance by which the dropped mass spreads along the surface; 0 keeps it on the vertices",
         soft_max=1.0,
         **_LENGTH,
     )
@@ -72,47 +76,47 @@ def radius_property() -> object:
 
 @with_properties(DensitySettings, only=ON_SURFACE)
 class SurfaceProperties:
-    """What every solve on a surface is asked for."""
+    """Properties of every solve on a surface."""
 
 
 @with_properties(DensitySettings, without=(*ON_SURFACE, "steps"))
 class TravelProperties(SurfaceProperties):
-    """What every density that is made of others is asked for."""
+    """Properties of densities computed from others."""
 
     def density_settings(self, steps: int = DensitySettings.steps) -> DensitySettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
+        """Return the settings of the application; raises InputError if they are invalid."""
         return DensitySettings(steps, **values_of(self, DensitySettings, without=("steps",)))
 
 
 @with_properties(DensityRequest)
 @with_properties(DensitySettings, only=("steps",))
 class PathProperties(TravelProperties):
-    """What a density that travels is asked for besides."""
+    """Properties of an animated density."""
 
     density: StringProperty(
         name="Name",
-        description="Name of the animated attribute, which materials and Geometry Nodes read; one of the same name is "
-        "replaced",
+        description="Name of the animated attribute, for materials and Geometry Nodes; an attribute of the same name "
+        "is replaced",
         default=NAME,
     )
     add_material: BoolProperty(
         name="Show Heat Map",
-        description="Give the object a material that shows the density, if it has none",
+        description="Assign a material that shows the density, if the object has none",
         default=True,
     )
 
     def request(self) -> DensityRequest:
-        """Return what is stored with a density besides the settings of its solver."""
+        """Return the request stored with a density, in addition to the solver settings."""
         return DensityRequest(**values_of(self, DensityRequest))
 
 
 class OutputProperties:
-    """What else a played density is baked to."""
+    """Properties for baking an animated density."""
 
-    output: EnumProperty(name="Output", description="What the steps of the density are written to", items=OUTPUTS)
+    output: EnumProperty(name="Output", description="Destination of the steps of the density", items=OUTPUTS)
     folder: StringProperty(
         name="Folder",
-        description="Where images go; // is the folder of the .blend file",
+        description="Folder for the images; // is the folder of the .blend file",
         default=DEFAULT_FOLDER,
         subtype="DIR_PATH",
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
@@ -128,7 +132,7 @@ class OutputProperties:
     )
     margin: IntProperty(
         name="Margin",
-        description="Pixels around the islands of the UV map that are filled, so that no seams show",
+        description="Pixels filled around the islands of the UV map, so that seams do not show",
         default=8,
         min=0,
         max=256,
@@ -136,54 +140,52 @@ class OutputProperties:
     )
     file_format: EnumProperty(
         name="Format",
-        description="Which files are written",
+        description="File format of the images",
         items=(
-            ("PNG", "PNG", "16 bits; white is the largest value of all steps"),
-            ("OPEN_EXR", "OpenEXR", "32 bits, the values as they are"),
+            ("PNG", "PNG", "16 bits; white is the maximum over all steps"),
+            ("OPEN_EXR", "OpenEXR", "32 bits with unscaled values"),
         ),
     )
 
 
 class CONVWASS_PG_density_stop(bpy.types.PropertyGroup):
-    """A group on the list of stops."""
+    """A stop on the path of a density."""
 
     group: StringProperty(
         name="Group",
-        description="Vertex group that the density comes to here; for Propagate, one that is left out, missing or "
-        "empty is filled in",
+        description="Vertex group at this stop; Propagate fills in groups that are missing or empty",
     )
     frame: FloatProperty(
         name="Frame",
-        description="Scene frame at which the density has come to this group",
+        description="Scene frame at which the density reaches this group",
         default=1.0,
         precision=1,
     )
     weight: FloatProperty(
         name="Weight",
-        description="Share of this group in a blend, compared with those of the others",
+        description="Share of this group in a blend, relative to the others",
         default=1.0,
         min=0.0,
         soft_max=1.0,
     )
-    enabled: BoolProperty(name="Enabled", description="Whether this stop takes part", default=True)
+    enabled: BoolProperty(name="Enabled", description="Whether this stop is used", default=True)
 
 
 class CONVWASS_PG_densities(PathProperties, OutputProperties, bpy.types.PropertyGroup):
     """Settings of the densities of an object."""
 
-    first: StringProperty(name="First", description="Vertex group that the density starts from")
-    second: StringProperty(name="Second", description="Vertex group that the density goes to")
+    first: StringProperty(name="First", description="Vertex group at the start")
+    second: StringProperty(name="Second", description="Vertex group at the end")
     stops: CollectionProperty(
         name="Stops",
-        description="Groups to go through or to blend, in this order; while there are none, the first and the second "
-        "group count",
+        description="Groups to pass through or to blend, in this order; if empty, the first and the second group",
         type=CONVWASS_PG_density_stop,
     )
-    active_stop: IntProperty(name="Active Stop", description="The stop that buttons beside the list act on", min=0)
+    active_stop: IntProperty(name="Active Stop", description="The stop that the buttons next to the list act on", min=0)
     edges: StringProperty(
         name="Edges",
-        description="Pairs of stops that are to be near to each other, by their numbers from 0, such as 0-1, 1-2, 1-3; "
-        "empty for a chain",
+        description="Pairs of stops that should be close to each other, by their numbers from 0, such as 0-1, 1-2, "
+        "1-3; empty for a chain",
     )
     length: length_property()
     share: share_property()
@@ -191,12 +193,12 @@ class CONVWASS_PG_densities(PathProperties, OutputProperties, bpy.types.Property
 
     @property
     def enabled_stops(self) -> list[CONVWASS_PG_density_stop]:
-        """The stops that take part."""
+        """The enabled stops."""
         return [stop for stop in self.stops if stop.enabled]
 
 
 class CONVWASS_PG_density_findings(bpy.types.PropertyGroup):
-    """What was last found out about the densities of an object."""
+    """The last figures measured on an object."""
 
     group: StringProperty(name="Group")
     covered: FloatProperty(name="Covered")
@@ -213,14 +215,14 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory(_cla
 
 
 def register() -> None:
-    """Add the settings and the findings to objects."""
+    """Add the settings and figures to objects."""
     _register_classes()
     bpy.types.Object.convwass_density = PointerProperty(type=CONVWASS_PG_densities)
     bpy.types.Object.convwass_density_findings = PointerProperty(type=CONVWASS_PG_density_findings)
 
 
 def unregister() -> None:
-    """Take both away."""
+    """Remove both."""
     del bpy.types.Object.convwass_density_findings
     del bpy.types.Object.convwass_density
     _unregister_classes()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Properties of Blender that are made from the settings of the applications, and their values."""
+"""Blender properties generated from the settings of the applications."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _PATHS = ("DIR_PATH", "FILE_PATH")
 def with_properties(
     kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
 ) -> Callable[[type], type]:
-    """Return a decorator that annotates a class with the properties of settings, as Blender wants them.
+    """Return a decorator that annotates a class with the properties of some settings.
 
     Parameters
     ----------
     kind : type
-        Whose settings; those that have no property are left out.
+        The settings class; settings without a property are skipped.
     only, without : container of str
         Names of fields; see :func:`.schema.settings_of`.
     """
@@ -32,7 +32,7 @@ def with_properties(
         made |= _properties(one)
 
     def annotated(cls: type) -> type:
-        # From Python 3.14 on, the namespace of a class does not hold them.
+        # From Python 3.14 on, annotations are not stored in the namespace of the class.
         cls.__annotations__ = made | get_annotations(cls)
         return cls
 
@@ -40,7 +40,7 @@ def with_properties(
 
 
 def property_of(kind: type[Settings], name: str) -> object:
-    """Return the property of one setting, for a class that has no other of these settings or another name for it."""
+    """Return the property of one setting, for classes that rename it or have no other settings of this kind."""
     (made,) = _properties(setting_of(kind, name)).values()
     return made
 
@@ -48,14 +48,14 @@ def property_of(kind: type[Settings], name: str) -> object:
 def values_of(
     owner: object, kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
 ) -> dict[str, object]:
-    """Return the values of settings that the properties of an owner hold, by the names of fields.
+    """Return the values of settings from an owner's properties, by field name.
 
     Parameters
     ----------
     owner : bpy.types.PropertyGroup or bpy.types.Operator
-        Of a class that is decorated by :func:`with_properties`.
+        An instance of a class decorated with :func:`with_properties`.
     kind, only, without
-        As there.
+        As for :func:`with_properties`.
     """
     return {one.name: _value(owner, one) for one in settings_of(kind, only, without) if one.prop is not None}
 
@@ -63,9 +63,9 @@ def values_of(
 def arguments_of(
     values: Mapping[str, object], kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
 ) -> dict[str, object]:
-    """Return the values of properties, by their names, that hold given values of settings; the inverse of `values_of`.
+    """Return the property values, by name, that represent given settings; the inverse of `values_of`.
 
-    Settings without a value are left out. ValueError where a value is none of the choices.
+    Settings without a value are left out. Raises ValueError if a value is not one of the choices.
     """
     found = {}
     for one in settings_of(kind, only, without):
@@ -110,7 +110,7 @@ def _bound(companion: Companion) -> object:
 def _number(one: Setting, default: float) -> object:
     limits = {"min": one.least, "max": one.most, "soft_min": one.soft_least, "soft_max": one.soft_most}
     if one.open_ends and not one.zero_is_automatic:
-        # Blender includes the ends.
+        # Blender's limits are inclusive.
         limits["min"] = one.soft_least
     if one.open_ends and one.most is not None:
         limits["max"] = one.soft_most
@@ -136,7 +136,7 @@ def _value(owner: object, one: Setting) -> object:
 
 
 def _within(one: Setting, number: float) -> float:
-    """Return a number of single precision, which at an end of the range may lie outside of it."""
+    """Clamp a number to its range, which rounding to single precision may have left."""
     if one.least is not None:
         number = max(number, one.least)
     return number if one.most is None else min(number, one.most)

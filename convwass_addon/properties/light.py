@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of materials and skies between others, as each scene has its own."""
+"""Settings for blending materials and skies, stored in the scene."""
 
 from __future__ import annotations
 
@@ -14,37 +14,37 @@ from ..bridge.reflectance.frame_span import Frames
 from .from_schema import values_of, with_properties
 
 MATERIALS = ("material", "material_2", "material_3", "material_4")
-"""Names of the properties of materials; their weights are called weight, weight_2 and so on."""
+"""Names of the material properties; their weights are named weight, weight_2 and so on."""
 
 WORLDS = ("world", "world_2", "world_3", "world_4")
-"""Names of the properties of worlds."""
+"""Names of the world properties."""
 
-# Blender has as many frames before 0 as after it.
+# Blender's range of frames is symmetric around 0.
 _FRAMES = {"min": -FIRST_FRAMES[1], "max": FIRST_FRAMES[1]}
 
 
 @with_properties(ReflectanceSettings)
 class ReflectanceProperties:
-    """What a material between others is asked for."""
+    """Properties for blending materials."""
 
     blend: EnumProperty(
         name="Blend",
-        description="What is made of the materials",
+        description="Which blends are made",
         items=(
-            ("PATH", "Over Time", "From the first material through the others to the last, over frames"),
-            ("KEYED", "Keyed", "As the weights in the panel are keyed, over frames"),
-            ("WEIGHTS", "By Weights", "One material between all of them"),
+            ("PATH", "Over Time", "From the first material through the others to the last, over time"),
+            ("KEYED", "Keyed", "Follow the keyed weights in the panel, over time"),
+            ("WEIGHTS", "By Weights", "One blend of all materials"),
             (
                 "PAD",
                 "Pad",
-                "All over a triangle of three materials or a square of four, in which an empty is dragged",
+                "All blends of three materials on a triangle, or of four on a square, chosen by dragging an Empty",
             ),
         ),
     )
     blends: IntProperty(
         name="Steps",
-        description="Blends that are computed on the way, or along each side of a pad; between two of them the values "
-        "are mixed. A pad takes 16 at most",
+        description="Number of blends computed along the path, or along each side of a pad; values in between are "
+        "interpolated. At most 16 for a pad",
         default=5,
         min=2,
         soft_max=17,
@@ -54,50 +54,50 @@ class ReflectanceProperties:
     frame_end: IntProperty(name="End", description="Frame that shows the last material", default=60, **_FRAMES)
     output: EnumProperty(
         name="Output",
-        description="What shows the highlights",
+        description="How the highlights are shown",
         items=(
             (
                 "BOTH",
                 "Both",
-                "Two materials, one of either kind; of materials with a grain only the fitted one",
+                "Two materials, one of each kind; only the fitted one for anisotropic materials",
             ),
             (
                 "LOBES",
                 "Lobes",
-                "A node group that looks the highlights up in a table, for the light of one sun without "
-                "shadows; made for Cycles",
+                "A node group that looks up the highlights in a table, for the light of one sun without shadows; for "
+                "Cycles",
             ),
-            ("FITTED", "Fitted", "The nearest Principled BSDF, for any light; it has one simple highlight"),
+            ("FITTED", "Fitted", "The closest Principled BSDF, for any light; it has a single simple highlight"),
         ),
     )
     table: StringProperty(
         name="Table",
-        description="File that the highlights go to as well; empty for none. Names that end in .npz or .lobes.exr hold "
-        "all directions of one blend, other .exr what the node group looks up",
+        description="File to write the highlights to; empty for none. Files named .npz or .lobes.exr hold all "
+        "directions of one blend, other .exr files the table of the node group",
         subtype="FILE_PATH",
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
 
     def reflectance_settings(self) -> ReflectanceSettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
-        # Pairs of rows are what the solver takes.
+        """Return the settings of the application; raises InputError if they are invalid."""
+        # The solver requires an even number of rows.
         rows = self.detail + self.detail % 2
         return ReflectanceSettings(**values_of(self, ReflectanceSettings) | {"rows": rows})
 
     def frame_span(self) -> Frames:
-        """Return the frames of the scene that a path takes."""
+        """Return the scene frames of a path."""
         return Frames(self.frame_start, self.frame_end)
 
 
 @with_properties(SkySettings)
 class SkyProperties:
-    """What skies between others are asked for."""
+    """Properties for blending skies."""
 
     frame_start: IntProperty(name="Start", description="Frame that shows the first sky", default=1, **_FRAMES)
     frame_end: IntProperty(name="End", description="Frame that shows the last sky", default=24, **_FRAMES)
     width: IntProperty(
         name="Width",
-        description="Pixels of the images around the horizon; there are half as many from top to bottom",
+        description="Width of the images in pixels; the height is half of it",
         default=1024,
         min=64,
         soft_max=4096,
@@ -106,31 +106,31 @@ class SkyProperties:
     )
     folder: StringProperty(
         name="Folder",
-        description="Where the images go, one for every frame; those that are there are replaced",
+        description="Folder for the images, one per frame; existing images are replaced",
         default="//skies",
         subtype="DIR_PATH",
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
     )
 
     def sky_settings(self) -> SkySettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
+        """Return the settings of the application; raises InputError if they are invalid."""
         return SkySettings(**values_of(self, SkySettings))
 
 
 def _material() -> object:
     return PointerProperty(
         name="Material",
-        description="Material with a Principled or Glossy BSDF; of an image on its roughness the mean counts",
+        description="Material with a Principled or Glossy BSDF; if its roughness is an image, the mean is used",
         type=bpy.types.Material,
     )
 
 
 def _weight() -> object:
-    return FloatProperty(name="Weight", description="How much this material counts", default=1.0, min=0.0, soft_max=1.0)
+    return FloatProperty(name="Weight", description="Weight of this material", default=1.0, min=0.0, soft_max=1.0)
 
 
 def _world() -> object:
-    return PointerProperty(name="World", description="World whose sky comes in its turn", type=bpy.types.World)
+    return PointerProperty(name="World", description="World that provides the sky", type=bpy.types.World)
 
 
 def _is_sun(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
@@ -138,7 +138,7 @@ def _is_sun(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
 
 
 class CONVWASS_PG_reflectance(ReflectanceProperties, bpy.types.PropertyGroup):
-    """Settings of materials between others in a scene."""
+    """Settings for blending materials in a scene."""
 
     material: _material()
     material_2: _material()
@@ -150,21 +150,21 @@ class CONVWASS_PG_reflectance(ReflectanceProperties, bpy.types.PropertyGroup):
     weight_4: _weight()
     sun: PointerProperty(
         name="Sun",
-        description="Light that tabulated highlights follow; while there is none, the first sun of the scene",
+        description="Light that tabulated highlights follow; if empty, the first sun in the scene",
         type=bpy.types.Object,
         poll=_is_sun,
     )
 
     @property
     def chosen_materials(self) -> list[tuple[bpy.types.Material, float]]:
-        """The materials that are chosen, with their weights."""
+        """The chosen materials with their weights."""
         weights = [name.replace("material", "weight") for name in MATERIALS]
         pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in zip(MATERIALS, weights, strict=True)]
         return [(material, weight) for material, weight in pairs if material is not None]
 
 
 class CONVWASS_PG_sky(SkyProperties, bpy.types.PropertyGroup):
-    """Settings of skies between others in a scene."""
+    """Settings for blending skies in a scene."""
 
     world: _world()
     world_2: _world()
@@ -173,12 +173,12 @@ class CONVWASS_PG_sky(SkyProperties, bpy.types.PropertyGroup):
 
     @property
     def chosen_worlds(self) -> list[bpy.types.World]:
-        """The worlds that are chosen, in turn."""
+        """The chosen worlds, in order."""
         return [world for name in WORLDS if (world := getattr(self, name)) is not None]
 
 
 def sun_of(context: bpy.types.Context) -> bpy.types.Object | None:
-    """Return the sun that tabulated highlights follow; None where the scene has none."""
+    """Return the sun that tabulated highlights follow, or None."""
     chosen = context.scene.convwass_reflectance.sun
     if chosen is not None and chosen.users_scene:
         return chosen
@@ -197,7 +197,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them away."""
+    """Remove them."""
     del bpy.types.Scene.convwass_sky
     del bpy.types.Scene.convwass_reflectance
     _unregister_classes()

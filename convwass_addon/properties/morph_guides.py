@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The guides of morphs in a scene: points of the shapes that belong together."""
+"""The guides of morphs, stored in the scene: corresponding points of the shapes."""
 
 from __future__ import annotations
 
@@ -23,33 +23,33 @@ class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
 
 
 class CONVWASS_PG_guide(bpy.types.PropertyGroup):
-    """Points of several shapes that belong together."""
+    """Corresponding points of several shapes."""
 
-    label: StringProperty(name="Label", description="What the points are, such as nose")
-    points: CollectionProperty(name="Points", description="One point on each shape", type=CONVWASS_PG_guide_point)
-    enabled: BoolProperty(name="Enabled", description="Whether this guide takes part", default=True)
+    label: StringProperty(name="Label", description="Name of the point, such as nose")
+    points: CollectionProperty(name="Points", description="One point per shape", type=CONVWASS_PG_guide_point)
+    enabled: BoolProperty(name="Enabled", description="Whether this guide is used", default=True)
 
     @property
     def named(self) -> NamedGuide:
-        """The guide by the names of objects; points on objects that have been deleted are left out."""
-        # Objects that are deleted in the viewport live on as long as something points at them.
+        """The guide by object names, without points on deleted objects."""
+        # Objects deleted in the viewport still exist as long as a pointer refers to them.
         there = [point for point in self.points if point.object is not None and point.object.users_scene]
         return NamedGuide(self.label, {point.object.name: point.vertex for point in there})
 
     @property
     def problem(self) -> Sentence | None:
-        """Why the guide cannot take part, if so."""
+        """Why the guide cannot be used, or None."""
         points = self.named.points
         if len(points) < 2:
             return Sentence("Needs a point on another shape")
         for name, vertex in points.items():
             obj = bpy.data.objects[name]
             if obj.type != "MESH" or vertex >= len(obj.data.vertices):
-                return Sentence("{name} has no vertex {vertex} any more", {"name": name, "vertex": vertex})
+                return Sentence("{name} no longer has a vertex {vertex}", {"name": name, "vertex": vertex})
         return None
 
     def place(self, obj: bpy.types.Object, vertex: int) -> None:
-        """Set the point on an object, in place of the one that may be there."""
+        """Set the point on an object, replacing an existing one."""
         point = next((point for point in self.points if point.object == obj), None) or self.points.add()
         point.object, point.vertex = obj, vertex
 
@@ -57,34 +57,32 @@ class CONVWASS_PG_guide(bpy.types.PropertyGroup):
 class CONVWASS_PG_guides(bpy.types.PropertyGroup):
     """Guides of the morphs of a scene."""
 
-    items: CollectionProperty(
-        name="Guides", description="Points of the shapes that belong together", type=CONVWASS_PG_guide
-    )
-    active: IntProperty(name="Active Guide", description="The guide that buttons beside the list act on", min=0)
+    items: CollectionProperty(name="Guides", description="Corresponding points of the shapes", type=CONVWASS_PG_guide)
+    active: IntProperty(name="Active Guide", description="The guide that the buttons next to the list act on", min=0)
     show_labels: BoolProperty(
         name="Show Numbers",
-        description="Write the number of each guide at its points in the viewport",
+        description="Show the number of each guide at its points in the viewport",
         default=True,
     )
 
     @property
     def named(self) -> list[NamedGuide]:
-        """The guides that take part: with points on two shapes at least."""
+        """The enabled guides with points on at least two shapes."""
         found = []
         for number, guide in enumerate(self.items, start=1):
             named = guide.named
             if guide.enabled and len(named.points) > 1:
-                # Messages call a guide without a label by the number that the panel shows.
+                # Messages refer to a guide without a label by its number in the panel.
                 found.append(replace(named, name=named.name or str(number)))
         return found
 
     def holder(self, name: str, vertex: int) -> int | None:
-        """Return the number of the guide, from 1, that has a point at a vertex of an object; None for none."""
+        """Return the number, from 1, of the guide that uses a vertex of an object, or None."""
         numbers = (number for number, guide in enumerate(self.items, start=1) if guide.named.points.get(name) == vertex)
         return next(numbers, None)
 
     def add(self, guide: NamedGuide) -> None:
-        """Put a guide on the list; its objects must exist."""
+        """Add a guide to the list; its objects must exist."""
         item = self.items.add()
         item.label = guide.name
         for name, vertex in guide.points.items():
@@ -92,7 +90,7 @@ class CONVWASS_PG_guides(bpy.types.PropertyGroup):
         self.active = len(self.items) - 1
 
     def take(self, guides: Sequence[NamedGuide]) -> None:
-        """Put guides on the list that it lacks."""
+        """Add the guides that are not on the list yet."""
         known = [dict(guide.named.points) for guide in self.items]
         for guide in guides:
             if dict(guide.points) not in known:
@@ -100,7 +98,7 @@ class CONVWASS_PG_guides(bpy.types.PropertyGroup):
 
 
 def labeled_guides(context: bpy.types.Context) -> list[LabeledVertex]:
-    """Return the points that have a number in the viewport."""
+    """Return the points that show a number in the viewport."""
     own = context.scene.convwass_guides
     if not own.show_labels:
         return []
@@ -126,7 +124,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take both away."""
+    """Remove both."""
     _labels.unregister()
     del bpy.types.Scene.convwass_guides
     _unregister_classes()

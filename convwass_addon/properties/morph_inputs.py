@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of morphs in a scene, with the list of shapes."""
+"""Settings of morphs, stored in the scene, with the list of shapes."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ..bridge.flat.flat_kinds import is_shape
 from .morphs import MorphProperties
 
 VERDICTS = (
-    ("UNCHECKED", "Not Checked", "Nobody has looked at this shape yet"),
-    ("SOUND", "Sound", "The shape is closed and its faces look outward"),
-    ("FLIPPED", "Flipped Faces", "Some faces look the wrong way; they are turned over for the morph"),
-    ("HOLES", "Holes", "The surface is open; what it nearly encloses is taken for its inside"),
-    ("NO_VOLUME", "No Volume", "The shape encloses nothing that could be moved, unless it is given thickness"),
+    ("UNCHECKED", "Not Checked", "The shape has not been checked yet"),
+    ("SOUND", "Sound", "The shape is closed and its faces point outward"),
+    ("FLIPPED", "Flipped Faces", "Some faces point inward; they are corrected for the morph"),
+    ("HOLES", "Holes", "The surface is open; the volume that it nearly encloses is used"),
+    ("NO_VOLUME", "No Volume", "The shape encloses no volume and needs a thickness"),
     ("UNUSABLE", "Unusable", "The shape cannot be read"),
 )
-"""What a check found out about an input, as items of an enum; from the third one on there is a warning."""
+"""Results of a check of an input, as items of an enum; from the third on they are shown as a warning."""
 
 
 def _is_shape(_item: CONVWASS_PG_input, obj: bpy.types.Object) -> bool:
@@ -40,24 +40,24 @@ class CONVWASS_PG_input(bpy.types.PropertyGroup):
 
     object: PointerProperty(
         name="Shape",
-        description="Object that takes part in the morph: a mesh, a text, a curve, a drawing or an image",
+        description="Object to morph: a mesh, text, curve, drawing or image",
         type=bpy.types.Object,
         poll=_is_shape,
     )
     weight: FloatProperty(
         name="Weight",
-        description="Share of this shape in a single blend, compared with those of the others",
+        description="Share of this shape in a single blend, relative to the others",
         default=1.0,
         min=0.0,
         soft_max=1.0,
     )
-    enabled: BoolProperty(name="Enabled", description="Whether this shape takes part in the morph", default=True)
-    verdict: EnumProperty(name="Check", description="What the last check found out", items=VERDICTS)
-    finding: StringProperty(name="Finding", description="What the last check found out, in a sentence")
+    enabled: BoolProperty(name="Enabled", description="Whether this shape is used in the morph", default=True)
+    verdict: EnumProperty(name="Check", description="Result of the last check", items=VERDICTS)
+    finding: StringProperty(name="Finding", description="Result of the last check, in a sentence")
 
     @property
     def warns(self) -> bool:
-        """Whether the last check found something wrong."""
+        """Whether the last check found a problem."""
         return self.verdict not in ("UNCHECKED", "SOUND")
 
 
@@ -66,13 +66,15 @@ class CONVWASS_PG_morph(MorphProperties, bpy.types.PropertyGroup):
 
     inputs: CollectionProperty(
         name="Inputs",
-        description="Shapes to morph, in this order; while there are none, those that are selected are morphed",
+        description="Shapes to morph, in this order; if empty, the selected shapes",
         type=CONVWASS_PG_input,
     )
-    active_input: IntProperty(name="Active Input", description="The input that buttons beside the list act on", min=0)
+    active_input: IntProperty(
+        name="Active Input", description="The input that the buttons next to the list act on", min=0
+    )
 
     def take_inputs(self, objects: Sequence[bpy.types.Object], weights: Sequence[float] | None = None) -> None:
-        """Put shapes on the list, unless selecting them says as much: then empty it."""
+        """Replace the list by these shapes, or clear it if selecting them gives the same result."""
         self.inputs.clear()
         self.active_input = 0
         if weights is None and self.sorted_shapes(list(objects)) == list(objects):
@@ -84,7 +86,7 @@ class CONVWASS_PG_morph(MorphProperties, bpy.types.PropertyGroup):
 
     @property
     def enabled_inputs(self) -> list[CONVWASS_PG_input]:
-        """The inputs on the list that take part."""
+        """The enabled inputs."""
         return [item for item in self.inputs if item.enabled]
 
 
@@ -99,6 +101,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them away."""
+    """Remove them."""
     del bpy.types.Scene.convwass_morph
     _unregister_classes()

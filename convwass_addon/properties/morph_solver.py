@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of what solves morphs."""
+"""Solver settings of morphs."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from ..schema import settings_of
 from .from_schema import values_of, with_properties
 
 OF_FLAT = ("resolution", "words")
-"""The settings of flat shapes that those of solid ones do not hold."""
+"""Settings of flat shapes that solid shapes do not have."""
 
 
 @with_properties(FlatSettings, only=OF_FLAT)
 @with_properties(MorphSettings)
 class SolverProperties:
-    """What the solver of a morph is asked for."""
+    """Properties of the solver."""
 
     def solver_settings(self) -> MorphSettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
+        """Return the settings for solid shapes; raises InputError if they are invalid."""
         return MorphSettings(**values_of(self, MorphSettings))
 
     def flat_settings(self) -> FlatSettings:
-        """Return the settings of the application where all shapes are flat; raises InputError as above."""
+        """Return the settings for flat shapes; raises InputError if they are invalid."""
         return FlatSettings(**values_of(self, FlatSettings) | {"parts": "none"})
 
     def begin_preset(self) -> None:
-        """Give all that a preset sets its default; shipped presets only say what they change."""
+        """Reset all properties that a preset sets; shipped presets only contain differences from the defaults."""
         for name in (name for one in settings_of(MorphSettings) if one.preset for name in one.properties):
             setattr(self, name, self.bl_rna.properties[name].default)

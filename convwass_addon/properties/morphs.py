@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of morphs, as the panel shows them and the operator takes them."""
+"""Settings of morphs, shared by the panel and the operator."""
 
 from __future__ import annotations
 
@@ -18,30 +18,28 @@ from .morph_solver import OF_FLAT, SolverProperties
 
 @with_properties(MorphRequest)
 class MorphProperties(SolverProperties):
-    """What a morph is asked for: mixed into the scene's settings and into the operator, so both are one."""
+    """Properties of a morph, mixed into the scene's settings and the operator so that they are the same."""
 
-    hide_inputs: BoolProperty(
-        name="Hide Inputs", description="Hide the original objects when the morph is done", default=True
-    )
+    hide_inputs: BoolProperty(name="Hide Inputs", description="Hide the original objects after the bake", default=True)
 
     fit_range: BoolProperty(
         name="Fit Frame Range",
-        description="Let the scene start and end with the morph; otherwise its frame range stays as it is",
+        description="Set the frame range of the scene to that of the morph",
         default=False,
     )
 
     def request(self, weights: Sequence[float] | None = None) -> MorphRequest:
-        """Return what is stored with a morph besides the settings of its solver; of a single blend its `weights`."""
+        """Return the request stored with a morph, in addition to the solver settings; `weights` for a single blend."""
         return MorphRequest(**values_of(self, MorphRequest), words=self.words, weights=weights)
 
     def first_frame(self, scene: bpy.types.Scene) -> int:
-        """Return the scene frame in which the morph begins."""
+        """Return the scene frame at which the morph starts."""
         if self.start == "CUSTOM":
             return self.frame_start
         return scene.frame_current if self.start == "CURRENT" else scene.frame_start
 
     def sorted_shapes(self, objects: list[bpy.types.Object]) -> list[bpy.types.Object]:
-        """Return the objects in the order asked for."""
+        """Return the objects in the chosen order."""
         along_x = self.order == "LEFT_TO_RIGHT"
         return sorted(
             objects,
@@ -50,19 +48,19 @@ class MorphProperties(SolverProperties):
         )
 
     def take_stored(self, stored: Mapping[str, object]) -> None:
-        """Take over what a baked morph was asked for."""
+        """Load the settings of a baked morph."""
         for name, value in stored_arguments(stored).items():
             setattr(self, name, value)
 
 
 def stored_arguments(stored: Mapping[str, object]) -> dict[str, object]:
-    """Return what a baked morph was asked for as values of :class:`MorphProperties`; ValueError for unknown choices.
+    """Return the stored settings of a morph as property values; raises ValueError for unknown choices.
 
-    What an earlier version did not store is left out; before there were motions, everything was transported.
+    Settings unknown to the version that stored them are left out. Before motions existed, everything was transported.
     """
     stored = {"motion": "transport", **stored}
     found = arguments_of(stored, MorphSettings) | arguments_of(stored, MorphRequest)
     found |= arguments_of(stored, FlatSettings, only=OF_FLAT)
-    # Both have one, and only that of the shapes at hand is stored.
+    # Flat and solid shapes both have a resolution, but only one of them is stored.
     found.pop("resolution" if stored.get("flat") else "flat_resolution", None)
     return found

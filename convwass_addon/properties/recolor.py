@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of recoloring, as each scene has its own."""
+"""Settings for recoloring, stored in the scene."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from ..applications.palettes.palette_settings import RecolorSettings, TableSetti
 from .from_schema import values_of, with_properties
 
 PALETTES = ("palette", "palette_2", "palette_3", "palette_4")
-"""Names of the properties of palettes; their weights are called weight, weight_2 and so on."""
+"""Names of the palette properties; their weights are named weight, weight_2 and so on."""
 
 
 @with_properties(RecolorSettings)
 class RecolorProperties:
-    """What recoloring is asked for."""
+    """Properties of a recoloring."""
 
     def recolor_settings(self) -> RecolorSettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
-        # Between none and one there is no slope that a limit could have.
+        """Return the settings of the application; raises InputError if they are invalid."""
+        # The slope limit is either 0 (none) or at least 1.
         steepest = max(self.steepest, 1.0) if self.steepest > 0.0 else 0.0
         return RecolorSettings(**values_of(self, RecolorSettings) | {"steepest": steepest})
 
 
 def attribute_name_property() -> object:
-    """Return the property of the attribute that recolored colors go to."""
+    """Return the property for the color attribute of the result."""
     return StringProperty(
         name="Result",
-        description="Color attribute that the result goes to; the name of the active one changes that in place",
+        description="Color attribute for the result; with the name of the active attribute, that one is changed",
         default="Recolored",
     )
 
 
 def clip_folder_property() -> object:
-    """Return the property of where the frames of a clip go."""
+    """Return the property for the output folder of a clip."""
     return StringProperty(
         name="Folder",
-        description="Where the recolored frames go, under the names of the frames; made if missing",
+        description="Folder for the recolored frames, which keep their names; created if missing",
         default="//recolored/",
         subtype="DIR_PATH",
         options={"PATH_SUPPORTS_BLEND_RELATIVE"},
@@ -46,13 +46,13 @@ def clip_folder_property() -> object:
 
 
 def _palette() -> object:
-    return PointerProperty(name="Palette", description="Image whose colors are taken", type=bpy.types.Image)
+    return PointerProperty(name="Palette", description="Image whose colors are used", type=bpy.types.Image)
 
 
 def _weight() -> object:
     return FloatProperty(
         name="Weight",
-        description="How much this palette counts among several",
+        description="Weight of this palette",
         default=1.0,
         min=0.0,
         soft_max=1.0,
@@ -69,7 +69,7 @@ def _has_colors(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bo
 
 @with_properties(TableSettings)
 class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
-    """Settings of recoloring in a scene."""
+    """Settings for recoloring in a scene."""
 
     palette: _palette()
     palette_2: _palette()
@@ -79,20 +79,20 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
     weight_2: _weight()
     weight_3: _weight()
     weight_4: _weight()
-    mask: _mask("Mask", "Image of the same size, white where the colors change; all of it without one")
-    palette_mask: _mask("Palette Mask", "Image of the size of the first palette, white where its colors count")
+    mask: _mask("Mask", "Image of the same size, white where colors change; if empty, all colors change")
+    palette_mask: _mask("Palette Mask", "Image of the size of the first palette, white where its colors are used")
     output: EnumProperty(
         name="Output",
-        description="Where the result goes",
+        description="Destination of the result",
         items=(
-            ("NEW", "New Image", "An image of its own, packed into the file; the next result replaces it"),
-            ("REPLACE", "Replace", "The image itself; its file stays as it is until the image is saved"),
+            ("NEW", "New Image", "A new image, packed into the file; the next result replaces it"),
+            ("REPLACE", "Replace", "The image itself; its file is not changed until the image is saved"),
         ),
     )
     clip_folder: clip_folder_property()
     palette_object: PointerProperty(
         name="Palette",
-        description="Mesh whose active color attribute gives the palette",
+        description="Mesh whose active color attribute provides the palette",
         type=bpy.types.Object,
         poll=_has_colors,
     )
@@ -100,7 +100,7 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
 
     @property
     def chosen_palettes(self) -> list[tuple[bpy.types.Image, float]]:
-        """The images that are chosen as palettes, with their weights."""
+        """The chosen palette images with their weights."""
         weights = [name.replace("palette", "weight") for name in PALETTES]
         pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in zip(PALETTES, weights, strict=True)]
         return [(image, weight) for image, weight in pairs if image is not None]
@@ -117,6 +117,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them away."""
+    """Remove them."""
     del bpy.types.Scene.convwass_recolor
     _unregister_classes()

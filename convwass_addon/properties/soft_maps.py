@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of soft maps, as each scene has its own: two objects, pairs of vertices, what to transfer."""
+"""Settings of soft maps, stored in the scene: two objects, pairs of vertices, what to transfer."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from .from_schema import values_of, with_properties
 
 TRANSFERRED = (
     ("GROUPS", "Vertex Groups", "Weights of vertex groups"),
-    ("KEYS", "Shape Keys", "What shape keys do, turned and stretched as the map turns and stretches the surface"),
+    ("KEYS", "Shape Keys", "Deformations of shape keys, rotated and stretched with the surface"),
     ("UVS", "UV Maps", "UV maps with their seams"),
     ("COLORS", "Color Attributes", "Colors of vertices or of face corners"),
 )
-"""What can be carried over, as items of an enum."""
+"""The kinds of data to transfer, as items of an enum."""
 
 
 @with_properties(MapRequest)
 @with_properties(SoftMapSettings)
 class SoftMapProperties:
-    """What a soft map is asked for."""
+    """Properties of a soft map."""
 
     def soft_map_settings(self) -> SoftMapSettings:
-        """Return the settings of the application; raises InputError where they make no sense."""
+        """Return the settings of the application; raises InputError if they are invalid."""
         return SoftMapSettings(**values_of(self, SoftMapSettings))
 
 
 @with_properties(TransferRequest)
 class TransferProperties:
-    """What a transfer is asked for."""
+    """Properties of a transfer."""
 
     what: EnumProperty(
         name="What",
-        description="What is transferred",
+        description="Data to transfer",
         items=TRANSFERRED,
         default={"GROUPS"},
         options={"ENUM_FLAG"},
@@ -53,16 +53,17 @@ class TransferProperties:
 
 
 class FromGroupsProperties:
-    """Which vertex groups mark vertices."""
+    """Properties for finding pairs from vertex groups."""
 
     pattern: StringProperty(
         name="Pattern",
-        description="Names of the groups that count, with * and ? for what may stand there",
+        description="Pattern for the names of the groups; * and ? are wildcards",
         default="*",
     )
     largest: FloatProperty(
         name="Largest",
-        description="Share of the vertices that a group may have; larger ones are left out, as they mark no point",
+        description="Largest share of the vertices that a group may have; larger groups do not mark a point and are "
+        "ignored",
         default=0.05,
         min=0.0,
         max=1.0,
@@ -71,10 +72,10 @@ class FromGroupsProperties:
 
 
 def threshold_property() -> object:
-    """Return the property of the confidence below which a map is repaired."""
+    """Return the property for the confidence threshold of a repair."""
     return FloatProperty(
         name="Threshold",
-        description="Images of vertices with less confidence are filled in from their neighbors",
+        description="Vertices with a confidence below this get an image interpolated from their neighbors",
         default=0.3,
         min=0.0,
         max=1.0,
@@ -87,29 +88,29 @@ def _is_mesh(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
 
 
 class CONVWASS_PG_map_pair(bpy.types.PropertyGroup):
-    """A vertex of the source and one of the target that belong together."""
+    """A vertex of the source and the corresponding vertex of the target."""
 
-    label: StringProperty(name="Label", description="What the two vertices are, such as nose")
+    label: StringProperty(name="Label", description="Name of the point, such as nose")
     source_vertex: IntProperty(
-        name="Source Vertex", description="Number of a vertex of the source; -1 for none yet", default=-1, min=-1
+        name="Source Vertex", description="Vertex number on the source; -1 if not set", default=-1, min=-1
     )
     target_vertex: IntProperty(
-        name="Target Vertex", description="Number of a vertex of the target; -1 for none yet", default=-1, min=-1
+        name="Target Vertex", description="Vertex number on the target; -1 if not set", default=-1, min=-1
     )
-    enabled: BoolProperty(name="Enabled", description="Whether this pair takes part", default=True)
+    enabled: BoolProperty(name="Enabled", description="Whether this pair is used", default=True)
 
     @property
     def is_complete(self) -> bool:
-        """Whether both vertices are there."""
+        """Whether both vertices are set."""
         return self.source_vertex >= 0 and self.target_vertex >= 0
 
 
 class CONVWASS_PG_soft_map(SoftMapProperties, TransferProperties, FromGroupsProperties, bpy.types.PropertyGroup):
-    """Settings of the soft maps of a scene."""
+    """Settings of the soft maps in a scene."""
 
     source: PointerProperty(
         name="Source",
-        description="Object that the map leads from, and is stored with",
+        description="Object that the map starts from; it stores the map",
         type=bpy.types.Object,
         poll=_is_mesh,
     )
@@ -117,24 +118,24 @@ class CONVWASS_PG_soft_map(SoftMapProperties, TransferProperties, FromGroupsProp
         name="Target", description="Object that the map leads to", type=bpy.types.Object, poll=_is_mesh
     )
     pairs: CollectionProperty(
-        name="Pairs", description="Vertices of both objects that belong together", type=CONVWASS_PG_map_pair
+        name="Pairs", description="Corresponding vertices of both objects", type=CONVWASS_PG_map_pair
     )
-    active_pair: IntProperty(name="Active Pair", description="The pair that buttons beside the list act on", min=0)
+    active_pair: IntProperty(name="Active Pair", description="The pair that the buttons next to the list act on", min=0)
     show_labels: BoolProperty(
         name="Show Numbers",
-        description="Write the number of each pair at its two vertices in the viewport",
+        description="Show the number of each pair at its two vertices in the viewport",
         default=True,
     )
     threshold: threshold_property()
 
     @property
     def used_pairs(self) -> list[CONVWASS_PG_map_pair]:
-        """The pairs that take part."""
+        """The enabled, complete pairs."""
         return [pair for pair in self.pairs if pair.enabled and pair.is_complete]
 
 
 def labeled_vertices(context: bpy.types.Context) -> list[LabeledVertex]:
-    """Return the vertices that have a number in the viewport."""
+    """Return the vertices that show a number in the viewport."""
     own = context.scene.convwass_soft_map
     if not own.show_labels:
         return []
@@ -159,7 +160,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take both away."""
+    """Remove both."""
     _labels.unregister()
     del bpy.types.Scene.convwass_soft_map
     _unregister_classes()

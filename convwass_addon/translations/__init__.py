@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The texts of the user interface in other languages than English, one ``.po`` file for each."""
+"""Translations of the user interface, one ``.po`` file per language."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .po_file import DEFAULT_CONTEXT, read_po
 
 FOLDER = Path(__file__).parent
 
-# Blender looks for the labels of operators in this context, and for everything else in the default one.
+# Context in which Blender looks up labels of operators; everything else uses the default context.
 _OPERATOR_CONTEXT = "Operator"
 
 
 def languages() -> list[str]:
-    """Return the languages that there are translations for, as Blender names them: the names of the files."""
+    """Return the available languages by Blender's names, which are the file names."""
     return sorted(path.stem for path in FOLDER.glob("*.po"))
 
 
 def catalog(language: str) -> dict[tuple[str, str], str]:
-    """Return the translations into a language by context and English text.
+    """Return the translations of a language, by context and English text.
 
-    A text without a context of its own is translated in the same way everywhere, so it is there for labels of operators
-    as well. Blender shows the English text where there is none.
+    A text without a context is also used for labels of operators. Blender shows the English text if there is no
+    translation.
     """
     found = read_po(FOLDER / f"{language}.po")
     everywhere = {text: own for (context, text), own in found.items() if context == DEFAULT_CONTEXT}
@@ -35,16 +35,16 @@ def catalog(language: str) -> dict[tuple[str, str], str]:
 
 
 def translated(sentence: Sentence) -> str:
-    """Return a sentence in the language of Blender's interface; so are the sentences that it holds."""
+    """Return a sentence, including nested sentences, in the language of Blender's interface."""
     values = {name: translated(own) if isinstance(own, Sentence) else own for name, own in sentence.values.items()}
     return Sentence(sentence.template, values).filled(rpt_(sentence.template))
 
 
 def register() -> None:
-    """Give Blender the translations into all languages."""
+    """Register the translations with Blender."""
     bpy.app.translations.register(__package__, {language: catalog(language) for language in languages()})
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister the translations."""
     bpy.app.translations.unregister(__package__)

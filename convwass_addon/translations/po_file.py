@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read the gettext files (``.po``) that hold the translations, as far as Blender uses the format."""
+"""Read gettext files (``.po``), as far as Blender supports the format."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 
 DEFAULT_CONTEXT = "*"
-"""What Blender calls the context of an entry without ``msgctxt``."""
+"""Blender's default context, for entries without ``msgctxt``."""
 
 _STRING = r'"[^"\\\n]*(?:\\.[^"\\\n]*)*"'
-_STRINGS = rf"({_STRING}(?:\n{_STRING})*)"  # which may go on in the next lines
+_STRINGS = rf"({_STRING}(?:\n{_STRING})*)"  # a string may continue on the following lines
 _COMMENTS = r"((?:#.*\n|\n)*)"
 _ENTRY = re.compile(rf"{_COMMENTS}(?:msgctxt {_STRINGS}\n)?msgid {_STRINGS}\nmsgstr {_STRINGS}\n")
 _END = re.compile(rf"{_COMMENTS}\Z")
@@ -22,14 +22,14 @@ _ESCAPED = {"n": "\n", "t": "\t"}
 
 
 class PoError(ValueError):
-    """A ``.po`` file cannot be read; the message names the file and the line."""
+    """A ``.po`` file is invalid; the message contains file and line."""
 
 
 def read_po(path: Path) -> dict[tuple[str, str], str]:
     """Return the translations in a ``.po`` file.
 
-    The header and entries that are fuzzy, commented out or not translated yet are left out. Plural forms are refused,
-    since Blender has none: a message that differs by number is two messages.
+    The header and fuzzy, commented or untranslated entries are left out. Plural forms are not supported by Blender and
+    are refused; write a separate message for each number instead.
 
     Parameters
     ----------
@@ -39,13 +39,13 @@ def read_po(path: Path) -> dict[tuple[str, str], str]:
     Returns
     -------
     dict
-        Translations by ``(context, English text)``, the key that `bpy.app.translations.register` takes. The context is
-        `DEFAULT_CONTEXT` where the entry has none.
+        Translations by ``(context, English text)``, as for `bpy.app.translations.register`. The context is
+        `DEFAULT_CONTEXT` if the entry has none.
 
     Raises
     ------
     PoError
-        If something in the file is no entry, or a text is translated twice.
+        The file contains invalid entries, or a text is translated twice.
     """
     text = path.read_text(encoding="utf-8") + "\n"
     found: dict[tuple[str, str], str] = {}
@@ -58,7 +58,7 @@ def read_po(path: Path) -> dict[tuple[str, str], str]:
         key = _joined(context) if context else DEFAULT_CONTEXT, _joined(english)
         if key in found:
             raise PoError(f"{path.name}: {key[1]!r} from line {_line(text, position)} on is translated before")
-        # What stands above a blank line belongs to no entry, or to one that is commented out.
+        # A comment above a blank line does not belong to the next entry.
         is_fuzzy = "#," in comments and _FUZZY.search(comments.rpartition("\n\n")[2])
         if key[1] and own != '""' and not is_fuzzy:
             found[key] = _joined(own)
@@ -67,12 +67,12 @@ def read_po(path: Path) -> dict[tuple[str, str], str]:
 
 
 def _line(text: str, position: int) -> int:
-    """Return the number of the first line from a position on that is not empty."""
+    """Return the number of the first non-empty line from a position."""
     return text.count("\n", 0, position) + len(_BLANK.match(text, position)[0]) + 1
 
 
 def _joined(strings: str) -> str:
-    """Return what the strings of one keyword say: joined, without quotes and escapes."""
+    """Return the joined text of the strings of a keyword, without quotes and escapes."""
     if "\n" in strings:
         strings = '"' + "".join(line[1:-1] for line in strings.split("\n")) + '"'
     text = strings[1:-1]

@@ -216,7 +216,7 @@ def test_a_cluster_that_lacks_the_package_is_told_what_it_needs(cluster):
 
 def test_a_run_that_costs_every_worker_its_life_is_given_up(cluster, monkeypatch):
     monkeypatch.setattr(cluster.scheduler, "allowed_failures", 0)
-    with pytest.raises(ConvwassError, match="want of memory"), cluster_workers(cluster.scheduler_address) as executor:
+    with pytest.raises(ConvwassError, match="lack of memory"), cluster_workers(cluster.scheduler_address) as executor:
         executor.submit(os._exit, 1).result(60)
 
 

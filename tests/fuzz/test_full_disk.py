@@ -118,7 +118,7 @@ def test_a_picture_from_elsewhere_is_there_whole_or_not_at_all(tmp_path, small_d
 def test_room_is_asked_for_before(tmp_path, monkeypatch):
     require_space(tmp_path, 1)
     monkeypatch.setattr(disk_space.shutil, "disk_usage", lambda _: _Usage(9, 9, 5_000_000))
-    with pytest.raises(ConvwassError, match=r"has 5\.0 MB of room left, and this may take 6\.0 MB"):
+    with pytest.raises(ConvwassError, match=r"has 5\.0 MB of free space, but up to 6\.0 MB are needed"):
         require_space(tmp_path, 6_000_000)
     (tmp_path / "a.abc").write_bytes(b"x")
     require_whole(tmp_path / "a.abc", tmp_path / "b.abc")

@@ -56,17 +56,17 @@ def test_there_is_room_for_one_more_material_and_weights_where_they_count():
 
 def test_too_few_choices_say_why_the_buttons_are_gray():
     reflectance, skies = bpy.context.scene.convwass_reflectance, bpy.context.scene.convwass_sky
-    materials, worlds = "Choose two materials or more", "Choose two worlds or more"
+    materials, worlds = "Choose at least two materials", "Choose at least two worlds"
     assert materials in said() and worlds in said()
     reflectance.material = reflectance.material_2 = principled("A", 0.4)
     assert materials not in said() and worlds in said()
     reflectance.blend = "PAD"
-    assert "three or four materials, there are 2" in said()
+    assert "three or four materials, not 2" in said()
     reflectance.material_3 = reflectance.material
-    assert "A pad takes" not in said()
+    assert "A pad" not in said()
     reflectance.blends = MOST_ON_PAD + 1
-    assert f"A pad takes {MOST_ON_PAD} steps at most" in said()
-    assert f"A pad takes {MOST_ON_PAD} at most" in reflectance.bl_rna.properties["blends"].description
+    assert f"A pad can have at most {MOST_ON_PAD} steps" in said()
+    assert f"At most {MOST_ON_PAD} for a pad" in reflectance.bl_rna.properties["blends"].description
     skies.world = skies.world_2 = bpy.data.worlds.new("Sky")
     assert worlds not in said()
 

@@ -67,15 +67,15 @@ def baked(shapes):
 
 
 def test_an_empty_scene_says_what_to_do():
-    assert ("label", "Select two or more shapes") in draw_all()
+    assert ("label", "Select at least two shapes") in draw_all()
 
 
-@pytest.mark.parametrize(("layout", "wanted"), {"GRID": "four", "TRIANGLE": "three", "BLEND": "two or more"}.items())
+@pytest.mark.parametrize(("layout", "wanted"), {"GRID": "four", "TRIANGLE": "three", "BLEND": "at least two"}.items())
 def test_without_a_selection_the_layout_says_how_many_it_takes(layout, wanted):
     settings().layout = layout
     drawn = draw(bpy.types.CONVWASS_PT_morph)
     assert ("label", f"Select {wanted} shapes") in drawn
-    assert "This layout takes" not in " ".join(text for _, text in drawn)
+    assert "This layout requires" not in " ".join(text for _, text in drawn)
 
 
 def test_settings_stay_where_they_are_when_nothing_is_selected():
@@ -138,14 +138,14 @@ def test_only_faulty_shapes_have_a_warning(shapes):
 
 def test_a_wrong_number_of_shapes_is_told(shapes):
     settings().layout = "GRID"
-    assert "This layout takes 4 shapes, there are 2" in " ".join(text for _, text in draw_all())
+    assert "This layout requires 4 shapes, not 2" in " ".join(text for _, text in draw_all())
 
 
 @pytest.mark.parametrize("layout", ["PATH", "BLEND"])
 def test_a_list_that_is_too_short_says_why_the_button_is_gray(shapes, layout):
     bpy.ops.convwass.add_morph_inputs()
     settings().layout = layout
-    hint = ("label", "Put two or more shapes on the list")
+    hint = ("label", "Add at least two shapes to the list")
     assert hint not in draw_all()
     settings().inputs[0].enabled = False
     assert hint in draw_all()
@@ -212,7 +212,7 @@ def test_a_baked_morph_shows_its_buttons_and_its_diagnostics(baked):
     text = " ".join(text for kind, text in draw_all() if kind == "label")
     assert "Less exact than asked for in 2-3, by up to 3.0%" in text
     baked["convwass_health"] = json.dumps([["NOT_CONVERGED", {}]])
-    assert ("label", "Nothing is known about it") in draw_all()
+    assert ("label", "No diagnostics available") in draw_all()
 
 
 def test_sentences_are_wrapped_to_the_width_and_lose_nothing():

@@ -90,9 +90,9 @@ def test_the_map_and_its_direction_are_told(mapped):
 
 
 def test_what_has_changed_is_told(mapped):
-    assert "Other vertices" not in texts(draw_all())
+    assert "Vertices or faces have changed" not in texts(draw_all())
     mapped[1].data.vertices.add(1)
-    assert "Other vertices or faces than the map: Horse" in texts(draw_all())
+    assert "Vertices or faces have changed since the map was computed: Horse" in texts(draw_all())
 
 
 def test_settings_of_groups_are_there_for_groups_alone(mapped):
