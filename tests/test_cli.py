@@ -238,7 +238,11 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "nan", "--cache", "{in}/frames"], 3, "not on the path"),
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "2.5,2.5", "--cache", "{in}/frames"], 3, "there twice"),
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "soon", "--cache", "{in}/frames"], 2, "list of numbers"),
-        (["{in}/cube.obj", "{in}/ball.ply", "--at", "1.5", "--cache", "{in}/f", "--weights", "1,1"], 3, "for a path"),
+        (
+            ["{in}/cube.obj", "{in}/ball.ply", "--at", "1.5", "--cache", "{in}/f", "--weights", "1,1"],
+            3,
+            "requires a path",
+        ),
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "1", "--cache", "{in}/f", "--frames-range", "0"], 3, "one of them"),
         (["{in}/cube.obj", "{in}/ball.ply", "--weights", "1,1", "--output", "usd"], 3, "do not move"),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
@@ -497,5 +501,5 @@ def test_flat_shapes_are_morphed_without_guides(tmp_path, capfd):
     printed, said = capfd.readouterr()
     # Disks have no limbs that could move.
     assert {frame["motion"]["reason"] for frame in json.loads(printed)["frames"]} == {"SOLID"}
-    assert "without guides" in said
+    assert "do not support guides" in said
     assert stored_settings(tmp_path / "morph.blend")["guides"] == []

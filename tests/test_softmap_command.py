@@ -188,10 +188,10 @@ def test_left_goes_right(files, tmp_path, capfd):
     [
         (["FOX"], 3, "Name two meshes, or one mesh with --mirror"),
         (["FOX", "DOG", "--mirror"], 3, "Name two meshes, or one mesh with --mirror"),
-        (["FOX", "--mirror", "--transfer", "uvs"], 3, "no UV maps"),
+        (["FOX", "--mirror", "--transfer", "uvs"], 3, "not UV maps"),
         (["FOX", "FOX"], 3, "Both names refer to Fox"),
-        (["FOX", "DOG", "--pairs", "1:2", "--pairs-from", "groups"], 3, "exclude each other"),
-        (["FOX", "DOG", "--pairs-from", "empties"], 3, "no empties of equal names"),
+        (["FOX", "DOG", "--pairs", "1:2", "--pairs-from", "groups"], 3, "cannot be combined"),
+        (["FOX", "DOG", "--pairs-from", "empties"], 3, "no empties with the same names"),
         (["FOX", "DOG", "--pairs", "0:999999"], 3, "no vertex 999999"),
         (["FOX", "DOG", "--limit", "-1"], 3, "Limit must lie between 0 and 1000"),
         (["FOX", "NONE"], 3, "no object None"),

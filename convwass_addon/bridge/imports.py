@@ -193,7 +193,7 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
     if len(meshes) > 1:
         available = listed_names(part.name for part in meshes)
         raise InputError(
-            "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+            "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
             file=file.name,
             count=len(meshes),
             available=available,

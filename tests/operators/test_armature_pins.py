@@ -219,7 +219,7 @@ def test_one_click_for_each_selected_joint(rig, clicking, axis):
     in_edit_mode(rig, "A.head", "C.tail")
     pressed = place_operator()
     assert pressed.invoke(clicking, None) == {"RUNNING_MODAL"}
-    assert "where A.head belongs (2 to go)" in clicking.said[-1]
+    assert "where A.head belongs (2 left)" in clicking.said[-1]
     assert pressed.modal(clicking, TIMER) == {"PASS_THROUGH"}
     assert click(clicking, pressed, 1500, 1500) == {"RUNNING_MODAL"}
     assert "This is not on the body" in pressed.reports[-1][1]

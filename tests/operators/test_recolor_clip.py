@@ -148,7 +148,7 @@ def test_the_folder_of_the_frames_is_known_by_any_name(clip, files, tmp_path, sp
         folder = tmp_path.with_name(f"{tmp_path.name} link")
         folder.symlink_to(tmp_path, target_is_directory=True)
     before = [path.read_bytes() for path in files]
-    with pytest.raises(RuntimeError, match="replace the frames of Shot"):
+    with pytest.raises(RuntimeError, match="overwrite the frames of Shot"):
         call("recolor_clip", image="Shot", folder=str(folder))
     assert [path.read_bytes() for path in files] == before
 
@@ -156,7 +156,7 @@ def test_the_folder_of_the_frames_is_known_by_any_name(clip, files, tmp_path, sp
 def test_what_cannot_work_is_refused(clip, files, tmp_path):
     (tmp_path / "taken").write_text("x")
     for folder, said in (
-        (tmp_path, "replace the frames of Shot"),
+        (tmp_path, "overwrite the frames of Shot"),
         (tmp_path / "none" / "deeper", "does not exist"),
         (tmp_path / "taken", "is a file"),
         ("//graded", "Save the file first"),
