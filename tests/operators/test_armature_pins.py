@@ -224,7 +224,7 @@ def test_one_click_for_each_selected_joint(rig, clicking, axis):
     assert click(clicking, pressed, 1500, 1500) == {"RUNNING_MODAL"}
     assert "This is not on the body" in pressed.reports[-1][1]
     assert click(clicking, pressed, 50, 200) == {"RUNNING_MODAL"}
-    assert "where C.tail belongs (1 to go)" in clicking.said[-1]
+    assert "where C.tail belongs (1 left)" in clicking.said[-1]
     assert click(clicking, pressed, 350, 210) == {"CANCELLED"}
     assert clicking.said[-1] is None
     assert pinned_ends(rig) == ["A.head", "C.tail"]
