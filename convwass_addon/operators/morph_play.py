@@ -92,7 +92,7 @@ class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
         if not super().poll(context):
             return False
         morph = active_morph(context)
-        # Somebody may have deleted the player itself, and the objects are still hidden.
+        # The player itself may have been deleted while the objects are still hidden.
         if shows_frames(morph) and not stand_ins(morph):
             cls.poll_message_set("The active morph has neither a player nor a blend pad")
             return False

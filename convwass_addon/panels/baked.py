@@ -76,7 +76,7 @@ class CONVWASS_PT_morph_diagnostics(Sidebar, bpy.types.Panel):
 def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> None:
     """Draw the buttons that make other outputs of a morph."""
     column = layout.column(align=True)
-    # Its own objects are hidden while something else shows it.
+    # The baked objects are hidden while a player or pad shows the morph.
     if not shows_frames(morph):
         column.operator("convwass.remove_player", icon="LOOP_BACK")
     else:
@@ -88,7 +88,7 @@ def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> No
 
 
 def _is_animation(morph: bpy.types.Collection) -> bool:
-    """Tell a path, whose frames are shown one at a time, from a sheet."""
+    """Return whether a morph is an animated path rather than a sheet."""
     frame = next(iter(frame_objects(morph)), None)
     return frame is not None and frame.animation_data is not None
 
