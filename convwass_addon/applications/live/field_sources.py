@@ -16,10 +16,10 @@ from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.blend_solver import BlendSolver
+from ..morphs.extraction import LevelDensity, level_density
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphProblem
 from ..morphs.moving_problem import MovingProblem
-from ..morphs.reading import LevelDensity, level_density
 from ..morphs.volumes import Lattice
 from .level_fields import OUTSIDE, FieldBox, LevelField
 
