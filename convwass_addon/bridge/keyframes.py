@@ -49,6 +49,27 @@ def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Seque
         _write(bag.fcurves.new(path), keys)
 
 
+def key_steps(
+    obj: bpy.types.Object, action: bpy.types.Action, path: str, axis: int, keys: list[tuple[float, float]]
+) -> None:
+    """Key a component of a property of an object, each key held until the next.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        Takes the action.
+    action : bpy.types.Action
+        As for `key_visibility`.
+    path : str
+        The property, which has no keys yet in this component.
+    axis : int
+        Which component.
+    keys : list of (frame, value)
+        In ascending order.
+    """
+    _write(_channels(obj, action).fcurves.new(path, index=axis), keys)
+
+
 def is_shown(obj: bpy.types.Object, frame: int) -> bool:
     """Tell whether an object is rendered at a scene frame, by its own keys or else as it is set now."""
     data = obj.animation_data

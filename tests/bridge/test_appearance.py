@@ -447,20 +447,23 @@ def test_groups_do_not_replace_attributes(make_object):
     assert (values(obj.data, "Color", "color", 4) == 1).all()
 
 
-@pytest.mark.parametrize(("kind", "suffix"), [("obj", ".obj"), ("gltf", ".glb")])
-def test_stills_have_the_mean_color_or_that_of_every_vertex(bare_scene, make_object, tmp_path, kind, suffix):
+def test_stills_have_the_mean_color(bare_scene, make_object, tmp_path):
     import bpy
 
-    inputs = two_balls(make_object)
-    files = export_frames(bake(bare_scene, inputs), tmp_path / "still", kind)
+    files = export_frames(bake(bare_scene, two_balls(make_object)), tmp_path / "still", "obj")
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    if kind == "obj":
-        bpy.ops.wm.obj_import(filepath=str(files[1]))
-    else:
-        bpy.ops.import_scene.gltf(filepath=str(files[1]))
+    bpy.ops.wm.obj_import(filepath=str(files[1]))
     (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
-    if kind == "obj":
-        color = principled(obj.data.materials[0]).inputs["Base Color"].default_value
-        np.testing.assert_allclose(tuple(color)[:3], (0.5, 0, 0.5), atol=1e-3)
-    else:
-        np.testing.assert_allclose(seen_colors(obj.data, WHITE)[:, :3].mean(axis=0), (0.5, 0, 0.5), atol=0.01)
+    color = principled(obj.data.materials[0]).inputs["Base Color"].default_value
+    np.testing.assert_allclose(tuple(color)[:3], (0.5, 0, 0.5), atol=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_gltf_has_the_color_of_every_vertex(bare_scene, make_object, tmp_path):
+    import bpy
+
+    (file,) = export_frames(bake(bare_scene, two_balls(make_object)), tmp_path / "still", "gltf")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=str(file))
+    colors = seen_colors(bpy.data.objects["still_0002"].data, WHITE)[:, :3]
+    np.testing.assert_allclose(colors.mean(axis=0), (0.5, 0, 0.5), atol=0.01)

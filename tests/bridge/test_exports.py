@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import json
+import struct
+
 import bpy
 import numpy as np
 import pytest
@@ -20,7 +23,7 @@ from convwass_addon.errors import ConvwassError, InputError
 # Blender's own add-on for glTF uses what newer versions of numpy and Python advise against.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
-STILLS = [name for name, chosen in FORMATS.items() if not chosen.animated]
+STILLS = ["obj", "ply", "stl"]
 ANIMATIONS = [name for name, chosen in FORMATS.items() if chosen.animated]
 
 
@@ -54,12 +57,47 @@ def test_one_file_per_frame(collection, tmp_path, name, inventory):
         np.testing.assert_allclose(heights(obj), [number - 1, number + 1], atol=1e-5)
 
 
-@pytest.mark.parametrize("name", ["obj", "gltf"])
-def test_stills_have_the_mixed_color(collection, tmp_path, name):
-    second = export_frames(collection, tmp_path / "rise", name)[1]
+def test_stills_have_the_mixed_color(collection, tmp_path):
+    second = export_frames(collection, tmp_path / "rise", "obj")[1]
     (obj,) = import_objects(second, None)
     shader = next(node for node in obj.data.materials[0].node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     np.testing.assert_allclose(shader.inputs["Base Color"].default_value[:3], [2 / 3, 0, 1 / 3], atol=1e-3)
+
+
+def read_glb(file):
+    """Return the JSON of a .glb, and a function that reads the numbers of an accessor."""
+    data = file.read_bytes()
+    (length,) = struct.unpack_from("<I", data, 12)
+    tables, binary = json.loads(data[20 : 20 + length]), data[28 + length :]
+
+    def numbers(index):
+        accessor = tables["accessors"][index]
+        start = tables["bufferViews"][accessor["bufferView"]].get("byteOffset", 0)
+        count = accessor["count"] * {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+        return np.frombuffer(binary, "<f4", count, start).reshape(accessor["count"], -1)
+
+    return tables, numbers
+
+
+def test_frames_of_a_path_take_turns_in_one_gltf_file(collection, tmp_path, inventory, bare_scene):
+    before = inventory()
+    (file,) = export_frames(collection, tmp_path / "rise", "gltf")
+    assert inventory() == before
+    assert file == tmp_path / "rise.glb"
+    tables, numbers = read_glb(file)
+    (animation,) = tables["animations"]
+    assert len(tables["nodes"]) == len(animation["channels"]) == 4
+    shown = np.zeros((4, 4), bool)
+    for channel in animation["channels"]:
+        sampler, target = animation["samplers"][channel["sampler"]], channel["target"]
+        assert (sampler["interpolation"], target["path"]) == ("STEP", "scale")
+        times, scales = numbers(sampler["input"])[:, 0] * bare_scene.render.fps, numbers(sampler["output"])
+        latest = np.searchsorted(times, np.arange(4) + 0.5) - 1
+        shown[target["node"]] = scales[latest].all(axis=1)
+    assert round(float(times[-1])) == 4
+    np.testing.assert_array_equal(shown, np.eye(4, dtype=bool))
+    material = tables["materials"][tables["meshes"][1]["primitives"][0]["material"]]
+    np.testing.assert_allclose(material["pbrMetallicRoughness"]["baseColorFactor"], [2 / 3, 0, 1 / 3, 1], atol=1e-3)
 
 
 def test_an_old_obj_stays_as_it_is_where_a_new_one_cannot_be_written(collection, tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -24,6 +24,7 @@ from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .appearance import VELOCITY, seen_colors, write_velocity
+from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, wears_color_attribute, wears_object_color
 from .stored import frame_objects, shown_frames
 
@@ -44,14 +45,17 @@ class _Format:
     """Writes all that is in the context's scene."""
     write_colors: Callable[[bpy.types.Mesh, np.ndarray], None] | None = None
     """Puts colors, one per vertex, onto a mesh as the format takes them; of those that are animated."""
+    write_steps: Callable[[str], set[str]] | None = None
+    """Writes all that is in the context's scene, where meshes take turns; of formats that write paths so."""
 
 
 def export_frames(collection: bpy.types.Collection, path: Path, file_format: str) -> list[Path]:
     """Write the frames of a morph for other programs.
 
-    OBJ, PLY, STL and glTF have no means to swap meshes over time that other programs understand, so they get one file
-    per frame, numbered from 0001 in the order of the frames (glTF as .glb), with materials; those that take their base
-    color from the object get that color. USD and Alembic get a single file over the frames of the morph, with one
+    OBJ, PLY and STL have no means to swap meshes over time, so they get one file per frame, numbered from 0001 in the
+    order of the frames, with materials; those that take their base color from the object get that color. glTF gets a
+    single .glb for a path, in which every frame is a node that an animation scales to 1 while it is shown and to 0
+    otherwise; of a sheet one file per blend. USD and Alembic get a single file over the frames of the morph, with one
     mesh whose topology changes; the frames' colors are its displayColor, and how fast their points move its velocities.
     A sheet is a still in them.
 
@@ -90,6 +94,9 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     bpy.context.view_layer.update()
     if chosen.animated:
         _export_animation(frames, shown_frames(collection), target, chosen)
+        return [target]
+    if chosen.write_steps is not None and shown_frames(collection):
+        _export_steps(frames, shown_frames(collection), target, chosen)
         return [target]
     files = numbered_paths(target.parent, f"{target.stem}_", target.suffix, range(1, len(frames) + 1))
     for obj, file in zip(frames, files, strict=True):
@@ -152,6 +159,19 @@ def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, c
             _write(file, chosen)
         finally:
             remove_sequence(sequence)
+
+
+def _export_steps(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
+    """Write the frame objects of a path as nodes that take turns."""
+    require_space(file.parent, _exported_bytes(frames))
+    render = bpy.context.scene.render
+    with scratch_scene() as scene, scaled_stand_ins(frames, span, file.stem) as copies, _plain_materials(copies):
+        scene.frame_start, scene.frame_end = 0, len(span)
+        scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
+        for copy in copies:
+            scene.collection.objects.link(copy)
+        scene.frame_set(0)
+        _write(file, replace(chosen, write=chosen.write_steps))
 
 
 @contextmanager
@@ -271,7 +291,7 @@ FORMATS: dict[str, _Format] = {
     "obj": _Format((".obj",), animated=False, write=lambda file: bpy.ops.wm.obj_export(filepath=file)),
     "ply": _Format((".ply",), animated=False, write=lambda file: bpy.ops.wm.ply_export(filepath=file)),
     "stl": _Format((".stl",), animated=False, write=lambda file: bpy.ops.wm.stl_export(filepath=file)),
-    "gltf": _Format((".glb",), animated=False, write=_write_gltf),
+    "gltf": _Format((".glb",), animated=False, write=_write_gltf, write_steps=write_gltf_animation),
     "usd": _Format(
         (".usdc", ".usd", ".usda", ".usdz"), animated=True, write=_write_usd, write_colors=_write_point_colors
     ),

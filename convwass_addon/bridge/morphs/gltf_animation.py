@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes that take turns in a glTF file, which has no visibility over time: nodes that are scaled by 0 or 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+import bpy
+
+from ..keyframes import is_shown, key_steps
+
+
+@contextmanager
+def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str) -> Iterator[list[bpy.types.Object]]:
+    """Give objects with the meshes of frame objects that are scaled to nothing where these are hidden.
+
+    That is how the specification of glTF 2.0 lets files hide nodes (section "Transformations").
+
+    Parameters
+    ----------
+    frames : sequence of bpy.types.Object
+        All frame objects of a path.
+    span : range
+        The scene frames that are looked at; the first of them becomes frame 0. The last lasts for one frame.
+    name : str
+        What to call the objects, with a number from 0001, and the action.
+
+    Yields
+    ------
+    list of bpy.types.Object
+        Not linked to a scene; with keys on their scale that are held until the next one, all in one action.
+    """
+    action = bpy.data.actions.new(name)
+    copies = []
+    try:
+        for place, obj in enumerate(frames, start=1):
+            copy = bpy.data.objects.new(f"{name}_{place:04d}", obj.data)
+            copies.append(copy)
+            copy.matrix_world = obj.matrix_world
+            copy.color = obj.color
+            shown = [is_shown(obj, frame) for frame in span]
+            size = tuple(copy.scale)
+            keys = [(number, now) for number, now in enumerate(shown) if now != shown[number - 1] or number == 0]
+            keys.append((len(span), shown[-1]))
+            for axis in range(3):
+                key_steps(copy, action, "scale", axis, [(number, size[axis] * now) for number, now in keys])
+        yield copies
+    finally:
+        bpy.data.batch_remove([*copies, action])
+
+
+def write_gltf_animation(file: str) -> set[str]:
+    """Write the context's scene with its keys as they are: sampled ones would not be steps."""
+    return bpy.ops.export_scene.gltf(
+        filepath=file,
+        export_format="GLB",
+        use_active_scene=True,
+        export_animation_mode="ACTIONS",
+        export_force_sampling=False,
+        export_optimize_animation_size=False,
+        export_extras=False,
+    )
