@@ -99,36 +99,6 @@ def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_
     return HalvedEdges(TriangleMesh(vertices, parts), parents, ends)
 
 
-def with_longest_edges(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Add the longest edge of every triangle that is split, which avoids narrow angles.
-
-    After M.-C. Rivara, "Algorithms for refining triangular grids suitable for adaptive and multigrid techniques",
-    International Journal for Numerical Methods in Engineering 20, 1984; the propagation stops after a few edges.
-
-    Parameters
-    ----------
-    mesh, use, chosen
-        As for :func:`with_edges_halved`.
-
-    Returns
-    -------
-    (e,) bool
-        Mask of the edges.
-    """
-    edges = np.empty(mesh.faces.size, np.int64)
-    edges[use.side] = np.repeat(np.arange(len(use.start)), use.count)
-    edges = edges.reshape(-1, 3)
-    lengths = np.linalg.norm(np.roll(mesh.corners, -1, axis=1) - mesh.corners, axis=2)
-    longest = edges[np.arange(len(edges)), lengths.argmax(axis=1)]
-    chosen = chosen.copy()
-    for _ in range(_FOLLOWED):
-        cut = chosen[edges].any(axis=1)
-        if chosen[longest[cut]].all():
-            break
-        chosen[longest[cut]] = True
-    return chosen
-
-
 def _halved(mesh: TriangleMesh, longest: float) -> HalvedEdges | None:
     """Halve every long edge once; None if there is none."""
     use = edge_use(mesh.faces)

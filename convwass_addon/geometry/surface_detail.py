@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
+from .angle_smoothing import with_wider_angles
 from .closest_points import ClosestPoints
 from .edge_flips import with_flipped_edges
 from .edge_means import EdgeMeans
@@ -30,7 +31,7 @@ from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
 from .normals import triangle_normals, unit_vectors, vertex_normals
-from .subdivision import with_edges_halved, with_longest_edges
+from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
 
 # Edges are halved where the surface would leave a shape by more than this many cells, unless they are this short, and
@@ -46,8 +47,9 @@ _SURFACE, _INSIDE = 0.9, 0.985
 _TURNED, _RELAXATIONS = 0.3, 4
 # Rounds in which trust fades towards places without any.
 _FADING = 2
-# Edges of narrow triangles are flipped where the surface moves by no more than so many cells.
-_FLAT = 0.03
+# Edges of narrow triangles are flipped where the surface moves by no more than so many cells, and then their vertices
+# are moved by no more than so many cells off the triangles about them.
+_FLAT, _SMOOTH = 0.03, 0.01
 # A volume is corrected where it is off by more than this share, by no more than so many cells along the normals, in so
 # many rounds: a chair halfway to a man takes a fifth of a cell.
 _VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.3, 3
@@ -144,11 +146,13 @@ def with_detail(
     wanted = sum(amount * own.source.weight * detail for own, detail in zip(laid.carried, details, strict=True))
     offsets = without_folds(laid.mesh, laid.normals, wanted, means)
     detailed = _with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), volume, cell)
-    detailed = with_flipped_edges(detailed, _FLAT * cell)
-    origins = [own.starts + detail for own, detail in zip(laid.carried, details, strict=True)]
-    places = [own.places for own in laid.carried]
-    triangles = [own.triangles_under(detailed.faces) for own in laid.carried]
-    return DetailedSurface(detailed, places, origins, triangles)
+    even = with_wider_angles(with_flipped_edges(detailed, _FLAT * cell), _SMOOTH * cell)
+    moves = even.vertices - detailed.vertices
+    carried = [own.moved(moves) for own in laid.carried]
+    origins = [own.starts + detail + moves for own, detail in zip(laid.carried, details, strict=True)]
+    places = [own.places for own in carried]
+    triangles = [own.triangles_under(even.faces) for own in carried]
+    return DetailedSurface(even, places, origins, triangles)
 
 
 @dataclass(frozen=True)
@@ -204,6 +208,14 @@ class _Carried:
         heights = np.abs(heights - np.diagonal(heights, axis1=1, axis2=2)[:, :, None]).max(axis=2)
         nearest = heights.argmin(axis=1)
         return self.places.triangles[faces[np.arange(len(faces)), nearest]]
+
+    def moved(self, moves: NDArray[np.float64]) -> _Carried:
+        """Return the places of vertices that have moved by so much, (n, 3)."""
+        rows = np.flatnonzero(moves.any(axis=1))
+        found = self.source.shape.finder.find_closest(self.points[rows] + moves[rows])
+        points = self.points.copy()
+        points[rows] = found.interpolated(self.source.shape.mesh.corners)
+        return replace(self, places=self.places.replaced(rows, found), points=points)
 
     def details(self, trust: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the offsets of the shape from its reading, (n, 3), as far as they are trusted."""
@@ -283,7 +295,6 @@ class _Laid:
             chosen[np.argsort(-deviations, kind="stable")[room:]] = False
         if not chosen.any():
             return None
-        chosen = with_longest_edges(self.mesh, use, chosen)
         halved = with_edges_halved(self.mesh, use, chosen)
         normals = unit_vectors(self.normals[halved.ends].sum(axis=1))
         carried = [own.with_middles(halved.ends) for own in self.carried]

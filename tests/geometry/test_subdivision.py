@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.geometry.edges import edge_ends, edge_use, topology
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.subdivision import with_edges_halved, with_longest_edges, with_short_edges
+from convwass_addon.geometry.subdivision import with_edges_halved, with_short_edges
 from tests.shapes import ball, box
 
 
@@ -79,24 +79,3 @@ def test_only_the_chosen_edges_are_halved():
     rows = np.stack([2 * paired, 2 * paired + 1], axis=1).ravel()
     assert len(rows) > 10
     np.testing.assert_array_equal(found.parents[: len(rows)], rows)
-
-
-def test_with_the_longest_edges_no_angle_is_halved():
-    """Right triangles: halving a leg leaves 18 degrees, with the longest edge halved too all are 45 again."""
-    mesh = box((1.0, 1.0, 1.0))
-    use = edge_use(mesh.faces)
-    ends = mesh.vertices[edge_ends(mesh.faces, use)]
-    legs = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) < 1.1
-    chosen = legs & (np.cumsum(legs) == 1)
-    alone, followed = (
-        with_edges_halved(mesh, use, own).mesh for own in (chosen, with_longest_edges(mesh, use, chosen))
-    )
-    assert smallest_angle(alone) == pytest.approx(18.4, abs=0.1)
-    assert smallest_angle(followed) == pytest.approx(45.0, abs=0.1)
-    assert topology(followed) == topology(mesh)
-
-
-def smallest_angle(mesh):
-    edges = np.roll(mesh.corners, -1, axis=1) - mesh.corners
-    edges /= np.linalg.norm(edges, axis=2, keepdims=True)
-    return np.degrees(np.arccos(-np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)).min()))

@@ -67,7 +67,7 @@ def test_bumps_are_laid_onto_a_smooth_ball(smooth, bumpy):
     assert topology(found.mesh) == topology(smooth)
     assert found.mesh.volume == pytest.approx(bumpy.volume, rel=1e-3)
     on_shape = found.places[0].interpolated(bumpy.corners)
-    np.testing.assert_allclose(found.mesh.vertices, on_shape, atol=0.02)
+    np.testing.assert_allclose(found.mesh.vertices, on_shape, atol=0.03)
 
 
 def test_where_there_is_no_detail_nothing_changes(smooth):

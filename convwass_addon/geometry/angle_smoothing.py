@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertices of narrow triangles moved along the surface where that opens the narrow angles.
+
+Smart Laplacian smoothing: a vertex goes to the middle of its neighbors only if the smallest angle about it grows
+(L. Freitag, "On combining Laplacian and optimization-based mesh smoothing techniques", Trends in Unstructured Mesh
+Generation 1997). On creases it goes along the crease, and corners stay: moves are restricted to the plane or line that
+all triangles about a vertex have in common (X. Jiao, "Face offsetting", Journal of Computational Physics 220, 2007).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .mesh import TriangleMesh
+from .normals import triangle_normals
+
+# Triangles with a smaller angle than this, in radians, are narrow, and a move must open it by so much.
+_NARROW, _GAIN = float(np.radians(25.0)), float(np.radians(0.1))
+_ROUNDS = 4
+# Directions that stand out of the triangles by this share of what the steepest one does lead off the surface.
+_OFF = 0.1
+# Shares of the way to the middle that are tried.
+_SHARES = (1.0, 0.5)
+# Triangles may turn by this cosine.
+_TURNED = 0.5
+
+
+def with_wider_angles(mesh: TriangleMesh, most: float) -> TriangleMesh:
+    """Move vertices of narrow triangles where the smallest angle about them grows.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Closed or open.
+    most : float
+        How far a vertex may leave the planes of the triangles about it, in the unit of the mesh.
+
+    Returns
+    -------
+    TriangleMesh
+        The same triangles.
+    """
+    vertices = mesh.vertices
+    for _ in range(_ROUNDS):
+        rings = _Rings.of(vertices, mesh.faces)
+        if not len(rings.vertices):
+            break
+        moved = rings.moved(vertices, mesh.faces, most)
+        if moved is None:
+            break
+        vertices = moved
+    return replace(mesh, vertices=vertices)
+
+
+@dataclass(frozen=True)
+class _Rings:
+    """The triangles about those vertices that have a narrow one.
+
+    Attributes
+    ----------
+    vertices : (k,) int64
+        Which.
+    faces, corners, owners : (r,) int64
+        Triangles, the corner of each that is the vertex, and its place in `vertices`; all of one vertex together.
+    starts : (k,) int64
+        Where the triangles of each vertex begin.
+    """
+
+    vertices: NDArray[np.int64]
+    faces: NDArray[np.int64]
+    corners: NDArray[np.int64]
+    owners: NDArray[np.int64]
+    starts: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> _Rings:
+        is_chosen = np.zeros(len(vertices), bool)
+        is_chosen[faces[smallest_angles(vertices[faces]) < _NARROW]] = True
+        sides = np.flatnonzero(is_chosen[faces.ravel()])
+        ends = faces.ravel()[sides]
+        order = np.argsort(ends, kind="stable")
+        sides, ends = sides[order], ends[order]
+        starts = np.flatnonzero(np.diff(ends, prepend=-1))
+        owners = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(ends)))
+        return cls(ends[starts], sides // 3, sides % 3, owners, starts)
+
+    def moved(self, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> NDArray[np.float64] | None:
+        """Move those vertices, no two neighbors of them, that gain most by it; None where none gains."""
+        # Every triangle with the vertex first.
+        around = faces[self.faces[:, None], (self.corners[:, None] + np.arange(3)) % 3]
+        corners = vertices[around]
+        normals = triangle_normals(corners)
+        middles = self._sum(corners[:, 1] + corners[:, 2]) / (2.0 * self._counts[:, None])
+        moves = _along(self._sum(normals[:, :, None] * normals[:, None, :]), middles - vertices[self.vertices])
+        heights = np.maximum.reduceat(np.abs(np.einsum("rd,rd->r", moves[self.owners], normals)), self.starts)
+        moves *= np.minimum(1.0, most / np.maximum(heights, np.finfo(float).tiny))[:, None]
+        before = np.minimum.reduceat(smallest_angles(corners), self.starts)
+        gains, shares = np.zeros(len(before)), np.zeros(len(before))
+        for share in _SHARES:
+            tried = corners.copy()
+            tried[:, 0] += share * moves[self.owners]
+            turned = np.einsum("rd,rd->r", triangle_normals(tried), normals) < _TURNED
+            after = np.where(turned, 0.0, smallest_angles(tried))
+            gain = np.minimum.reduceat(after, self.starts) - before
+            is_better = gain > np.maximum(gains, _GAIN)
+            gains[is_better], shares[is_better] = gain[is_better], share
+        chosen = self._best_of_neighbors(around, gains, len(vertices))
+        if not len(chosen):
+            return None
+        result = vertices.copy()
+        result[self.vertices[chosen]] += shares[chosen, None] * moves[chosen]
+        return result
+
+    @property
+    def _counts(self) -> NDArray[np.int64]:
+        return np.diff(self.starts, append=len(self.owners))
+
+    def _sum(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.add.reduceat(values, self.starts, axis=0)
+
+    def _best_of_neighbors(
+        self, around: NDArray[np.int64], gains: NDArray[np.float64], count: int
+    ) -> NDArray[np.int64]:
+        """Return those with a gain larger than that of all their neighbors; of equal ones the first."""
+        order = np.lexsort((np.arange(len(gains)), -gains))
+        order = order[gains[order] > 0.0]
+        ranks = np.full(count, len(gains))
+        ranks[self.vertices[order]] = np.arange(len(order))
+        least = np.minimum.reduceat(ranks[around[:, 1:]].min(axis=1), self.starts)
+        return np.flatnonzero((ranks[self.vertices] < least) & (gains > 0.0))
+
+
+def smallest_angles(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the smallest angle of triangles, (m, 3, 3), in radians, (m,)."""
+    edges = np.roll(corners, -1, axis=1) - corners
+    edges /= np.maximum(np.linalg.norm(edges, axis=2, keepdims=True), np.finfo(float).tiny)
+    cosines = -np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)).min(axis=1)
+    return np.arccos(np.clip(cosines, -1.0, 1.0))
+
+
+def _along(spreads: NDArray[np.float64], moves: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Restrict moves, (k, 3), to what all planes have in common whose normals have these sums of squares, (k, 3, 3)."""
+    sizes, directions = np.linalg.eigh(spreads)
+    kept = sizes < _OFF * sizes[:, -1:]
+    return np.einsum("kij,kj,klj,kl->ki", directions, kept.astype(float), directions, moves)
