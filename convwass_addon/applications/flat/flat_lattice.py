@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,11 @@ from ...errors import InputError
 from ...geometry.outlines import Outline
 from ...transport import Grid
 from ..memory import available_memory
+from ..morphs.moved_room import Room
 from .flat_pieces import FlatPieces
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 16
-# Cells that are left free around what moves.
-_ROOM = 4
 # Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of a part of every shape and of a
 # thread that solves.
 _BYTES_PER_SHAPE, _BYTES_PER_WORKER = 60, 400
@@ -70,18 +69,9 @@ class FlatLattice:
         origin = (low + high) / 2 - cells * spacing / 2
         return cls((int(cells[0]), int(cells[1])), spacing, origin, centers)
 
-    def holding(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> FlatLattice:
-        """Return a lattice with the same cells and as many more as a box needs.
-
-        Parameters
-        ----------
-        low, high : (2,) float64
-            Corners of the box relative to the centers of the shapes, scene units.
-        """
-        below = np.ceil((self.origin - low) / self.spacing + _ROOM).clip(min=0)
-        end = np.maximum((high - self.origin) / self.spacing + _ROOM, self.shape)
-        cells = (np.ceil((end + below) / _MULTIPLE - 1e-9) * _MULTIPLE).astype(int)
-        return replace(self, shape=(int(cells[0]), int(cells[1])), origin=self.origin - below * self.spacing)
+    def holding(self, room: Room | None) -> FlatLattice:
+        """Return a lattice with the same cells and as many more as moved shapes need."""
+        return self if room is None else room.in_lattice(self, _MULTIPLE)
 
     def grid(self, sigma: float) -> Grid:
         """Return the transport domain with a kernel of `sigma` cells."""

@@ -85,7 +85,7 @@ def flat_morph(
     total = sum(map(len, runs.values()))
     solve = partial(solve_flat_blends, problem)
     if choice.motion is not None:
-        moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends)
+        moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends, control)
         solve = partial(solve_moving_flat_blends, moving)
     with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)

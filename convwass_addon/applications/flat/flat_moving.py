@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,6 +18,7 @@ from ..morphs.blend_solver import BlendSolver
 from ..morphs.blending import HandOver
 from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.layouts import Blend
+from ..morphs.moved_room import room_of_moved
 from ..morphs.parts import SplitShapes
 from ..morphs.spare_threads import at_once
 from ..morphs.transport_problem import TransportProblem
@@ -31,8 +32,6 @@ from .flat_shapes import FlatInput
 
 # Where less of the outline differs than this share, transport has nothing to do.
 _LEAST_REST = 1e-3
-# Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.
-_SAMPLED_BLENDS = 33
 # Cells over which the parts of a blend are told from each other.
 _ABOUT = 2.0
 
@@ -55,19 +54,19 @@ class FlatMovingProblem:
 
     @classmethod
     def of(
-        cls, still: FlatProblem, shapes: Sequence[FlatInput], motion: FlatMotion, blends: Sequence[Blend]
+        cls,
+        still: FlatProblem,
+        shapes: Sequence[FlatInput],
+        motion: FlatMotion,
+        blends: Sequence[Blend],
+        control: Control,
     ) -> FlatMovingProblem:
         """Lay out a grid that holds the moved shapes, (k,), of all `blends`."""
-        mixed = [blend for blend in blends if blend.source is None]
-        low, high = np.full(2, np.inf), np.full(2, -np.inf)
-        chosen = np.linspace(0, len(mixed) - 1, min(len(mixed), _SAMPLED_BLENDS)).round().astype(int)
-        for index in chosen:
-            weights = mixed[index].weights
-            for part in motion.moved(weights):
-                bounds = np.stack([own.boundary.bounds for own in part if own is not None])
-                bounds -= np.asarray(weights) @ still.lattice.centers
-                low, high = np.minimum(low, bounds[:, 0].min(axis=0)), np.maximum(high, bounds[:, 1].max(axis=0))
-        lattice = still.lattice.holding(low, high) if mixed else still.lattice
+
+        def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
+            return (own.boundary.bounds for part in motion.moved(weights) for own in part if own is not None)
+
+        lattice = still.lattice.holding(room_of_moved(bounds, still.lattice.centers, blends, control))
         layers = input_layers(shapes, lattice.centers, lattice) if still.layers else ()
         return cls(still.on(lattice, layers), motion)
 

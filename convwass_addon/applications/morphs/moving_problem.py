@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -26,6 +26,7 @@ from .extraction import extract_coinciding
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
+from .moved_room import room_of_moved
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
 from .spare_threads import at_once
@@ -34,10 +35,6 @@ from .volumes import Lattice
 
 # Below this share of the surface where moved shapes differ, transport has nothing to do.
 _LEAST_REST = 1e-3
-# Moved shapes are looked at for so many blends, evenly spread, to lay out a grid that holds all of them.
-_SAMPLED_BLENDS = 33
-# Room in cells for what lies between two of them.
-_SLACK_CELLS = 2
 
 
 @dataclass(frozen=True)
@@ -122,8 +119,12 @@ class MovingProblem:
         control : Control
             Stops the work.
         """
-        lattice = _grown(still.lattice, motion, blends, control)
-        return cls(still, motion, lattice, tuple(names), matching)
+
+        def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
+            return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)
+
+        room = room_of_moved(bounds, still.lattice.centers, blends, control)
+        return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
 
     def limited(self, most: Connectivity) -> MovingProblem:
         """Return the same for blends that are to have no more than `most`, whatever the inputs have."""
@@ -254,24 +255,6 @@ class _PlacedSurface:
 def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:
     """Return labels of the triangles of a moved shape from those of the input's; all of one label may be none."""
     return labels if shape.parents is None or not len(labels) else labels[shape.parents]
-
-
-def _grown(lattice: Lattice, motion: Motion, blends: Sequence[Blend], control: Control) -> Lattice:
-    """Return the lattice with as many more cells as moved shapes need; the cells that are there stay."""
-    mixed = [blend for blend in blends if blend.source is None]
-    if not mixed:
-        return lattice
-    chosen = np.unique(np.linspace(0, len(mixed) - 1, min(len(mixed), _SAMPLED_BLENDS)).round().astype(int))
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for index in chosen:
-        control.check()
-        weights = mixed[index].weights
-        center = np.asarray(weights) @ lattice.centers
-        for shape in motion.moved(weights):
-            if shape is not None:
-                bounds = shape.mesh.bounds - center
-                low, high = np.minimum(low, bounds[0]), np.maximum(high, bounds[1])
-    return lattice.holding(low, high, 0 if len(chosen) == len(mixed) else _SLACK_CELLS)
 
 
 def solve_moving_blends(

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,10 @@ from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid
 from ..memory import available_memory, check_memory
 from .memory_needs import peak_bytes
+from .moved_room import Room
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 8
-# Free cells about shapes that move, for the blur.
-_MARGIN = 4
 # A solid of fewer cells is no shape any more.
 _LEAST_CELLS = 20.0
 # Sheets are given at least this thickness, in cells: what survives a morph.
@@ -103,21 +102,9 @@ class Lattice:
         filled = max(abs(shape.volume) for shape in shapes) / (self.spacing**3 * cells)
         return peak_bytes(cells, filled, len(shapes), workers, parts)
 
-    def holding(self, low: NDArray[np.float64], high: NDArray[np.float64], slack: int = 0) -> Lattice:
-        """Return a lattice with the same cells and as many more as a box needs.
-
-        Parameters
-        ----------
-        low, high : (3,) float64
-            Corners of the box relative to the centers of the shapes, scene units.
-        slack : int
-            Cells that are left free around it besides the margin that a blend needs.
-        """
-        margin = _MARGIN + slack
-        below = np.ceil((self.origin - low) / self.spacing + margin).clip(min=0)
-        end = np.maximum((high - self.origin) / self.spacing + margin, self.shape)
-        cells = (np.ceil((end + below) / _MULTIPLE) * _MULTIPLE).astype(int)
-        return replace(self, shape=tuple(int(n) for n in cells), origin=self.origin - below * self.spacing)
+    def holding(self, room: Room | None) -> Lattice:
+        """Return a lattice with the same cells and as many more as moved shapes need."""
+        return self if room is None else room.in_lattice(self, _MULTIPLE)
 
     def shell_cells(self, thickness: float) -> float:
         """Thickness in cells of a sheet that is given so much, scene units, and two cells at least.
