@@ -14,10 +14,11 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
+from ..morphs.moving_problem import solve_moving_blends
 from ..morphs.runs import as_solved, runs_of, solved_in_threads
 from .flat_blending import solve_flat_blends
 from .flat_motion import chosen_flat_motion
-from .flat_moving import FlatMovingProblem, solve_moving_flat_blends
+from .flat_moving import FlatMovingProblem
 from .flat_problem import flat_problem, pieces_of
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatInput
@@ -86,7 +87,7 @@ def flat_morph(
     solve = partial(solve_flat_blends, problem)
     if choice.motion is not None:
         moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends, control)
-        solve = partial(solve_moving_flat_blends, moving)
+        solve = partial(solve_moving_blends, moving)
     with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
         for done, frame in enumerate(frames, start=1):

@@ -6,21 +6,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...geometry.coverage import coverage
-from ...progress import UNINTERRUPTED, Control
+from ...progress import Control
 from ..morphs.blend_solver import BlendSolver
-from ..morphs.blending import HandOver
 from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.layouts import Blend
 from ..morphs.moved_room import room_of_moved
 from ..morphs.parts import SplitShapes
-from ..morphs.spare_threads import at_once
 from ..morphs.transport_problem import TransportProblem
 from .flat_blending import coinciding_frame, input_frame, surfaced_frame
 from .flat_frames import FlatFrame
@@ -30,8 +27,6 @@ from .flat_origins import FlatOrigins, MovedOrigins
 from .flat_problem import FlatProblem
 from .flat_shapes import FlatInput
 
-# Where less of the outline differs than this share, transport has nothing to do.
-_LEAST_REST = 1e-3
 # Cells over which the parts of a blend are told from each other.
 _ABOUT = 2.0
 
@@ -80,7 +75,7 @@ class FlatMovingProblem:
         filled = self._filled(blend, moved)
         occupancies = [np.clip(sum(own[place] for own in filled), 0.0, 1.0) for place in range(len(active))]
         solids = CoincidingSolids.of(occupancies, [blend.weights[index] for index in active])
-        if solids.disagreement <= _LEAST_REST:
+        if solids.coincide:
             return coinciding_frame(self.still, blend, solids, self._origins(blend, moved, filled, None))
         problem = self._problem_of(blend, filled, active)
         alone = Blend(tuple(blend.weights[index] for index in active))
@@ -128,14 +123,3 @@ class FlatMovingProblem:
             lattice.origin + lattice.centers,
             transported,
         )
-
-
-def solve_moving_flat_blends(
-    problem: FlatMovingProblem,
-    blends: Sequence[Blend],
-    control: Control = UNINTERRUPTED,
-    hand_over: HandOver = at_once,
-) -> list[FlatFrame]:
-    """Make blends of moving flat shapes; the parameters are those of :func:`.blending.solve_blends`."""
-    frames = [hand_over(partial(problem.frame, blend, control)) for blend in blends]
-    return [frame() for frame in frames]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ _BLUR, _KNOWN = 0.7, 2.6
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
 # Below this share of agreeing surface the barycenter is needed somewhere.
 _AGREED = 0.5
+# Solids that differ on no more than this share of the surface coincide.
+_LEAST_REST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -68,11 +71,16 @@ class CoincidingSolids:
         agreement = np.exp(-np.square(np.maximum(typical - _APART, 0) / _FALL)).astype(np.float32)
         return cls(ndtr(mean / _BLUR).astype(np.float32), agreement, depths)
 
-    @property
+    @cached_property
     def disagreement(self) -> float:
         """Share of the mean surface where the solids do not coincide."""
         band = (self.density > 0.2) & (self.density < 0.8)
         return float((self.agreement[band] < _AGREED).mean()) if band.any() else 1.0
+
+    @property
+    def coincide(self) -> bool:
+        """Whether the solids coincide everywhere, so that nothing is left to transport."""
+        return self.disagreement <= _LEAST_REST
 
     def mixed(self, density: NDArray[np.floating], box: tuple[slice, ...]) -> NDArray[np.float32]:
         """Return a density that is this one where the solids agree, and another one where they do not.

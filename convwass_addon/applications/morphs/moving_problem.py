@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +34,7 @@ from .spare_threads import at_once
 from .transport_problem import TransportProblem
 from .volumes import Lattice
 
-# Below this share of the surface where moved shapes differ, transport has nothing to do.
-_LEAST_REST = 1e-3
+Made = TypeVar("Made", covariant=True)
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class MovedBlend:
     @property
     def coincides(self) -> bool:
         """Whether nothing is left to transport."""
-        return self.solids.disagreement <= _LEAST_REST
+        return self.solids.coincide
 
 
 @dataclass(frozen=True)
@@ -257,12 +257,20 @@ def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int6
     return labels if shape.parents is None or not len(labels) else labels[shape.parents]
 
 
+class FrameMaker(Protocol[Made]):
+    """What makes the frames of a morph one by one."""
+
+    def frame(self, blend: Blend, control: Control) -> Made:
+        """Make the frame of one blend."""
+        ...
+
+
 def solve_moving_blends(
-    problem: MovingProblem,
+    problem: FrameMaker[Made],
     blends: Sequence[Blend],
     control: Control = UNINTERRUPTED,
     hand_over: HandOver = at_once,
-) -> list[MorphFrame]:
-    """Solve blends of moving inputs; for the parameters see :func:`.blending.solve_blends`."""
+) -> list[Made]:
+    """Solve blends of moving inputs, solid or flat; for the parameters see :func:`.blending.solve_blends`."""
     frames = [hand_over(partial(problem.frame, blend, control)) for blend in blends]
     return [frame() for frame in frames]
