@@ -18,6 +18,7 @@ from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.layouts import Blend
 from ..morphs.spare_threads import at_once
 from ..morphs.thin_shapes import wall_share
+from ..motions.motion import motion_figures
 from .flat_frames import FlatDensity, FlatFrame
 from .flat_origins import FlatOrigins, MovedOrigins
 from .flat_outlines import blend_outline, filled_area, half_max_outline, own_outline, prepared_density
@@ -53,7 +54,7 @@ def input_frame(problem: FlatProblem, blend: Blend) -> FlatFrame:
         "input": blend.source,
         "cell": problem.lattice.spacing,
         "area": problem.transport.input_volume(blend.source),
-        **_motion_record(problem),
+        **motion_figures(problem.motion),
     }
     if problem.settings.output == "outlines":
         return FlatFrame(blend, None, record)
@@ -139,14 +140,10 @@ def _finished(
         "level": mending.drawn.level,
         "area": outline.area,
         **mending.record(),
-        **_motion_record(problem),
+        **motion_figures(problem.motion),
     }
     regions = colored_regions(problem, blend, mending, origins) if problem.layers and origins is not None else ()
     return FlatFrame(blend, outline, record, density, origins, regions)
-
-
-def _motion_record(problem: FlatProblem) -> dict[str, object]:
-    return {"motion": dict(problem.motion)} if problem.motion else {}
 
 
 def _mass_per_cell(solved: SolvedBlend) -> NDArray[np.float64]:

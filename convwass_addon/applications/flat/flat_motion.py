@@ -9,15 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.planar_fill import Boundary
 from ...progress import Control, Work, within
 from ..morphs.bake_plan import pairs_of
 from ..morphs.layouts import Blend
 from ..motions.choosing import MotionChoice, chosen_motion
+from ..motions.limbs import is_nearly_convex
 from ..motions.motion import MovedShape
 from .flat_pieces import FilledPieces, FlatPieces
 from .flat_settings import FlatSettings
@@ -25,8 +24,6 @@ from .sheets import AttachedPoints, Sheet
 
 # Motions of more parts are made only where they are asked for.
 _MOST_PARTS = 6
-# Shapes that fill so much of their convex hulls have no limbs.
-_SOLID = 0.85
 
 
 @dataclass(frozen=True)
@@ -56,9 +53,11 @@ class MovedPart:
         """Return where points of the moved part, (n, 2), come from."""
         if self.shape is None:
             return points - self.shift
-        mesh, moved = self.sheet.mesh, self.shape.vertices[: len(self.sheet.mesh.vertices)]
-        attached = AttachedPoints.of(points, moved, mesh.faces, ClosestPointFinder(moved[mesh.faces]))
-        return attached.on(mesh.vertices, mesh.faces)
+        # Its triangles may be cut finer than those of the sheet.
+        rest = self.shape.rest
+        return AttachedPoints.of(points, self.shape.vertices, rest.faces, self.shape.finder).on(
+            rest.vertices, rest.faces
+        )
 
 
 @dataclass(frozen=True)
@@ -152,7 +151,9 @@ def chosen_flat_motion(
         raise InputError("Images and densities have no outline that could move. Set Motion to Automatic or Transport.")
     if still or settings.motion == "transport" or settings.coherence == 0.0:
         return FlatChoice(None, MotionChoice("transport", "ASKED").record())
-    if settings.motion == "automatic" and all(_fills_its_hull(part) for own in filled for part in own.parts):
+    if settings.motion == "automatic" and all(
+        is_nearly_convex(part.starts, part.area) for own in filled for part in own.parts
+    ):
         return FlatChoice(None, MotionChoice("transport", "SOLID").record())
     count = len(filled[0].parts)
     if settings.motion == "automatic" and (count > _MOST_PARTS or (count == 1 and regions > 1)):
@@ -168,13 +169,3 @@ def chosen_flat_motion(
     if all(choice.motion is None for choice in choices):
         return FlatChoice(None, record)
     return FlatChoice(FlatMotion(tuple(sheets), tuple(choices), centers), record)
-
-
-def _fills_its_hull(part: Boundary) -> bool:
-    """Tell whether what a boundary encloses is nearly convex."""
-    try:
-        hull = ConvexHull(part.starts)
-    except QhullError:
-        return True
-    # Of a hull in the plane, Qhull calls the area volume.
-    return part.area >= _SOLID * hull.volume

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control
+from ..motions.motion import motion_figures
 from .blend_solver import BlendSolver, PartSketch, SolvedBlend
 from .coinciding_solids import CoincidingSolids
 from .detail import detailed_blend, starts_of_transport
@@ -140,7 +141,9 @@ def _solved(
 def _input_itself(problem: MorphProblem, blend: Blend) -> MorphFrame:
     volume = problem.transport.input_volume(blend.source)
     return MorphFrame(
-        blend, None, {"weights": blend.weights, "input": blend.source, "volume": volume, **_motion_record(problem)}
+        blend,
+        None,
+        {"weights": blend.weights, "input": blend.source, "volume": volume, **motion_figures(problem.motion)},
     )
 
 
@@ -186,7 +189,7 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,
-        **_motion_record(problem),
+        **motion_figures(problem.motion),
         **solved.figures(),
         "sigma": sigma,
         "wall": wall_share(merged.density),
@@ -220,10 +223,6 @@ def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFra
     triangles = np.full((len(weights), len(surface.mesh.faces)), -1, np.int32)
     triangles[active] = surface.triangles
     return replace(detailed, origins=origins.astype(np.float32), triangles=triangles)
-
-
-def _motion_record(problem: MorphProblem) -> dict[str, object]:
-    return {"motion": dict(problem.motion)} if problem.motion else {}
 
 
 def _origins(problem: MorphProblem, solved: SolvedBlend, surface: NDArray[np.float64]) -> NDArray[np.float32]:

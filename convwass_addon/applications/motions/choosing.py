@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from ...errors import Cancelled, ConvwassError
 from ...geometry.mesh import TriangleMesh
@@ -18,14 +17,13 @@ from .combined_motion import combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .guides import Guide
+from .limbs import is_nearly_convex
 from .motion import Motion
 from .warp_motion import warp_motion
 
 # Guided motions are trusted from the first score of the worst map between two of the shapes; from the second they are
 # completed by a warp. Chosen by eye on pairs of the benchmark.
 _TRUSTED, _DOUBTED = 0.88, 0.2
-# Shapes that fill so much of their convex hulls have no limbs that transport could tear off.
-_SOLID = 0.85
 # What a motion may fail with on meshes that nobody has thought of: the bake goes on without it.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
 # Share of the work after which the guided motion is there, where a warp may follow.
@@ -96,7 +94,11 @@ def chosen_motion(
     """
     if asked == "transport" or coherence == 0.0 or not pairs:
         return MotionChoice("transport", "ASKED")
-    if asked == "automatic" and not guides and all(_fills_its_hull(shape) for shape in shapes):
+    if (
+        asked == "automatic"
+        and not guides
+        and all(is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume) for shape in shapes)
+    ):
         return MotionChoice("transport", "SOLID")
     if asked == "warp":
         motion = yield from warp_motion(shapes, names, pairs, coherence, control)
@@ -131,16 +133,6 @@ def chosen_motion(
         return MotionChoice("transport", "FAILED", None, score, failure or str(error))
     kind = "combined" if doubted else "warp"
     return MotionChoice(kind, "FAILED" if guided is None else "UNLIKE", motion, score, failure)
-
-
-def _fills_its_hull(shape: TriangleMesh) -> bool:
-    """Tell whether a shape is nearly convex."""
-    try:
-        hull = ConvexHull(shape.vertices[np.unique(shape.faces)])
-    except QhullError:
-        # A sheet, which has no volume.
-        return False
-    return abs(shape.volume) >= _SOLID * hull.volume
 
 
 def _score(guided: GuidedMotion) -> float:

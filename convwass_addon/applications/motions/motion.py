@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -65,3 +65,8 @@ class Motion(Protocol):
     def record(self) -> dict[str, object]:
         """Say how well the motion fits, ready for JSON; its ``kind`` is what settings call it."""
         ...
+
+
+def motion_figures(about: Mapping[str, object]) -> dict[str, object]:
+    """Return what the record of a frame says about the choice of a motion; nothing where none was to be chosen."""
+    return {"motion": dict(about)} if about else {}

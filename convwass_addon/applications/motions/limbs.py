@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes without limbs, which need no motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+# Shapes that fill so much of their convex hulls have no limbs that transport could tear off; chosen by eye.
+_NEARLY_CONVEX = 0.85
+
+
+def is_nearly_convex(points: NDArray[np.float64], content: float) -> bool:
+    """Tell whether a shape fills most of its convex hull.
+
+    Parameters
+    ----------
+    points : (n, 2) or (n, 3) float64
+        On its boundary.
+    content : float
+        Its area or volume.
+
+    Returns
+    -------
+    bool
+        False where all points lie on a line, or in space in a plane: there is no hull then.
+    """
+    try:
+        hull = ConvexHull(points)
+    except QhullError:
+        return False
+    # Of a hull in the plane, Qhull calls the area volume.
+    return abs(content) >= _NEARLY_CONVEX * hull.volume
