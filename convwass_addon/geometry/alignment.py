@@ -115,6 +115,32 @@ def aligned(
 
 
 @dataclass(frozen=True)
+class AlignedMeshes:
+    """Shapes that have been laid onto the first one.
+
+    Attributes
+    ----------
+    meshes : list of TriangleMesh
+        Where they lie.
+    moves : tuple of RigidMove or None
+        How they got there; None where all are where they were.
+    """
+
+    meshes: list[TriangleMesh]
+    moves: tuple[RigidMove, ...] | None
+
+
+def aligned_meshes(
+    meshes: Sequence[TriangleMesh], alignment: Alignment, scaling: Scaling, names: Sequence[str] = ()
+) -> AlignedMeshes:
+    """Lay shapes onto the first one; see :func:`aligned`."""
+    if (alignment, scaling) == ("PLACED", "PLACED"):
+        return AlignedMeshes(list(meshes), None)
+    moves = aligned(meshes, alignment, scaling, names)
+    return AlignedMeshes([move.moved(mesh) for move, mesh in zip(moves, meshes, strict=True)], moves)
+
+
+@dataclass(frozen=True)
 class SolidMoments:
     """Moments of a shape about its center: of its volume, or of its surface if it has no volume.
 

@@ -20,7 +20,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
-from ..objects import write_mesh
+from ..objects import hide, write_mesh
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
 from .materials import MATERIAL_NAME, morph_material
@@ -278,7 +278,7 @@ class MorphBake:
         store_diagnostics(collection, notes)
         self._drop_unused()
         if hide_inputs:
-            _hide(found([shape.obj for shape in self._inputs]), scene)
+            hide(found([shape.obj for shape in self._inputs]), scene)
         return collection
 
     @property
@@ -366,12 +366,3 @@ def wear_material(data: bpy.types.ID) -> None:
     if not any(data.materials):
         data.materials.clear()
         data.materials.append(morph_material())
-
-
-def _hide(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> None:
-    """Hide objects in renders, and with the eye of every view layer that has them."""
-    for obj in objects:
-        obj.hide_render = True
-        for layer in scene.view_layers:
-            if obj.name in layer.objects:
-                obj.hide_set(True, view_layer=layer)

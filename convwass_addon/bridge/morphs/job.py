@@ -19,7 +19,7 @@ from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import FaceLabels, matched, part_notices
 from ...errors import InputError
-from ...geometry.alignment import aligned
+from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..objects import MESHED, labeled_mesh, triangle_mesh
@@ -82,14 +82,12 @@ class MorphJob:
         guides = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
         self._guides = guides_of_shapes(guides, inputs, self._shapes, depsgraph)
         alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
-        moves = None
-        if (alignment, scaling) != ("PLACED", "PLACED"):
-            moves = aligned(self._shapes, alignment, scaling, self._names)
-            self._shapes = [move.moved(shape) for move, shape in zip(moves, self._shapes, strict=True)]
+        laid = aligned_meshes(self._shapes, alignment, scaling, self._names)
+        self._shapes = laid.meshes
         self._blends = blends
         self._settings = settings
         self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
-        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, moves)
+        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, laid.moves)
         self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:

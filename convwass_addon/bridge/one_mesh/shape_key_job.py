@@ -13,14 +13,14 @@ from ...applications.morphs.computation import Computation
 from ...applications.motions.guided_settings import GuidedSettings
 from ...applications.one_mesh.key_paths import KeyPath, key_paths
 from ...errors import ConvwassError, InputError
-from ...geometry.alignment import aligned
+from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..handles import Handle
 from ..morphs.animated_inputs import animation_notices
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
-from ..objects import frozen_copy, triangle_mesh
+from ..objects import frozen_copy, hide, triangle_mesh
 from .shape_keys import animate_sliders, object_with_keys
 
 
@@ -60,18 +60,16 @@ class ShapeKeyJob:
         self._names = [obj.name for obj in inputs]
         self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
         self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
-        moves = None
-        if (request.alignment, request.scaling) != ("PLACED", "PLACED"):
-            moves = aligned(self._shapes, request.alignment, request.scaling, self._names)
-            self._shapes = [move.moved(shape) for move, shape in zip(moves, self._shapes, strict=True)]
+        laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
+        self._shapes = laid.meshes
         self._settings = GuidedSettings(coherence=coherence)
         self._accuracy, self._frames, self._first = request.key_error / 100.0, request.frames, first_frame
         self._scene = Handle.of("scenes", scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
         self.notices = [*animation_notices(inputs, scene.frame_current), *_applied(inputs[0])]
         mesh = frozen_copy(inputs[0], depsgraph)
-        if moves is not None:
-            mesh.transform(Matrix(moves[0].matrix))
+        if laid.moves is not None:
+            mesh.transform(Matrix(laid.moves[0].matrix))
         self._mesh = Handle.of("meshes", mesh)
         self.paths: list[KeyPath] = []
 
@@ -109,12 +107,7 @@ class ShapeKeyJob:
         obj = object_with_keys(source, mesh, self.paths, scene)
         animate_sliders(obj, [path.name for path in self.paths], self._first, self._frames)
         if hide_inputs:
-            for handle in self._inputs:
-                shape = handle.find()
-                if shape is not None:
-                    shape.hide_render = True
-                    if shape.name in bpy.context.view_layer.objects:
-                        shape.hide_set(True)
+            hide((shape for handle in self._inputs if (shape := handle.find()) is not None), scene)
         return obj
 
 
