@@ -121,6 +121,7 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="a line of JSON per pair and motion instead of tables")
     parser.add_argument("--sheets", type=Path, help="a folder to write pictures of every pair to")
     parser.add_argument("--maps", action="store_true", help="only how well the shapes are mapped to each other")
+    parser.add_argument("--guides", action="store_true", help="only what guides do to the maps between the shapes")
     parser.set_defaults(
         run=lambda options: coherence.main(
             options.pairs,
@@ -132,6 +133,7 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
             as_json=options.json,
             sheets=options.sheets,
             maps=options.maps,
+            guides=options.guides,
         )
     )
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .coherence_cases import TRANSPORT, motions
+from .coherence_guides import print_guides
 from .coherence_maps import print_maps
 from .coherence_pairs import ONE_BUILD, OTHER_BUILD, CoherencePair, half, pairs_named
 from .coherence_sheets import write_sheets
@@ -49,6 +50,7 @@ def main(
     as_json: bool = False,
     sheets: Path | None = None,
     maps: bool = False,
+    guides: bool = False,
 ) -> None:
     """Bake the pairs with every motion and print the tables.
 
@@ -70,11 +72,16 @@ def main(
         A folder to write a picture per pair to, a row of frames for every motion.
     maps : bool
         Print how well the shapes are mapped to each other, and bake nothing.
+    guides : bool
+        Print what guides do to these maps, and bake nothing.
     """
     pairs = list(half(meshes, tuned=not held_back)) if chosen is None else _named(chosen, meshes)
     folder = None if meshes is None else str(meshes.absolute())
     if maps:
         print_maps(pairs, folder)
+        return
+    if guides:
+        print_guides(pairs, folder)
         return
     ways = _offered(ways)
     if not as_json:

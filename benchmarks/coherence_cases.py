@@ -22,6 +22,7 @@ from convwass_addon.schema import setting_of
 
 from .blends import baked_frames
 from .clock import Clock
+from .coherence_guides import guided
 from .coherence_maps import mapped
 from .coherence_measures import (
     Along,
@@ -129,6 +130,12 @@ def mapping(pair: str, meshes: str | None = None) -> dict[str, object]:
     return mapped(chosen.ends())
 
 
+def guiding(pair: str, meshes: str | None = None) -> dict[str, object]:
+    """Map the shapes of one pair with guides; see :func:`.coherence_guides.guided`."""
+    (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
+    return guided(chosen.ends())
+
+
 def held(bake: Bake, ends: Ends) -> dict[str, object]:
     """Measure whether frames hold together."""
     along = Along.of(bake.meshes, bake.times)
@@ -188,7 +195,7 @@ def _brief(record: dict[str, object]) -> dict[str, object]:
     return {key: record[key] for key in ("weights", "found", "mended", "motion") if key in record}
 
 
-CASES = {"passage": passage, "mapping": mapping}
+CASES = {"passage": passage, "mapping": mapping, "guiding": guiding}
 
 if __name__ == "__main__":
     case, options = sys.argv[1:]
