@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 # Points processed together: their arrays fit into the cache.
 _AT_ONCE = 1 << 14
@@ -29,36 +30,26 @@ def sampled(field: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[
     result = np.empty((len(points), values.shape[1]))
     for start in range(0, len(points), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        index, weights = corner_weights(points[part], field.shape[:3])
-        found = result[part]
-        np.multiply(values[index[0]], weights[0][:, None], out=found)
-        for corner, weight in zip(index[1:], weights[1:], strict=True):
-            found += values[corner] * weight[:, None]
+        # A sparse product gathers and sums three times as fast as arrays of indices.
+        result[part] = _interpolation(points[part], field.shape[:3]) @ values
     return result
 
 
-def corner_weights(
-    points: NDArray[np.float64], shape: tuple[int, ...]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the flat indices of the eight cells around every point, and their weights, (8, n) each.
-
-    Parameters
-    ----------
-    points : (n, 3) float64
-        In cells.
-    shape : (int, int, int)
-        Cells of the grid along each axis, at least two; the indices are in C order.
-    """
-    sizes = np.array(shape)
-    at = np.clip(points - 0.5, 0.0, sizes - 1.0)
-    low = np.minimum(at.astype(np.int64), sizes - 2)
-    share = at - low
-    strides = np.array([sizes[1] * sizes[2], sizes[2], 1])
-    first = low @ strides
-    index, weights = np.empty((8, len(points)), np.int64), np.empty((8, len(points)))
-    for corner in range(8):
-        steps = np.array([corner >> 2, corner >> 1 & 1, corner & 1])
-        index[corner] = first + int(steps @ strides)
-        x, y, z = (share[:, axis] if step else 1.0 - share[:, axis] for axis, step in enumerate(steps))
-        weights[corner] = x * y * z
-    return index, weights
+def _interpolation(points: NDArray[np.float64], shape: tuple[int, ...]) -> csr_array:
+    """Return the matrix, (n, cells), that takes values at the centers to the points."""
+    sizes = np.array(shape)[:, None]
+    at = np.clip(points.T - 0.5, 0.0, sizes - 1.0)
+    low = np.minimum(at.astype(np.int32), (sizes - 2).astype(np.int32))
+    above = at - low
+    below = 1.0 - above
+    strides = (shape[1] * shape[2], shape[2], 1)
+    index, weights = np.empty((len(points), 8), np.int32), np.empty((len(points), 8))
+    steps = [strides[0] * (corner >> 2) + strides[1] * (corner >> 1 & 1) + (corner & 1) for corner in range(8)]
+    first = low[0] * strides[0] + low[1] * strides[1] + low[2]
+    np.add(first[:, None], np.array(steps, np.int32), out=index)
+    for corner in range(0, 8, 2):
+        share = (above if corner >> 2 else below)[0] * (above if corner >> 1 & 1 else below)[1]
+        np.multiply(share, below[2], out=weights[:, corner])
+        np.multiply(share, above[2], out=weights[:, corner + 1])
+    starts = np.arange(0, 8 * len(points) + 1, 8, dtype=np.int32)
+    return csr_array((weights.ravel(), index.ravel(), starts), shape=(len(points), int(np.prod(shape))))
