@@ -14,6 +14,7 @@ from scipy.sparse import coo_array, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from .factorization import Factorization, factorize
+from .kept_factor import KeptFactor
 from .rotations import nearest_rotations
 from .unit_shape import UnitShape
 
@@ -52,6 +53,7 @@ class ElasticSurface:
         )
         self._squares = self._sums @ (self._weights * np.square(self._edges).sum(axis=1))
         self._blurs: dict[float, Factorization] = {}
+        self._factor = KeptFactor()
 
     def relaxed(
         self, points: NDArray[np.float64], weights: NDArray[np.float64], pulls: NDArray[np.float64], width: float
@@ -62,8 +64,7 @@ class ElasticSurface:
         loose = self._areas <= 0
         held = np.where(loose, 1.0, weights)
         right[loose] = points[loose]
-        factor = factorize(self._with_diagonal(1.0, held))
-        return np.ascontiguousarray(factor.solve(np.ascontiguousarray(right.T)).T)
+        return self._factor.solve(self._with_diagonal(1.0, held), right, points)
 
     def relaxed_robustly(
         self,

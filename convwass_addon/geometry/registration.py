@@ -15,11 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from .closest_points import ClosestPoints
 from .elastic_surface import ElasticSurface
-from .facing_points import OrientedSamples
+from .facing_points import OrientedSamples, oriented_tree
 from .normals import triangle_normals, vertex_normals
 from .unit_shape import UnitShape
 
@@ -205,7 +204,7 @@ class Registration:
 
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the source vertex nearest to each target vertex."""
-        tree = cKDTree(np.concatenate([self.points, _TURN * normals], axis=1))
+        tree = oriented_tree(np.concatenate([self.points, _TURN * normals], axis=1))
         return tree.query(np.concatenate([self._target.vertices, _TURN * self._target_normals], axis=1))[1]
 
     def images(self) -> ClosestPoints:

@@ -81,14 +81,20 @@ def moved_tangents(
     alphas = np.asarray(weights, dtype=np.float64)
     active = np.flatnonzero(alphas)
     tangents = np.tile(vertices.astype(np.float32), (len(alphas), 1, 1))
-    for index in active:
+    # Since sum_i w_i (e_i - w) = 0, so is sum_i w_i D_i: the D of the largest weight follows from the others.
+    largest = int(alphas.argmax())
+    rest = np.zeros(vertices.shape)
+    for index in active[active != largest]:
         direction = -alphas
         direction[index] += 1.0
         # Towards the input itself no more than half of the way.
         step = min(_STEP, 0.5 * alphas[active].min())
         ahead = _followed(places, motion, alphas + step * direction, active)
         behind = _followed(places, motion, alphas - step * direction, active)
-        tangents[index] += ((ahead - behind) / (2.0 * step)).astype(np.float32)
+        along = (ahead - behind) / (2.0 * step)
+        tangents[index] += along.astype(np.float32)
+        rest -= alphas[index] * along
+    tangents[largest] += (rest / alphas[largest]).astype(np.float32)
     return tangents
 
 

@@ -19,6 +19,7 @@ from ...geometry.registration import AS_PLACED, Stage
 from ...geometry.rotations import nearest_rotations
 from ...geometry.weighted_quantile import weighted_quantile
 from ...progress import Control
+from ..workers import both_ways
 from .carriers import Carrier
 from .laid_meshes import Laid, Registered, home_distances, registered
 from .mesh_parts import mesh_edges
@@ -103,13 +104,14 @@ def all_mended(
     control: Control,
 ) -> list[list[Proposal]]:
     """Mend how coarse meshes lie on each other, once and where the two ways do not agree then; return all attempts."""
-    inverses = [found.inverse for found in first]
-    best, tries = list(first), []
-    for k in (0, 1):
-        placed = Laid(_placed(drafts[k], drafts[1 - k], best[k]), np.ones(len(drafts[k].mesh.vertices)))
-        ways = [(inverses[1 - k], FROM_MAP), (placed, _FROM_PLACE)]
-        best[k] = _mended(drafts, k, best[k], ways, both[k], control)
-    tries.append(best)
+
+    def mended(k: int) -> Proposal:
+        placed = Laid(_placed(drafts[k], drafts[1 - k], first[k]), np.ones(len(drafts[k].mesh.vertices)))
+        ways = [(first[1 - k].inverse, FROM_MAP), (placed, _FROM_PLACE)]
+        return _mended(drafts, k, first[k], ways, both[k], control)
+
+    best = list(both_ways(mended))
+    tries = [best]
     for k in (1, 0):
         if not agree(drafts, best, k):
             best = list(best)
