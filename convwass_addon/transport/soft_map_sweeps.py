@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +24,10 @@ _SMALLEST, _LARGEST = np.float32(1e-15), np.float32(1e10)
 _STARTING_STEPS = 2
 # Edge ends processed together: few enough for the processor's cache, enough for fast products.
 _ENDS_AT_ONCE = 256
+# Threads that update the blocks of one color.
+_THREADS = 2
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -80,20 +87,21 @@ class SweepOrder:
         return np.bincount(self.graph.vertex_of_end, self.graph.weight_of_end, self.graph.size)[self.vertices]
 
     @cached_property
-    def blocks(self) -> tuple[Block, ...]:
-        """Groups of vertices to update together; no edge joins two vertices of a block."""
+    def colors(self) -> tuple[tuple[Block, ...], ...]:
+        """Blocks of vertices by color; no edge joins two vertices of one color."""
         degrees = np.array([len(self.graph.ends_at[vertex]) for vertex in self.vertices])
         last_ends = np.cumsum(degrees)
-        found, start = [], 0
+        colors, start = [], 0
         for color in self.graph.colors:
-            stop = start + len(color)
+            found, stop = [], start + len(color)
             while start < stop:
                 first_end = last_ends[start] - degrees[start]
                 filled = int(np.searchsorted(last_ends[:stop], first_end + _ENDS_AT_ONCE, side="right"))
                 after = max(start + 1, filled)
                 found.append(self._block(slice(start, after), slice(first_end, last_ends[after - 1]), degrees))
                 start = after
-        return tuple(found)
+            colors.append(tuple(found))
+        return tuple(colors)
 
     def _block(self, vertices: slice, ends: slice, degrees: NDArray[np.int64]) -> Block:
         count = vertices.stop - vertices.start
@@ -150,8 +158,10 @@ class SoftMapIteration:
         self._other: NDArray[np.float32] | None = None
         self._share = np.float32(0.0)
         self._scalings = np.ones((len(order.ends), len(areas)), np.float32)
-        most = max(len(block.owner) for block in order.blocks)
-        self._messages, self._spare = np.empty((2, most, len(areas)), np.float32)
+        blocks = [block for color in order.colors for block in color]
+        self._rows = max(len(block.owner) for block in blocks)
+        # Messages and scratch for every thread.
+        self._buffers = [np.empty((2, self._rows, len(areas)), np.float32) for _ in range(_THREADS)]
 
     @property
     def densities(self) -> NDArray[np.float32]:
@@ -166,8 +176,9 @@ class SoftMapIteration:
         self._debias = np.clip(self._densities, _SMALLEST, None)
         for _ in range(_STARTING_STEPS):
             self._update_debias()
-        for block in self._order.blocks:
-            np.take(self._debias[block.vertices], block.owner, axis=0, out=self._scalings[block.ends], mode="clip")
+        for color in self._order.colors:
+            for block in color:
+                np.take(self._debias[block.vertices], block.owner, axis=0, out=self._scalings[block.ends], mode="clip")
 
     def attract(self, log_densities: NDArray[np.float32], share: float) -> None:
         """Attract every row to another one, (n0, n1), known up to a factor, with weight `share`."""
@@ -176,14 +187,17 @@ class SoftMapIteration:
 
     def sweep(self) -> float:
         """Update every vertex once; return the mean, over the vertices, of the mass moved: 0 to 2."""
-        moved = sum(self._update(block) for block in self._order.blocks)
+        moved = 0.0
+        for color in self._order.colors:
+            moved += sum(_in_threads(partial(self._update, color), len(color)))
         if self._sharpness:
             self._update_debias()
         return moved / len(self._densities)
 
-    def _update(self, block: Block) -> float:
-        count = len(block.owner)
-        messages, spare = self._messages[:count], self._spare[:count]
+    def _update(self, color: Sequence[Block], number: int, thread: int) -> float:
+        """Update one block of a color; return the mass that has moved."""
+        block = color[number]
+        messages, spare = self._buffers[thread][:, : len(block.owner)]
         np.take(self._scalings, self._order.opposite[block.ends], axis=0, out=spare, mode="clip")
         multiply(spare, self._kernel, messages)
         # A zero would make the geometric mean zero for good. The floor lets mass come back and bounds its cost.
@@ -219,13 +233,29 @@ class SoftMapIteration:
 
     def _update_debias(self) -> None:
         """Take half a step, in logarithms, towards d H(a d) = mu."""
-        rows = len(self._messages)
-        for start in range(0, len(self._debias), rows):
-            debias = self._debias[start : start + rows]
-            diffused = self._messages[: len(debias)]
-            multiply(debias, self._kernel, diffused)
-            np.maximum(diffused, _SMALLEST, out=diffused)
-            np.divide(self._densities[start : start + rows], diffused, out=diffused)
-            debias *= diffused
-            np.sqrt(debias, out=debias)
-            np.clip(debias, _SMALLEST, _LARGEST, out=debias)
+        _in_threads(self._update_debias_of, -(-len(self._debias) // self._rows))
+
+    def _update_debias_of(self, number: int, thread: int) -> None:
+        part = slice(number * self._rows, (number + 1) * self._rows)
+        debias = self._debias[part]
+        diffused = self._buffers[thread][0, : len(debias)]
+        multiply(debias, self._kernel, diffused)
+        np.maximum(diffused, _SMALLEST, out=diffused)
+        np.divide(self._densities[part], diffused, out=diffused)
+        debias *= diffused
+        np.sqrt(debias, out=debias)
+        np.clip(debias, _SMALLEST, _LARGEST, out=debias)
+
+
+def _in_threads(work: Callable[[int, int], T], count: int) -> list[T]:
+    """Do `count` pieces of work that do not touch each other; each is told its number and that of its thread."""
+
+    def share(thread: int) -> list[T]:
+        return [work(number, thread) for number in range(thread, count, _THREADS)]
+
+    if count < _THREADS:
+        return share(0) if count else []
+    with ThreadPoolExecutor(_THREADS - 1, thread_name_prefix="convwass") as executor:
+        others = [executor.submit(share, thread) for thread in range(1, _THREADS)]
+        shares = [share(0), *(other.result() for other in others)]
+    return [shares[number % _THREADS][number // _THREADS] for number in range(count)]
