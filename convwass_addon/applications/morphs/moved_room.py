@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,21 @@ from numpy.typing import NDArray
 from ...progress import Control
 from .layouts import Blend
 
-if TYPE_CHECKING:
-    from ..flat.flat_lattice import FlatLattice
-    from .volumes import Lattice
-
-AnyLattice = TypeVar("AnyLattice", "Lattice", "FlatLattice")
-
 # Free cells around moved shapes, for the blur.
 _MARGIN = 4
 # Moved shapes are looked at for so many blends, evenly spread, and room in cells for what lies between two of them.
 _SAMPLED_BLENDS, _SLACK_CELLS = 33, 2
+
+
+class Cells(Protocol):
+    """A grid, as a frozen dataclass: cells per axis, their size, and where the low corner is."""
+
+    shape: tuple[int, ...]
+    spacing: float
+    origin: NDArray[np.float64]
+
+
+AnyLattice = TypeVar("AnyLattice", bound=Cells)
 
 
 @dataclass(frozen=True)
