@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user does, on arrays: one subject a file, no Blender."""
+"""The applications, on arrays: one subject per file, no Blender."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Do long work beside other things: on a worker thread, or in turn with its caller; a timer collects the reports."""
+"""Jobs on a worker thread, or in turn with their caller; a timer polls their reports."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ Result = TypeVar("Result")
 
 
 class BackgroundJob(Generic[Result]):
-    """Long work on a thread of its own.
+    """A job on a thread of its own.
 
-    The thread touches arrays only; whoever polls does the rest, and answers the requests among the reports.
+    The thread only touches arrays. The polling caller does everything else, and answers the requests among the reports.
 
     Parameters
     ----------
     work : callable
-        ``work(control)`` returns the work; the control is cancelled by :meth:`cancel`.
+        ``work(control)`` returns the generator to run; :meth:`cancel` cancels the control.
     """
 
     def __init__(self, work: Callable[[Control], Work[Result]]) -> None:
@@ -37,7 +37,7 @@ class BackgroundJob(Generic[Result]):
         self._thread.start()
 
     def poll(self) -> Iterator[Progress[Any]]:
-        """Yield the reports that have come, each once; those that nobody takes wait for the next call."""
+        """Yield each queued report once; reports that are not consumed stay queued."""
         while True:
             try:
                 yield self._queue.get_nowait()
@@ -46,26 +46,26 @@ class BackgroundJob(Generic[Result]):
 
     @property
     def done(self) -> bool:
-        """Whether the thread has ended; reports may still be waiting to be polled."""
+        """Whether the thread has ended; reports may still be queued."""
         return self._done.is_set()
 
     @property
     def cancelled(self) -> bool:
-        """Whether it has been asked to end."""
+        """Whether cancellation was requested."""
         return self._control.cancelled
 
     @property
     def result(self) -> Result | None:
-        """What the work has returned; None before that, and where it ended early."""
+        """What the work returned; None before that, or if it ended early."""
         return self._result
 
     @property
     def error(self) -> BaseException | None:
-        """What ended the work early, if anything; :class:`.errors.Cancelled` after `cancel`."""
+        """The exception that ended the work early, if any; :class:`.errors.Cancelled` after `cancel`."""
         return self._error
 
     def cancel(self, patience: float | None = None) -> bool:
-        """Cancel the work and wait for its end, for so many seconds at most; return whether it has ended."""
+        """Cancel the work and wait for its end, for at most `patience` seconds; return whether it has ended."""
         self._control.cancel()
         self._thread.join(patience)
         return not self._thread.is_alive()
@@ -73,19 +73,19 @@ class BackgroundJob(Generic[Result]):
     def _run(self) -> None:
         try:
             self._result = self._worked()
-        except BaseException as error:  # handed to whoever polls
+        except BaseException as error:  # passed on to the polling caller
             self._error = error
         finally:
             self._done.set()
 
     def _worked(self) -> Result:
-        """Do the work and queue its reports."""
+        """Run the work and queue its reports."""
         work = self._work(self._control)
         while True:
             try:
                 report = next(work)
             except StopIteration as end:
-                # What was cancelled in its last part is not to be used.
+                # A result that was cancelled at the last moment must not be used.
                 self._control.check()
                 return end.value
             self._queue.put(report)
@@ -95,12 +95,12 @@ class BackgroundJob(Generic[Result]):
 
 
 class InlineJob(Generic[Result]):
-    """Long work on the thread that polls, in turn with whatever else that does; used as :class:`BackgroundJob`.
+    """A job on the polling thread, in turn with its other work; same interface as :class:`BackgroundJob`.
 
     Parameters
     ----------
     work : callable
-        ``work(control)`` returns the work; the control is cancelled by :meth:`cancel`.
+        ``work(control)`` returns the generator to run; :meth:`cancel` cancels the control.
     """
 
     def __init__(self, work: Callable[[Control], Work[Result]]) -> None:
@@ -111,24 +111,24 @@ class InlineJob(Generic[Result]):
         self.error: BaseException | None = None
 
     def poll(self) -> Iterator[Progress[Any]]:
-        """Work on, and yield the reports; where nobody takes more of them the work waits for the next call."""
+        """Continue the work and yield its reports; the work pauses when the caller stops consuming them."""
         while not self.done:
             try:
                 report = next(self._work)
             except StopIteration as end:
                 self.result, self.done = end.value, True
-            except BaseException as error:  # handed to whoever polls, as that of a thread is
+            except BaseException as error:  # passed on to the polling caller, like that of a thread
                 self.error, self.done = error, True
             else:
                 yield report
 
     @property
     def cancelled(self) -> bool:
-        """Whether it has been asked to end."""
+        """Whether cancellation was requested."""
         return self._control.cancelled
 
     def cancel(self, patience: float | None = None) -> bool:
-        """End the work; return True, since it has ended."""
+        """End the work; return True, since it ends at once."""
         self._control.cancel()
         if not self.done:
             self._work.close()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refuse a job that would not fit in memory, before it starts."""
+"""Check before a job starts that it fits in memory."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from ..errors import ResourceError
 
 
 def check_memory(needed: int, resolution: int, workers: int = 1) -> None:
-    """Raise where a job needs more bytes than the machine has free.
+    """Raise if a job needs more memory than is free.
 
     Parameters
     ----------
     needed : int
-        Bytes at the peak of the job.
+        Peak memory of the job in bytes.
     resolution : int
-        Cells along the longest side, to say which resolution would fit.
+        Cells along the longest side; the message suggests a resolution that would fit.
     workers : int
-        Threads that solve; where there are several, fewer are another way out.
+        Number of solving threads; if there are several, the message also suggests fewer.
 
     Raises
     ------
     ResourceError
-        With what is needed, what there is, and the resolution that fits.
+        The message states the needed and the free memory, and the resolution that fits.
     """
     free = available_memory()
     if free is None or needed <= free:
         return
-    # Sides are rounded up and margins do not shrink, so a coarser grid takes a little more than its share.
+    # Sides are rounded up and margins do not shrink, so a coarser grid needs slightly more than in proportion.
     fitting = int(resolution * (0.7 * free / needed) ** (1.0 / 3.0))
     figures = {"resolution": resolution, "needed": needed / 1e9, "free": free / 1e9, "fitting": fitting}
     if workers == 1:
@@ -49,16 +49,16 @@ def check_memory(needed: int, resolution: int, workers: int = 1) -> None:
 
 
 def fitting_beside(needed: int, each: int, most: int) -> int:
-    """Return how many things, up to `most`, that take `each` bytes fit in memory beside a job's peak of `needed` bytes.
+    """Return how many optional items of `each` bytes fit beside a job's peak of `needed` bytes, at most `most`.
 
-    None may fit: they are things that the job can do without.
+    The result may be zero.
     """
     free = available_memory()
     return most if free is None else min(max((free - needed) // each, 0), most)
 
 
 def available_memory() -> int | None:
-    """Bytes of memory that can be used without swapping; None where the system does not say."""
+    """Memory in bytes available without swapping; None if the system does not report it."""
     if sys.platform == "win32":
         return _available_windows()
     try:

@@ -235,8 +235,8 @@ def test_tables_survive_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        (np.ones((HEIGHT + 1, WIDTH, 3), np.float32), "is no table"),
-        (np.ones((HEIGHT, WIDTH // 2, 3), np.float32), "is no table"),
+        (np.ones((HEIGHT + 1, WIDTH, 3), np.float32), "is not a table"),
+        (np.ones((HEIGHT, WIDTH // 2, 3), np.float32), "is not a table"),
         (even(-1.0), "has values"),
         (even(np.nan), "has values"),
     ],
@@ -294,12 +294,12 @@ def test_a_file_that_only_says_it_is_large_makes_no_room(tmp_path):
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (lambda picture: picture[:-1], "is no table"),
-        (lambda picture: picture[1:], "is no table"),
+        (lambda picture: picture[:-1], "is not a table"),
+        (lambda picture: picture[1:], "is not a table"),
         (lambda picture: -picture, "has values"),
         (lambda picture: picture * np.nan, "has values"),
-        (lambda picture: np.roll(picture, 1, axis=1), "is no table"),
-        (lambda picture: np.concatenate([picture[:1, ::-1], picture[1:]]), "is no table"),
+        (lambda picture: np.roll(picture, 1, axis=1), "is not a table"),
+        (lambda picture: np.concatenate([picture[:1, ::-1], picture[1:]]), "is not a table"),
         (lambda picture: picture * [[[2.0, 1.0, 1.0]]], "has values"),
     ],
 )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities on a surface at several times, with what is known about how each was solved."""
+"""Densities on a surface at several times, with records of how they were solved."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class DensityFrames:
     Attributes
     ----------
     times : (f,) float64
-        When; numbers of places, for a graph.
+        Times of the frames; for a graph, indices of its nodes.
     densities : (f, n) float64
         Mass 1 each, under ``surface.weights``.
     records : list of dict
-        For every frame, ready for JSON: its `time`, the `key` it is (the name of the density that was given, or None),
-        its `entropy` in nats, and of its solve `marginal_error`, `converged`, `iterations`, `numerics`, and
-        `raised_limit`, the nats by which its bound had to be raised to get there.
+        One JSON-ready record per frame: its `time`, its `key` (the name of the given density, or None for solved
+        frames), its `entropy` in nats, the solver's `marginal_error`, `converged`, `iterations` and `numerics`, and
+        `raised_limit`, the nats by which its entropy bound had to be raised.
     surface : Surface
-        Where they are.
+        The surface of the densities.
     """
 
     times: NDArray[np.float64]
@@ -45,20 +45,20 @@ class DensityFrames:
 
     @property
     def covered(self) -> NDArray[np.float64]:
-        """What has been covered so far, (f, n): every frame as a share of its own largest value, and never less.
+        """Running maximum of the frames, (f, n), each normalized to a maximum of 1.
 
-        What a growth that creeps along leaves behind stays covered.
+        For growth: what was covered once stays covered.
         """
         tops = self.densities.max(axis=1, keepdims=True)
         return np.maximum.accumulate(self.densities / tops, axis=0)
 
     def from_frame(self, first: int) -> DensityFrames:
-        """Return the frames from number `first` on."""
+        """Return the frames starting at index `first`."""
         return DensityFrames(self.times[first:], self.densities[first:], self.records[first:], self.surface)
 
 
 def joined_frames(parts: Sequence[DensityFrames]) -> DensityFrames:
-    """Return the frames of several parts on one surface, in their order."""
+    """Concatenate frames on one surface."""
     return DensityFrames(
         np.concatenate([part.times for part in parts]),
         np.concatenate([part.densities for part in parts]),
@@ -77,12 +77,12 @@ def record(
     numerics: str = "scaling",
     raised: float = 0.0,
 ) -> dict[str, object]:
-    """Return the figures of a frame, ready for JSON."""
+    """Return the JSON-ready record of a frame."""
     return {
         "time": float(time),
         "key": key,
         "entropy": float(entropy),
-        # An error that was never measured is no number of JSON's.
+        # An error is infinite if it was never measured; JSON has no infinity.
         "marginal_error": float(marginal_error) if np.isfinite(marginal_error) else None,
         "converged": bool(converged),
         "iterations": int(iterations),
@@ -94,12 +94,12 @@ def record(
 def comparable(
     weights: Sequence[ArrayLike], names: Sequence[str], surface: Surface, settings: DensitySettings
 ) -> NDArray[np.float64]:
-    """Return painted weights as densities, (k, n), between which mass can travel.
+    """Return painted weights as densities, (k, n), with equal masses on every connected component.
 
     Raises
     ------
     InputError
-        Fewer than two, another number of names, weights that are no distributions, or that lie on different pieces.
+        Fewer than two densities, the wrong number of names, invalid weights, or different components.
     """
     if len(weights) != len(names):
         raise InputError("There are {groups} groups and {names} names.", groups=len(weights), names=len(names))

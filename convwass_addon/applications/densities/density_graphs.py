@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A graph of moments or places on a surface: some densities are painted, the rest is filled in.
+"""Wasserstein propagation on a graph of densities on a surface: some nodes are painted, the rest is filled in.
 
 Solomon et al. 2015, section 6.2 and Algorithm 4.
 """
@@ -37,24 +37,24 @@ def propagation_steps(
     edge_weights: ArrayLike | float = 1.0,
     control: Control = UNINTERRUPTED,
 ) -> Work[DensityFrames]:
-    """Fill in the densities at the places of a graph, so that neighbors are as near to each other as can be.
+    """Fill in the densities at the nodes of a graph so that adjacent ones are as close to each other as possible.
 
     Parameters
     ----------
     edges : (e, 2) int
-        Pairs of places that are to be near to each other, by their numbers from 0.
+        Pairs of adjacent nodes, by index from 0.
     fixed : mapping from place to (n,)
-        Painted weights, or densities, of the places that are known.
+        Painted weights, or densities, of the known nodes.
     surface : Surface
-        Where the densities are; its kernel is used as it is.
+        The surface of the densities, with its kernel.
     settings : DensitySettings
-        How; bound, tolerance and iterations are heeded here.
+        Only bound, tolerance and iterations are used here.
     names : sequence of str, optional
-        What messages call the places, all of them; by default their numbers.
+        Names of all nodes for messages; by default their indices.
     edge_weights : float or (e,)
-        How near the ends of an edge are to be, positive.
+        Positive weights of the edges: the larger, the closer their ends.
     control : Control
-        Ends the job when cancelled.
+        Stops the job when cancelled.
 
     Yields
     ------
@@ -64,13 +64,13 @@ def propagation_steps(
     Returns
     -------
     DensityFrames
-        One frame per place; the times are the numbers of the places.
+        One frame per node; the times are the indices of the nodes.
 
     Raises
     ------
     InputError, ResourceError
-        Before the work: a graph that makes no sense, places that no known one leads to, densities that are none or lie
-        on different pieces.
+        Before the work starts: an invalid graph, nodes without a path to a known one, invalid densities, or densities
+        on different components.
     """
     pairs = _pairs(edges)
     size = int(max(pairs.max(initial=-1), max(fixed, default=-1))) + 1

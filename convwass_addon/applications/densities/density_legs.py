@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The way of a density from one place on a surface to another, at any number of times."""
+"""One leg of a density path: from one density on a surface to another, at any number of times."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from .density_frames import DensityFrames, joined_frames, record
 from .density_settings import DensitySettings
 from .density_solving import reachable, solving
 
-# Halvings of the way that no bisection gets to.
+# More halvings than any bisection uses.
 _ENDLESS = 64
-# Frames without a bound that are solved before progress is told.
+# Number of frames without a bound that are solved between progress reports.
 _FRAMES_AT_ONCE = 12
 
 
 @dataclass(frozen=True)
 class Leg:
-    """The way between two densities.
+    """The interpolation between two densities.
 
     Attributes
     ----------
     ends : (2, n) float64
-        The densities, of the same mass on every piece of the surface.
+        The densities, with equal masses on every connected component.
     names : (str, str)
-        What messages call them.
+        Names of the densities for messages.
     surface : Surface
-        Where they are.
+        The surface of the densities.
     settings : DensitySettings
-        How.
+        Settings of the interpolation.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
     """
 
     ends: NDArray[np.float64]
@@ -48,18 +48,18 @@ class Leg:
     control: Control
 
     def work(self, start: float, end: float) -> Work[DensityFrames]:
-        """Solve all frames, both ends among them, at times from `start` to `end`, and return them."""
+        """Solve all frames, including both ends, at times from `start` to `end`, and return them."""
         message = Sentence("From {first} to {second}", {"first": self.names[0], "second": self.names[1]})
         yield Progress(0.0, message)
         instants = np.arange(self.settings.steps + 1) / self.settings.steps
-        # Without a bound the blur of midpoints of midpoints would come and go from frame to frame.
+        # Without a bound, bisection would make the blur vary from frame to frame.
         is_plain = self.settings.entropy_limit is None or len(instants) == 2
         work = self._plain(instants) if is_plain else self._bounded(instants)
         parts = yield from within(work, 0.0, 1.0, message)
         return joined_frames([self._frames(part, start, end) for part in parts])
 
     def _plain(self, instants: NDArray[np.float64]) -> Work[list[Interpolation]]:
-        """By weighted barycenters, a few at a time."""
+        """Solve weighted barycenters, a few at a time."""
         found = []
         parts = np.array_split(instants, -(-len(instants) // _FRAMES_AT_ONCE))
         for done, part in enumerate(parts, start=1):
@@ -69,11 +69,11 @@ class Leg:
         return found
 
     def _bounded(self, instants: NDArray[np.float64]) -> Work[list[Interpolation]]:
-        """By bisection, some midpoints of a level at a time."""
+        """Solve by bisection, several midpoints of a level at a time."""
         limit = self.settings.entropy_limit
         work = bisection(*self.ends, self.surface, times=instants, entropy_limit=limit, **self._options)
         found = yield from solving(work, self.surface, self.names)
-        # One number per level is one per frame.
+        # Convert iterations per level to iterations per frame.
         inner = (found.iterations[min(_halvings(t), len(found.iterations)) - 1] for t in instants[1:-1])
         return [replace(found, iterations=(0, *inner, 0))]
 
@@ -86,7 +86,7 @@ class Leg:
         }
 
     def _frames(self, found: Interpolation, start: float, end: float) -> DensityFrames:
-        """Bring frames, whose iterations are one number each, to the times of this way."""
+        """Convert an interpolation with iterations per frame to frames at times of this leg."""
         known = {0.0: (start, self.names[0]), 1.0: (end, self.names[1])}
         places = [known.get(t, (start + (end - start) * t, None)) for t in found.times.tolist()]
         records = [
@@ -105,5 +105,5 @@ class Leg:
 
 
 def _halvings(instant: float) -> int:
-    """Return how many halvings of the way lead to an instant, `_ENDLESS` where none do."""
+    """Return the number of halvings that reach an instant, or `_ENDLESS` if none do."""
     return next((count for count in range(1, _ENDLESS) if (instant * 2**count).is_integer()), _ENDLESS)

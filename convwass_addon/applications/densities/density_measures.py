@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wasserstein distances along a surface: between two densities, and between all pairs of several."""
+"""Wasserstein distances along a surface, between two densities or all pairs of several."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ from .density_solving import solving
 from .surface_densities import distribution
 
 MEASURING_SUBSTEPS = 20
-"""Substeps with which distances are right to a few percent (tests/applications/test_density_measures.py); for
-interpolations 10 will do."""
+"""Number of substeps for distances accurate to a few percent (tests/applications/test_density_measures.py);
+interpolations need only 10."""
 
 
 @dataclass(frozen=True)
 class DensityDistance:
-    """A distance between two densities and how well it was solved.
+    """A distance between two densities and how accurately it was solved.
 
     Attributes
     ----------
     length : float
         The Wasserstein distance W2 in scene units.
     squared : float
-        Its square. Of eq. (10) this is the figure to look at: it may be negative, and `length` is 0 then.
+        Its square. For the undebiased value of eq. (10) this may be negative; `length` is 0 then.
     debiased : bool
-        Whether the distance is zero between equal densities; otherwise `squared` is the value of eq. (10).
+        Whether the distance vanishes between equal densities; otherwise `squared` is the value of eq. (10).
     iterations : int
-        Rounds of the solver.
+        Iterations of the solver.
     marginal_error : float
-        The largest of all plans.
+        The largest over all plans.
     converged : bool
-        Whether it is below the tolerance.
+        Whether the marginal error is below the tolerance.
     numerics : str
-        How the kernel was applied.
+        Name of the numerics used.
     """
 
     length: float
@@ -63,15 +63,15 @@ class DistanceTable:
     Attributes
     ----------
     names : tuple of str
-        Of the densities.
+        Names of the densities.
     lengths : (k, k) float64
-        In scene units, symmetric, zero on the diagonal; infinite between densities on different pieces.
+        In scene units, symmetric, zero on the diagonal; infinite between densities on different components.
     iterations : int
-        Rounds of the pair that took longest.
+        Iterations of the slowest pair.
     marginal_error : float
-        The largest of all plans.
+        The largest over all plans.
     converged : bool
-        Whether it is below the tolerance.
+        Whether the marginal error is below the tolerance.
     notices : tuple of Sentence
         Why some distances are infinite.
     """
@@ -103,17 +103,17 @@ def measuring_steps(
     first, second : (n,)
         Painted weights, or densities.
     surface : Surface
-        With `MEASURING_SUBSTEPS` substeps, if the distance is to be right.
+        With `MEASURING_SUBSTEPS` substeps for an accurate distance.
     names : (str, str)
-        What messages call them.
+        Names of the densities for messages.
     debias : bool
-        Whether the blur of the kernel is taken out again; otherwise the value is that of eq. (10).
+        Whether to remove the kernel's blur from the value; otherwise it is the value of eq. (10).
     match_pieces : bool
-        Whether shares on connected pieces are scaled where they differ; see :func:`.density_pieces.on_same_pieces`.
+        Whether to match the masses on connected components; see :func:`.density_pieces.on_same_pieces`.
     tolerance, max_iterations
         As in :func:`.transport.distance`.
     control : Control
-        Ends the solve when cancelled.
+        Stops the solve when cancelled.
 
     Yields
     ------
@@ -127,7 +127,7 @@ def measuring_steps(
     Raises
     ------
     InputError
-        Weights that are no distributions, or that lie on different pieces.
+        Invalid weights, or weights on different components.
     """
     pair = np.stack([distribution(w, surface, name) for w, name in zip((first, second), names, strict=True)])
     pair = on_same_pieces(pair, names, surface, match_pieces)
@@ -157,14 +157,14 @@ def distance_table_steps(
     max_iterations: int = 1000,
     control: Control = UNINTERRUPTED,
 ) -> Work[DistanceTable]:
-    """Measure the debiased distances between all pairs of densities; parameters as :func:`measuring_steps`.
+    """Measure the debiased distances between all pairs of densities; parameters are those of :func:`measuring_steps`.
 
-    Densities between which no mass can travel are infinitely far apart.
+    Densities between which no mass can travel are at infinite distance.
 
     Raises
     ------
     InputError
-        Fewer than two, or weights that are no distributions.
+        Fewer than two densities, or invalid weights.
     """
     if len(weights) < 2:
         raise InputError("There must be at least two groups to measure between; paint one more.")
@@ -196,7 +196,7 @@ def distance_table_steps(
         groups = "; ".join(", ".join(names[i] for i in family) for family in families)
         notices = (
             Sentence(
-                "Only groups that share the connected pieces of the mesh alike have distances: {groups}.",
+                "Only groups with equal shares on the pieces of the mesh have distances: {groups}.",
                 {"groups": groups},
             ),
         )
@@ -204,7 +204,7 @@ def distance_table_steps(
 
 
 def _families(densities: NDArray[np.float64], surface: Surface) -> list[list[int]]:
-    """Put densities together that have the same mass on every piece as the first of their family."""
+    """Group densities that have the same mass on every component as the first of their group."""
     masses = piece_masses(densities, surface)
     families: list[list[int]] = []
     for index in range(len(densities)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refuse work on a surface that would not fit in memory, before it starts."""
+"""Check before work on a surface starts that it fits in memory."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from ...geometry.mesh import TriangleMesh
 from ...transport import Surface
 from .. import memory
 
-# Bytes per vertex at the peak of building a surface, with cholespy on spheres of 10 000 to 164 000 vertices.
+# Bytes per vertex at the peak of building a surface, measured with cholespy on spheres of 10 000 to 164 000 vertices.
 _BUILD_BYTES = 3500
-# Bytes per vertex of a frame while it is kept and when it is handed on; of the coarser meshes, at their peak, and what
-# is being solved: a little above the 3800 of a whole run at 500 000 vertices (docs/performance.md, "Meshes", memory);
-# for a graph, whose edges are solved together, of the scalings of each and copies of them.
+# Bytes per vertex: of a frame, while it is stored and when it is passed on; of the solver and the coarser meshes at
+# their peak, slightly above the 3800 of a whole run at 500 000 vertices (docs/performance.md, "Meshes", memory); and of
+# every edge of a graph, whose scalings are solved together, with copies.
 _FRAME_BYTES = 16
 _WORK_BYTES = 4000
 _EDGE_BYTES = 140
 
 
 def check_surface_memory(mesh: TriangleMesh) -> None:
-    """Raise where the kernel of a mesh needs more memory than is free.
+    """Raise if the kernel of a mesh needs more memory than is free.
 
     Raises
     ------
     ResourceError
-        With what is needed and what there is.
+        The message states the needed and the free memory.
     """
     vertices = len(mesh.vertices)
     lacking = _lacking(_BUILD_BYTES * vertices)
@@ -39,12 +39,12 @@ def check_surface_memory(mesh: TriangleMesh) -> None:
 
 
 def check_frames_memory(surface: Surface, frames: int, edges: int = 0) -> None:
-    """Raise where so many densities on a surface, or as many on a graph of so many edges, need more than is free.
+    """Raise if this many densities on a surface, on a graph with this many edges, need more memory than is free.
 
     Raises
     ------
     ResourceError
-        With what is needed and what there is.
+        The message states the needed and the free memory.
     """
     vertices = surface.shape[0]
     lacking = _lacking(vertices * (_FRAME_BYTES * frames + _WORK_BYTES + _EDGE_BYTES * edges))
@@ -59,6 +59,6 @@ def check_frames_memory(surface: Surface, frames: int, edges: int = 0) -> None:
 
 
 def _lacking(needed: int) -> dict[str, float]:
-    """Return what is needed and what is free, in GB, where that is less; nothing where it is enough."""
+    """Return the needed and the free memory in GB if there is too little, otherwise nothing."""
     free = memory.available_memory()
     return {"needed": needed / 1e9, "free": free / 1e9} if free is not None and needed > free else {}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities that travel along a surface: from one to another, through several at key times, or blended by weights.
+"""Move densities along a surface: from one to another, through several at key times, or blended by weights.
 
 Solomon et al. 2015, section 6.1 and Fig. 6.
 """
@@ -37,7 +37,7 @@ def interpolation_steps(
 ) -> Work[DensityFrames]:
     """Move one density to another in ``settings.steps`` steps, at equally spaced times from 0 to 1.
 
-    Parameters, reports, results and errors are those of :func:`path_steps`.
+    Parameters, progress, results and errors are those of :func:`path_steps`.
     """
     return path_steps([first, second], names, surface, settings, control=control)
 
@@ -57,30 +57,30 @@ def path_steps(
     weights : sequence of (n,)
         Painted weights, or densities, in the order of the path.
     names : sequence of str
-        What messages call them.
+        Names of the densities for messages.
     surface : Surface
-        Where they are; its kernel is used as it is.
+        The surface of the densities, with its kernel.
     settings : DensitySettings
-        How; steps, bound, tolerance and iterations are heeded here, blur and substeps made the surface.
+        Only steps, bound, tolerance and iterations are used here; blur and substeps went into the surface.
     key_times : (k,), optional
-        When each of them is reached, rising; by default at equal distances from 0 to 1.
+        Ascending times at which the densities are reached; by default evenly spaced from 0 to 1.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Yields
     ------
     Progress
-        The payloads are the frames of every part of the path, once it is finished, as :class:`DensityFrames`.
+        The payloads are the frames of every finished leg of the path, as :class:`DensityFrames`.
 
     Returns
     -------
     DensityFrames
-        All of them; those that were given are among them.
+        All frames, including the given densities.
 
     Raises
     ------
     InputError, ResourceError
-        Before the first frame, where the densities, times or settings cannot work.
+        Before the first frame: invalid densities, times or settings.
     """
     densities = comparable(weights, names, surface, settings)
     times = _key_times(key_times, len(densities))
@@ -91,7 +91,7 @@ def path_steps(
     for leg in range(legs):
         way = Leg(densities[leg : leg + 2], (names[leg], names[leg + 1]), surface, settings, control)
         frames = yield from within(way.work(times[leg], times[leg + 1]), leg / legs, (leg + 1) / legs)
-        # The first frame is the last one of the part before.
+        # Skip the first frame, which is the last one of the previous leg.
         parts.append(frames.from_frame(1) if leg else frames)
         done = Sentence("Reached {name}", {"name": names[leg + 1]})
         yield Progress((leg + 1) / legs, done, parts[-1])
@@ -108,15 +108,15 @@ def blend_steps(
 ) -> Work[DensityFrames]:
     """Blend several densities: their barycenter with the weights `shares`, as one frame at time 0.
 
-    With a bound, ``settings.blend_sharpness`` of the kernel's blur is taken out too, so that peaks stay apart. Where
-    all weight is on one of them, the blend is that one.
+    With a bound, ``settings.blend_sharpness`` of the kernel's blur is removed as well, which keeps peaks apart. If one
+    density has all the weight, the blend equals it.
 
     Parameters
     ----------
     weights, names, surface, settings, control
         As for :func:`path_steps`.
     shares : sequence of float
-        One per density, not negative, of any sum but zero.
+        One per density, nonnegative, not all zero.
 
     Yields
     ------
@@ -131,7 +131,7 @@ def blend_steps(
     Raises
     ------
     InputError, ResourceError
-        Before the work, where the densities, shares or settings cannot work.
+        Before the work starts: invalid densities, shares or settings.
     """
     densities = comparable(weights, names, surface, settings)
     alphas = _shares(shares, names)
@@ -164,8 +164,8 @@ def _between_two(
 ) -> tuple[dict[str, object], NDArray[np.float64]]:
     """Return the record and the density of a blend of one or two densities.
 
-    Between two the weights can be corrected for the linear cost of long ways: 1.6 rad apart on a sphere, a blend of
-    3 to 1 is 0.03 rad off its place and not 0.17.
+    For two, the weights can be corrected for the linear cost of long distances: at 1.6 rad apart on a sphere, a blend
+    of 3 to 1 is misplaced by 0.03 rad instead of 0.17.
     """
     found = interpolate(
         densities[0],
@@ -190,7 +190,7 @@ def _among_several(
     settings: DensitySettings,
     control: Control,
 ) -> tuple[dict[str, object], NDArray[np.float64]]:
-    """Return the same for more densities."""
+    """Return the record and the density of a blend of more than two densities."""
     found = barycenter(
         densities,
         alphas,
@@ -211,7 +211,7 @@ def _sharpness(settings: DensitySettings) -> float:
 
 
 def _key_times(key_times: ArrayLike | None, count: int) -> NDArray[np.float64]:
-    """Return when every density is reached."""
+    """Return the time at which every density is reached."""
     if key_times is None:
         return np.linspace(0.0, 1.0, count)
     times = np.asarray(key_times, dtype=np.float64)
@@ -223,7 +223,7 @@ def _key_times(key_times: ArrayLike | None, count: int) -> NDArray[np.float64]:
 
 
 def _shares(shares: Sequence[float], names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the weights of a blend, scaled to sum 1."""
+    """Return the weights of a blend, normalized to sum 1."""
     alphas = np.asarray(shares, dtype=np.float64)
     if alphas.shape != (len(names),):
         raise InputError("There are {groups} groups and {weights} weights.", groups=len(names), weights=alphas.size)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities on surfaces of several connected pieces, between which no mass can cross."""
+"""Densities on surfaces of several connected components, between which no mass can cross."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ...errors import InputError
 from ...transport import Surface
 
 SAME_SHARE = 1e-3
-"""Shares of mass that differ by less than this are made equal: nobody paints more exactly."""
+"""Differences of mass below this are removed: nobody paints more precisely."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A connected piece of a surface.
+    """A connected component of a surface.
 
     Attributes
     ----------
     vertices : int
-        How many it has.
+        Number of its vertices.
     size : float
         Longest side of its bounding box, in scene units.
     center : (float, float, float)
-        Of its area, in scene units.
+        Its centroid by area, in scene units.
     """
 
     vertices: int
@@ -37,7 +37,7 @@ class Piece:
 
 
 def piece(surface: Surface, label: int) -> Piece:
-    """Return the piece of a surface that ``surface.pieces`` calls `label`."""
+    """Return the component of a surface whose label in ``surface.pieces`` is `label`."""
     own = surface.pieces == label
     points, areas = surface.positions[own], surface.weights[own]
     center = areas @ points / areas.sum()
@@ -45,7 +45,7 @@ def piece(surface: Surface, label: int) -> Piece:
 
 
 def piece_masses(densities: NDArray[np.float64], surface: Surface) -> NDArray[np.float64]:
-    """Return the mass that every density, (k, n), has on every piece, (k, p)."""
+    """Return the mass of every density, (k, n), on every component, (k, p)."""
     if surface.pieces is None:
         return np.ones((len(densities), 1))
     used = surface.pieces >= 0
@@ -56,24 +56,24 @@ def piece_masses(densities: NDArray[np.float64], surface: Surface) -> NDArray[np
 def on_same_pieces(
     densities: NDArray[np.float64], names: Sequence[str], surface: Surface, match: bool = False
 ) -> NDArray[np.float64]:
-    """Return densities of which each has as much mass as the first one on every piece of the surface.
+    """Return the densities, rescaled to the first one's mass on every component of the surface.
 
     Parameters
     ----------
     densities : (k, n)
-        Of mass 1.
+        Densities of mass 1.
     names : sequence of str
-        What messages call them.
+        Names of the densities for messages.
     surface : Surface
-        Where they are.
+        The surface of the densities.
     match : bool
-        Whether to scale shares that differ; otherwise only differences below `SAME_SHARE` are evened out.
+        Whether to rescale any differing masses; otherwise only differences below `SAME_SHARE` are removed.
 
     Raises
     ------
     InputError
-        Shares differ, or cannot be matched since a density has nothing on a piece where the first one has mass. The
-        message names two densities and the pieces, by their size, center and number of vertices.
+        Masses differ, or cannot be matched because a density is empty on a component where the first one is not. The
+        message names two densities and the components, by their size, center and number of vertices.
     """
     if surface.pieces is None:
         return densities
@@ -85,14 +85,14 @@ def on_same_pieces(
             raise _refusal(names[0], names[other], masses[[0, other]], surface, empty.any())
     factors = np.divide(masses[0], masses, out=np.zeros_like(masses), where=masses > 0)
     scaled = densities * np.where(surface.pieces >= 0, factors[:, surface.pieces], 0.0)
-    # What is next to nothing on one side is nothing on the other.
+    # If one density is empty on a component, drop the tiny masses of the others there.
     first_only = (masses[0] > 0) & (masses > 0).all(axis=0)
     scaled *= first_only[surface.pieces]
     return scaled / (scaled @ surface.weights)[:, None]
 
 
 def _refusal(first: str, second: str, masses: NDArray[np.float64], surface: Surface, is_empty: bool) -> InputError:
-    """Say what two densities, of which `masses`, (2, p), are on the pieces, have where."""
+    """Describe where two densities have different masses, given as `masses`, (2, p), on the components."""
     excess = masses[0] - masses[1]
     here, there = int(excess.argmax()), int(excess.argmin())
     values: dict[str, object] = {"first": first, "second": second}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What solves on a large surface need before their first round, made step by step, and told."""
+"""Preparations of solves on large surfaces, in steps with progress reports."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from ...sentence import Sentence
 from ...transport import Surface
 
 LARGE = 100_000
-"""Vertices from which on a surface is prepared in steps that are told: a smaller one takes up to 6.5 CPU seconds
+"""Number of vertices from which on preparations are reported: below it they take up to 6.5 CPU seconds
 (docs/performance.md, "Meshes")."""
 
 DRAWN_SECONDS = 0.2
-"""How long the window gets to draw that it will not answer; chosen: a few of its frames."""
+"""Time for the window to redraw before it blocks; chosen: a few of its frames."""
 
 
 def preparing(surface: Surface) -> Work[None]:
-    """Factorize the equations of heat of a large surface: 20 s for a million vertices, which nothing can cut short."""
+    """Factorize the heat equation of a large surface: 20 s for a million vertices, which cannot be interrupted."""
     if surface.shape[0] >= LARGE:
         yield Progress(0.0, Sentence("Preparing the flow of heat; this takes a while and cannot be interrupted"))
-        # Nothing is drawn while the library is at it: let the window say so first.
+        # Factorization blocks the window, so let it show the message first.
         time.sleep(DRAWN_SECONDS)
         surface.factorize()
 
 
 def preparing_levels(surface: Surface) -> Work[None]:
-    """Do the same, and make the coarser surfaces from which densities of a large one are solved."""
+    """Like :func:`preparing`, and build the coarser surfaces on which solves of large surfaces start."""
     yield from preparing(surface)
     if surface.shape[0] < LARGE:
         return

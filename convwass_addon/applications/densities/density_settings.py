@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How densities on a surface are moved along it."""
+"""Settings for moving densities along a surface."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...schema import Choice, Companion, Settings, setting
 
 @dataclass(frozen=True)
 class DensitySettings(Settings):
-    """How densities on a surface are moved along it."""
+    """Settings for moving densities along a surface."""
 
     steps: int = setting(
         24,
@@ -32,9 +32,9 @@ class DensitySettings(Settings):
             Choice(
                 "between",
                 "As the Groups",
-                "From as much as the one group spreads out to as much as the next one does",
+                "Interpolate the spread between the one group and the next",
             ),
-            Choice("max", "As the Widest Group", "Nothing spreads out more than the group that spreads out most"),
+            Choice("max", "As the Widest Group", "No density spreads out more than the widest group"),
             Choice(float, "Custom", "Set the bound in nats"),
         ),
         number=Companion(
@@ -50,10 +50,10 @@ class DensitySettings(Settings):
     blur: float | None = setting(
         None,
         "Blur",
-        "Standard deviation of the transport's blur along the surface; 0 takes what suits the mesh, longer ones carry "
-        "farther and are smoother",
-        help="Standard deviation of the transport's blur along the surface, in units of the scene; longer ones carry "
-        "farther and are smoother",
+        "Standard deviation of the transport's blur along the surface; 0 chooses it from the mesh. A longer blur "
+        "carries mass farther and is smoother",
+        help="Standard deviation of the transport's blur along the surface, in units of the scene; a longer blur "
+        "carries mass farther and is smoother",
         least=0.0,
         open_ends=True,
         soft_most=1.0,
@@ -94,7 +94,7 @@ class DensitySettings(Settings):
     tolerance: float = setting(
         1e-2,
         "Tolerance",
-        "Marginal error at which a density is done; less is more exact and takes longer",
+        "Marginal error at which a density is done; less is more accurate and takes longer",
         least=0.0,
         most=1.0,
         open_ends=True,
@@ -106,7 +106,7 @@ class DensitySettings(Settings):
     max_iterations: int = setting(
         500,
         "Iterations",
-        "Most iterations of the solver",
+        "Largest number of solver iterations",
         least=1,
         soft_most=2000,
         panel="solver",
@@ -114,7 +114,7 @@ class DensitySettings(Settings):
     substeps: int = setting(
         10,
         "Substeps",
-        "Steps of time that the kernel takes; 20 for distances to the percent",
+        "Time steps of the kernel; 20 for distances accurate to a percent",
         least=1,
         most=100,
         prop=None,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all solves of densities have in common: they say why they cannot work."""
+"""Common context of all solves of densities: user-readable errors and one BLAS thread."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 
 @contextmanager
 def reachable(surface: Surface, names: Sequence[str]) -> Iterator[None]:
-    """Say in the user's words that a kernel is too narrow for the way.
+    """Convert the error for a kernel that is too narrow to one that users understand.
 
     Raises
     ------
@@ -38,9 +38,9 @@ def reachable(surface: Surface, names: Sequence[str]) -> Iterator[None]:
 
 
 def solving(work: Work[Result], surface: Surface, names: Sequence[str]) -> Work[Result]:
-    """Do work on a surface with one thread of BLAS, and with errors as :func:`reachable` says them.
+    """Run work on a surface with one BLAS thread and with the errors of :func:`reachable`.
 
-    Both hold while the work goes on, and not while its caller takes a report.
+    Both apply while the work runs, not while its caller handles a report.
     """
     while True:
         try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tools for painted densities: spread by heat, sharpen, drop unit masses."""
+"""Tools for painted densities: diffusion, sharpening, point masses."""
 
 from __future__ import annotations
 
@@ -18,39 +18,39 @@ from ...transport.sinkhorn import log_density
 from ..workers import one_blas_thread
 from .surface_densities import distribution
 
-# Beyond this many widths of the surface nothing changes any more, and numbers leave float64.
+# Diffusing by more than this many times the size of the surface changes nothing, and numbers would overflow.
 _LONGEST = 1e3
-# Nats by which a sharpened density may miss what was asked for.
+# Tolerance of a sharpened density's entropy, in nats.
 _CLOSE = 1e-3
 
 
 def diffused(
     weights: ArrayLike, surface: Surface, length: float, name: str, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
-    """Let a density spread by heat along the surface.
+    """Diffuse a density along the surface.
 
     Parameters
     ----------
     weights : (n,)
         Painted weights, or a density.
     surface : Surface
-        Its own kernel does not matter, except for the number of substeps.
+        Only the number of substeps of its own kernel is used.
     length : float
-        Standard deviation, per axis, that the heat gains, in scene units. Squares add up: 3 and then 4 are 5.
+        Standard deviation, per axis, of the diffusion, in scene units. Variances add up: 3 and then 4 make 5.
     name : str
-        What messages call the weights.
+        Name of the weights for messages.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Returns
     -------
     (n,) float64
-        Density of mass 1; every connected piece keeps its share.
+        Density of mass 1; every connected component keeps its mass.
 
     Raises
     ------
     InputError
-        A length that is not positive or far longer than the surface; else as :func:`.distribution`.
+        A length that is not positive or much longer than the surface; otherwise as for :func:`.distribution`.
     """
     density = distribution(weights, surface, name)
     if not (np.isfinite(length) and length > 0):
@@ -62,7 +62,7 @@ def diffused(
             most=10.0 * surface.unit_length,
         )
     with one_blas_thread():
-        # The kernel's variance per axis is gamma / 2, whatever the number of substeps.
+        # The kernel's variance per axis is gamma / 2 for any number of substeps.
         control.check()
         kernel = surface.with_kernel(2.0 * (length / surface.unit_length) ** 2, surface.steps)
         control.check()
@@ -74,20 +74,20 @@ def diffused(
 def sharpened(
     weights: ArrayLike, surface: Surface, limit: float, name: str, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
-    """Raise a density to the power at which its entropy is `limit`; every connected piece keeps its share.
+    """Raise a density to the power at which its entropy is `limit`; every connected component keeps its mass.
 
     Parameters
     ----------
     weights : (n,)
         Painted weights, or a density.
     surface : Surface
-        Where they are.
+        The surface of the weights.
     limit : float
-        Entropy in nats. A density whose entropy is below it stays as it is.
+        Entropy in nats. A density with a lower entropy is returned unchanged.
     name : str
-        What messages call the weights.
+        Name of the weights for messages.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def sharpened(
     Raises
     ------
     InputError
-        No power reaches the limit, since the top of the density is flat; else as :func:`.distribution`.
+        No power reaches the limit, because the density has a flat top; otherwise as for :func:`.distribution`.
     """
     density = distribution(weights, surface, name)
     if not np.isfinite(limit):
@@ -123,14 +123,14 @@ def sharpened(
 def sharpened_by(
     weights: ArrayLike, surface: Surface, share: float, name: str, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
-    """Sharpen a density, (n,), until it covers `share` of the area that it has covered, 0 < share <= 1.
+    """Sharpen a density, (n,), until it covers the fraction `share` of the area that it covered, 0 < share <= 1.
 
-    The area is that of the even density of the same entropy.
+    The covered area is that of the uniform density with the same entropy.
 
     Raises
     ------
     InputError
-        A share outside of these bounds, or as :func:`sharpened`.
+        A share outside these bounds, or as for :func:`sharpened`.
     """
     if not 0 < share <= 1:
         raise InputError("The share of the area to keep must lie between 0 and 1, got {share:.3g}.", share=share)
@@ -139,12 +139,12 @@ def sharpened_by(
 
 
 def unit_mass(vertices: int | Sequence[int] | ArrayLike, surface: Surface) -> NDArray[np.float64]:
-    """Return the density of mass 1, (n,), that lies on some vertices alone, the same mass on each.
+    """Return the density of mass 1, (n,), that is concentrated on some vertices, with the same mass on each.
 
     Raises
     ------
     InputError
-        No vertices, numbers that are not those of vertices, or loose vertices, which can hold no mass.
+        No vertices, invalid indices, or loose vertices, which cannot hold mass.
     """
     chosen = np.unique(np.atleast_1d(np.asarray(vertices)))
     check_vertices(chosen, surface)
@@ -154,12 +154,12 @@ def unit_mass(vertices: int | Sequence[int] | ArrayLike, surface: Surface) -> ND
 
 
 def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
-    """Refuse numbers, (k,), that are not those of vertices with area.
+    """Check that indices, (k,), belong to vertices with area.
 
     Raises
     ------
     InputError
-        It names the first of them.
+        The message names the first invalid one.
     """
     count = surface.shape[0]
     if not len(vertices):
@@ -177,7 +177,7 @@ def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
 def _powered(
     logs: NDArray[np.float64], exponent: float, pieces: PieceMasses | None, surface: Surface
 ) -> NDArray[np.float64]:
-    """Raise a density, given by its logarithms, to a power; every piece keeps its mass."""
+    """Raise a density, given by its logarithms, to a power; every component keeps its mass."""
     powered = exponent * (logs - logs.max())
     if pieces is not None:
         powered = pieces.balanced(exponent * (logs - pieces.tops(logs)[pieces.labels]), surface.weights)

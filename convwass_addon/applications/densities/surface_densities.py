@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Painted weights as distributions on a surface: what is refused, how much they cover, and how they are shown.
+"""Painted weights as distributions on a surface: validation, statistics and display.
 
 Solomon et al. 2015, section 5: a distribution on a triangle mesh is a density per vertex, and its mass is the sum of
-density times area. All lengths that come in or go out are in scene units, those of the mesh's vertices.
+density times area. All lengths are in scene units, those of the mesh's vertices.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from ...transport import Surface
 from ...transport.sharpening import entropy
 from .density_memory import check_surface_memory
 
-# In mean edge lengths: a narrower kernel is one of edges, not of the surface; up to the second, distances are short.
+# In mean edge lengths: kernels narrower than the first resolve edges, not the surface; up to the second, distances
+# come out short.
 _LEAST_BLUR = 1.0
 _GOOD_BLUR = 2.0
 
@@ -29,27 +30,26 @@ _GOOD_BLUR = 2.0
 def density_surface(
     mesh: TriangleMesh, blur: float | None = None, substeps: int = 10, control: Control = UNINTERRUPTED
 ) -> Surface:
-    """Return the surface on which densities of a mesh live.
+    """Return the surface on which densities of a mesh are defined.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        In scene units. Open, in several pieces, with edges of more than two triangles, with loose vertices: all is
-        welcome.
+        In scene units. Open, disconnected and non-manifold meshes and loose vertices are allowed.
     blur : float, optional
         Standard deviation of the kernel, per axis along the surface, in scene units; gamma is twice its square. By
-        default what suits the mesh.
+        default it is chosen from the mesh.
     substeps : int
-        Steps of time that the kernel takes.
+        Number of time steps of the kernel.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Raises
     ------
     InputError
-        A mesh without any area, or a blur that is shorter than the mesh's edges or longer than the surface.
+        A mesh without area, or a blur shorter than the mesh's edges or longer than the surface.
     ResourceError
-        The mesh needs more memory than there is.
+        The mesh needs more memory than is free.
     """
     check_surface_memory(mesh)
     if blur is None or not mesh.area > 0:
@@ -71,7 +71,7 @@ def density_surface(
             "least {least:.3g}, or subdivide the mesh.",
             blur=blur,
             edge=edge,
-            # Rounded for the message, it must still do.
+            # Increased, so that the value rounded for the message is still valid.
             least=1.01 * _LEAST_BLUR * edge,
         )
     return Surface(mesh.vertices, mesh.faces, 2.0 * (blur / size) ** 2, substeps, control)
@@ -83,7 +83,7 @@ def blur_of(surface: Surface) -> float:
 
 
 def blur_notice(surface: Surface) -> Sentence | None:
-    """Say where the blur is so fine for the mesh that distances come out too short; None where it is not."""
+    """Return a warning if the blur is so short for the mesh that distances come out too short, otherwise None."""
     blur, edge = blur_of(surface), surface.mean_edge_length * surface.unit_length
     if blur >= _GOOD_BLUR * edge:
         return None
@@ -100,12 +100,12 @@ def distribution(weights: ArrayLike, surface: Surface, name: str) -> NDArray[np.
     Parameters
     ----------
     weights : (n,)
-        One per vertex, in any scale; a density stays what it is. What lies on loose vertices, which have no area,
-        counts for nothing.
+        One per vertex, in any scale; a density is returned unchanged. Weights on loose vertices, which have no area,
+        are ignored.
     surface : Surface
-        Of n vertices.
+        A surface of n vertices.
     name : str
-        What messages call the weights: the vertex group.
+        Name of the weights for messages: the vertex group.
 
     Returns
     -------
@@ -115,8 +115,8 @@ def distribution(weights: ArrayLike, surface: Surface, name: str) -> NDArray[np.
     Raises
     ------
     InputError
-        Another number of weights than vertices, or weights that are not numbers, negative, all zero, or on loose
-        vertices only.
+        The number of weights differs from that of the vertices, or weights are not finite, negative, all zero, or on
+        loose vertices only.
     """
     painted = np.asarray(weights, dtype=np.float64)
     if painted.shape != surface.shape:
@@ -134,7 +134,7 @@ def distribution(weights: ArrayLike, surface: Surface, name: str) -> NDArray[np.
             "{name} has weight on loose vertices only, which have no area; paint some vertices that faces use.",
             name=name,
         )
-    # Relative to the top, so that no sum leaves the range of float64.
+    # Relative to the maximum, so that sums cannot overflow.
     painted = painted / top
     return painted / (painted @ surface.weights)
 
@@ -152,7 +152,7 @@ def _check_values(painted: NDArray[np.float64], name: str) -> None:
     if len(negative):
         raise InputError(
             "{name} has negative weights, down to {least:.3g} (vertices: {count}, the first is {vertex}); a density "
-            "cannot be less than nothing. Set them to zero.",
+            "cannot be negative. Set them to zero.",
             name=name,
             least=float(painted.min()),
             count=len(negative),
@@ -164,18 +164,18 @@ def _check_values(painted: NDArray[np.float64], name: str) -> None:
 
 @dataclass(frozen=True)
 class DensityFigures:
-    """What is worth knowing about a density.
+    """Statistics of a density.
 
     Attributes
     ----------
     covered : float
-        Share of the surface's area that has any weight.
+        Fraction of the surface's area with any weight.
     entropy : float
-        In nats; 0 for the even density, below it for all others.
+        In nats; 0 for the uniform density and negative for all others.
     radius : float
-        Of the even disc of the same entropy, in scene units: how far the density spreads.
+        Radius of the uniform disc of the same entropy, in scene units: how far the density spreads.
     loose : int
-        Vertices with weight and without area, whose weight counts for nothing.
+        Number of vertices with weight but without area, whose weight is ignored.
     """
 
     covered: float
@@ -185,7 +185,7 @@ class DensityFigures:
 
 
 def density_figures(weights: ArrayLike, surface: Surface, name: str) -> DensityFigures:
-    """Return the figures of painted weights, (n,); errors as :func:`distribution`."""
+    """Return the statistics of painted weights, (n,); errors are those of :func:`distribution`."""
     density = distribution(weights, surface, name)
     found = entropy(density, surface.weights)
     return DensityFigures(
@@ -205,7 +205,7 @@ class HeatMap:
     weights : (n,) float64
         The largest is 1.
     scale : float
-        What a weight of 1 stands for: the values are `weights` times this.
+        Value of a weight of 1: the values are `weights` times this.
     """
 
     weights: NDArray[np.float64]
@@ -213,12 +213,12 @@ class HeatMap:
 
 
 def heat_map(values: NDArray[np.float64]) -> HeatMap:
-    """Scale a density, (n,) and not negative, so that it shows as a heat map; nothing stays nothing."""
+    """Scale a nonnegative density, (n,), for display as a heat map; an all-zero density stays zero."""
     top = float(values.max(initial=0.0))
     return HeatMap(values / top if top > 0 else np.zeros_like(values), top)
 
 
 def _mean_edge(mesh: TriangleMesh) -> float:
-    """Mean length of the triangles' sides, as :class:`.transport.Surface` counts them."""
+    """Mean length of the triangles' sides, counted as in :class:`.transport.Surface`."""
     corners = mesh.corners
     return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())

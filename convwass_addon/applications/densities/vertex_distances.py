@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances along a surface from vertices to everywhere."""
+"""Geodesic distances along a surface from given vertices."""
 
 from __future__ import annotations
 
@@ -18,47 +18,47 @@ from .density_tools import check_vertices
 from .surface_densities import HeatMap, blur_of, heat_map
 
 VALUES_AT_ONCE = 1 << 22
-"""Values that are solved for together, 32 MB of them: sources times vertices."""
+"""Number of values solved together, 32 MB: sources times vertices."""
 
 
 @dataclass(frozen=True)
 class VertexDistances:
-    """Distances from vertices to everywhere.
+    """Distances from given vertices to all vertices.
 
     Attributes
     ----------
     lengths : (n,) float64
-        In scene units, to the nearest of the sources; infinite where none leads.
+        In scene units, to the nearest source; infinite for unreachable vertices.
     notices : tuple of Sentence
-        Why some are infinite, with their numbers.
+        Why some are infinite, with the numbers of vertices.
     """
 
     lengths: NDArray[np.float64]
     notices: tuple[Sentence, ...]
 
     def heat_map(self) -> HeatMap:
-        """Return weights that grow with the distance; 1 at the furthest vertex that is reached, and beyond."""
+        """Return weights proportional to the distance; 1 at the farthest reachable vertex and at unreachable ones."""
         reached = np.isfinite(self.lengths)
         far = float(self.lengths[reached].max(initial=0.0))
         return heat_map(np.where(reached, self.lengths, far))
 
 
 def distances_from(vertices: ArrayLike, surface: Surface, control: Control = UNINTERRUPTED) -> VertexDistances:
-    """Measure the distances along the surface from the nearest of some vertices to everywhere (Fig. 3 of the paper).
+    """Measure the distances along the surface from the nearest of some vertices to all (Fig. 3 of the paper).
 
     Parameters
     ----------
     vertices : int or (k,) int
         The sources.
     surface : Surface
-        Its blur sets how far float64 reaches: a wider one goes further.
+        Its blur determines how far float64 reaches: a wider blur reaches farther.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Raises
     ------
     InputError
-        No vertices, numbers that are not those of vertices, or loose vertices.
+        No vertices, invalid indices, or loose vertices.
     """
     chosen = np.unique(np.atleast_1d(np.asarray(vertices)))
     check_vertices(chosen, surface)
@@ -73,7 +73,7 @@ def distances_from(vertices: ArrayLike, surface: Surface, control: Control = UNI
 
 
 def _unreached(lengths: NDArray[np.float64], sources: NDArray[np.int64], surface: Surface) -> Iterator[Sentence]:
-    """Say why vertices are not reached."""
+    """Explain why vertices are unreachable."""
     lost = ~np.isfinite(lengths)
     loose = lost & (surface.weights == 0)
     apart = np.zeros_like(lost)
@@ -81,12 +81,12 @@ def _unreached(lengths: NDArray[np.float64], sources: NDArray[np.int64], surface
         apart = lost & ~loose & ~np.isin(surface.pieces, surface.pieces[sources])
     far = lost & ~loose & ~apart
     if loose.any():
-        yield Sentence("Loose vertices, to which no face leads: {count}.", {"count": int(loose.sum())})
+        yield Sentence("Loose vertices, which belong to no face: {count}.", {"count": int(loose.sum())})
     if apart.any():
         pieces = len(np.unique(surface.pieces[apart]))
         counts = {"count": int(apart.sum()), "pieces": pieces}
         yield Sentence(
-            "Vertices on other pieces of the mesh, to which no face leads: {count}, in {pieces} pieces.", counts
+            "Vertices on other pieces of the mesh, which no face connects: {count}, in {pieces} pieces.", counts
         )
     if far.any():
         values = {"count": int(far.sum()), "blur": blur_of(surface)}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The map of a and b: transport between histograms on a grid (Solomon et al. 2015, section 7), without its blur."""
+"""The map of a and b: transport between histograms on a grid (Solomon et al. 2015, section 7), debiased."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ SIGMA = 4.0
 
 _BIN = 2.0 * REACH / BINS
 _TOLERANCE = 1e-3
-# Chosen by eye; what the map gives is measured in docs/performance.md, "Palettes".
-# Shares of the largest bin below which an average is not trusted, and is taken from further away.
+# Chosen by eye; the resulting maps are measured in docs/performance.md, "Palettes".
+# Fraction of the largest bin below which an average is unreliable and a wider one is used.
 _FLOOR = 1e-6
 _LEAST_SMOOTHING, _WIDENING = 0.35, 1.6
 
 
 @dataclass(frozen=True)
 class ChromaMap:
-    """By how much a and b change.
+    """The change of a and b.
 
     Attributes
     ----------
     shifts : (2, BINS, BINS) float32
-        Change of a and of b at the middles of bins.
+        Change of a and of b at the centers of the bins.
     iterations : int
-        Of Sinkhorn's algorithm.
+        Iterations of Sinkhorn's algorithm.
     marginal_error : float
         L1 distance of the plan's marginal from the histogram.
     """
@@ -52,14 +52,14 @@ class ChromaMap:
 
 
 def chroma_domain() -> Grid:
-    """Return the plane of a and b as a domain; one for each thread that solves."""
+    """Return the plane of a and b as a domain; every solving thread needs its own."""
     return Grid((BINS, BINS), SIGMA / _BIN)
 
 
 def chroma_barycenter(
     histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
-    """Return the debiased barycenter of histograms, (BINS, BINS), of sum 1."""
+    """Return the debiased barycenter of histograms, (BINS, BINS), with sum 1."""
     domain = chroma_domain()
     found = barycenter(np.array(histograms), weights, domain, sharpness=1.0, tolerance=_TOLERANCE, control=control)
     return found.density / found.density.sum()
@@ -73,22 +73,22 @@ def chroma_map(
 ) -> ChromaMap:
     """Solve for the map from one histogram to another.
 
-    The barycentric projection of an entropic plan is pulled to the mean by the blur. That of the plan of the source
-    with itself is pulled in the same way; the difference of the two moves nothing where both are equal.
+    The blur pulls the barycentric projection of an entropic plan towards the mean. The plan of the source to itself is
+    pulled in the same way, so the difference of the two projections moves nothing where both histograms are equal.
 
     Parameters
     ----------
     source, target : (BINS, BINS) float64
-        Not negative, not zero everywhere.
+        Nonnegative, not all zero.
     smoothing : float
-        Standard deviation in bins over which the map is averaged, weighted by the source.
+        Standard deviation in bins of the average over the map, weighted by the source.
     control : Control
-        Ends the solve when cancelled.
+        Stops the solve when cancelled.
 
     Returns
     -------
     ChromaMap
-        (2, BINS, BINS) shifts of a and b.
+        Shifts of a and b, (2, BINS, BINS).
     """
     domain = chroma_domain()
     plans = [
@@ -102,7 +102,7 @@ def chroma_map(
 
 
 def _smoothed(shifts: NDArray[np.float64], weights: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
-    """Average the map, weighted by the histogram, and fill bins without colors from ever further away."""
+    """Average the map, weighted by the histogram; bins without colors use increasingly wide averages."""
     found, done = np.zeros_like(shifts), np.zeros(weights.shape, dtype=bool)
     if sigma < _LEAST_SMOOTHING:
         done = weights > _FLOOR

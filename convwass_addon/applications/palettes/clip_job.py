@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grading a clip as a job of steps: one map from the palette of all frames together, so that nothing flickers."""
+"""Grade a clip in steps: one map from the palette of all frames together, which avoids flicker."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from .pixel_blocks import recolored_blocks
 from .recolor_job import Picture, matched
 from .recoloring import Recoloring
 
-# Share of the job that finding the map takes, and share of that for measuring.
+# Fraction of the job for finding the map, and fraction of that for measuring.
 _MAPPED, _MEASURED = 0.35, 0.85
 
 
 class FrameRequest(Request[Picture]):
-    """Asks for a frame of the clip, which only the caller can read.
+    """Requests a frame of the clip, which only the caller can read.
 
     Parameters
     ----------
     place : int
-        Place of the frame.
+        Index of the frame.
     """
 
     def __init__(self, place: int) -> None:
@@ -43,9 +43,9 @@ class RecoloredFrame:
     Attributes
     ----------
     place : int
-        Place of the frame.
+        Index of the frame.
     pixels : (height, width, 4) float32
-        What it has become.
+        Its new pixels.
     """
 
     place: int
@@ -64,15 +64,15 @@ def clip_steps(
     Parameters
     ----------
     count : int
-        Frames.
+        Number of frames.
     palettes, weights, settings, control
-        See :func:`.recolor_job.recolor_steps`.
+        As for :func:`.recolor_job.recolor_steps`.
 
     Yields
     ------
     Progress
-        The payloads are a :class:`FrameRequest` for every frame, twice, which the caller answers, and every
-        :class:`RecoloredFrame`. No more than one frame is held.
+        The payloads are two :class:`FrameRequest` per frame, which the caller answers, and every
+        :class:`RecoloredFrame`. Only one frame is held at a time.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def clip_steps(
     Raises
     ------
     InputError
-        Pictures without colors, or weights that do not fit.
+        Pictures without colors, or invalid weights.
     """
     change = yield from within(clip_map_steps(count, palettes, weights, settings, control), 0.0, _MAPPED)
     for place in range(count):
@@ -105,7 +105,7 @@ def clip_map_steps(
     settings: RecolorSettings,
     control: Control = UNINTERRUPTED,
 ) -> Work[Recoloring]:
-    """Find the map of a clip alone; arguments and requests as for :func:`clip_steps`, once for every frame."""
+    """Find only the map of a clip; arguments and requests as for :func:`clip_steps`, once per frame."""
     measured = []
     for place in range(count):
         message = Sentence("Measuring frame {done} of {total}", {"done": place + 1, "total": count})

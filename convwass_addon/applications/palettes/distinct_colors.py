@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colors of an image of bytes, each once: a photograph of 4K has a tenth as many of them as pixels."""
+"""The distinct colors of an 8-bit image: a 4K photograph has a tenth as many of them as pixels."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEVELS = 255
-"""Steps of a channel that is a byte."""
+"""Largest value of an 8-bit channel."""
 
 _COUNT = 1 << 24
-# Where a byte lies in a number of 32 bits; alpha comes last, and does not count.
+# Bit positions of the channels in a 32-bit number; alpha comes last and is ignored.
 _SHIFTS = (0, 8, 16) if sys.byteorder == "little" else (24, 16, 8)
 _ALPHA_AWAY = 0x00FFFFFF if sys.byteorder == "little" else 0xFFFFFF00
 
 
 def color_keys(pixels: NDArray[np.float32]) -> NDArray[np.uint32]:
-    """Return a number below 2^24 for the color of every pixel, (..., 4), of values from 0 to 1."""
+    """Return a number below 2^24 for the color of every pixel, (..., 4), with values from 0 to 1."""
     scaled = pixels * np.float32(LEVELS)
     scaled += np.float32(0.5)
     keys = scaled.astype(np.uint8).view(np.uint32)[..., 0]
@@ -30,14 +30,14 @@ def color_keys(pixels: NDArray[np.float32]) -> NDArray[np.uint32]:
 
 @dataclass(frozen=True)
 class DistinctColors:
-    """The colors that there are.
+    """The distinct colors of an image.
 
     Attributes
     ----------
     pixels : (1, n, 4) float32
-        Each as an opaque pixel, exactly as Blender gives bytes as floats.
+        Each color as an opaque pixel, exactly as Blender converts bytes to floats.
     ranks : (2^24,) int32
-        For the number of a color its place among these; anything for others.
+        Index of a color by its number; undefined for other numbers.
     """
 
     pixels: NDArray[np.float32]
@@ -45,7 +45,7 @@ class DistinctColors:
 
 
 def present_flags() -> NDArray[np.bool_]:
-    """Return room for which colors there are, by their numbers: none."""
+    """Return flags for the presence of every color number, all False."""
     return np.zeros(_COUNT, dtype=bool)
 
 

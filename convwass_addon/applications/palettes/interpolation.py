@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read tables between their entries: in a third of the time that SciPy's map_coordinates takes for many channels."""
+"""Linear interpolation of tables, in a third of the time of SciPy's map_coordinates for many channels."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-# Places that are read at once: what belongs to them stays in the processor's cache.
+# Points processed together: their data fits into the processor's cache.
 _AT_ONCE = 1 << 16
 
 
 def interpolated(tables: Sequence[NDArray[np.float32]], places: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Interpolate linearly along every axis; beyond the ends the nearest entry counts.
+    """Interpolate linearly along every axis, with the nearest entry beyond the ends.
 
     Parameters
     ----------
     tables : sequence of (s1, ..., sd) float32
-        Of one shape, with two entries or more along every axis; in C order.
+        Of equal shape, with at least two entries along every axis; in C order.
     places : (d, n) float32 or float64
-        Where to read, counted in entries; finite.
+        Points to interpolate at, in units of entries; finite.
 
     Returns
     -------
@@ -53,9 +53,9 @@ def _mixed(
     cells: NDArray[np.intp],
     shares: Sequence[NDArray[np.floating]],
 ) -> NDArray[np.float32]:
-    """Mix the two ends along the first axis, each of them mixed along those that are left."""
+    """Interpolate along the first axis between the two ends, each interpolated along the remaining axes."""
     if not strides:
-        # Clipping changes nothing here; the other ways of NumPy to check a place take longer.
+        # No index is out of range; "clip" is NumPy's fastest check.
         return values.take(cells, mode="clip")
     low = _mixed(values, strides[1:], cells, shares[1:])
     high = _mixed(values[strides[0] :], strides[1:], cells, shares[1:])

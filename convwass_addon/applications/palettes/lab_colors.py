@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""CIE-Lab and sRGB of whole arrays, in the precision of their input; channels come first."""
+"""Conversions of arrays to and from CIE-Lab and sRGB, in the precision of their input; channels come first."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _TO_XYZ = np.array(
 _WHITE = _TO_XYZ.sum(axis=1)
 _TO_RELATIVE = _TO_XYZ / _WHITE[:, None]
 _FROM_RELATIVE = np.linalg.inv(_TO_RELATIVE)
-# CIE 15:2004: where the cube root ends, and the slope of the line below it.
+# CIE 15:2004: the lower end of the cube root, and the slope of the linear segment below it.
 _END, _SLOPE = 216.0 / 24389.0, 24389.0 / 27.0
 
 
 def linear_of_srgb(encoded: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Undo the transfer function of sRGB for values in any shape; negative ones go along its straight part."""
+    """Decode sRGB values of any shape to linear ones; negative values use the linear segment."""
     curved = np.maximum(encoded, 0.04045)
     curved += 0.055
     curved *= 1.0 / 1.055
@@ -29,9 +29,9 @@ def linear_of_srgb(encoded: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def srgb_of_linear(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Apply the transfer function of sRGB to values in any shape.
+    """Encode linear values of any shape as sRGB.
 
-    Those above 1 go on along its curve, negative ones along its line.
+    Values above 1 extend the curve, negative ones the linear segment.
     """
     curved = np.maximum(linear, 0.0031308)
     np.power(curved, 1.0 / 2.4, out=curved)
@@ -47,7 +47,7 @@ def lab_of_linear(linear: NDArray[np.floating]) -> NDArray[np.floating]:
     Parameters
     ----------
     linear : (3, ...) float32 or float64
-        Linear Rec.709; values above 1 are brighter than white and have L above 100.
+        Linear Rec.709; values above 1 are brighter than white, with L above 100.
 
     Returns
     -------
@@ -64,10 +64,10 @@ def lab_of_linear(linear: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def _cube_roots(relative: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Take cube roots, and the line that stands for them near zero."""
+    """Cube roots, with the linear segment near zero."""
     roots = np.maximum(relative, _END)
     if roots.dtype == np.float32:
-        # A quarter of the time of cbrt, and as good to three units of the last digit.
+        # A quarter of the time of cbrt, accurate to three units in the last place.
         np.log(roots, out=roots)
         roots *= 1.0 / 3.0
         np.exp(roots, out=roots)
@@ -79,7 +79,7 @@ def _cube_roots(relative: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def linear_of_lab(lab: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return linear Rec.709, (3, ...), which may lie outside of 0 to 1; undoes `lab_of_linear`."""
+    """Return linear Rec.709, (3, ...), possibly outside 0 to 1; the inverse of `lab_of_linear`."""
     roots = np.empty_like(lab)
     roots[1] = (lab[0] + 16.0) / 116.0
     roots[0] = roots[1] + lab[1] / 500.0
@@ -89,7 +89,7 @@ def linear_of_lab(lab: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def transformed(matrix: NDArray[np.float64], channels: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Multiply three channels, (3, ...), by a matrix, row by row: BLAS would turn the array around first."""
+    """Multiply three channels, (3, ...), by a matrix, row by row, because BLAS would transpose the array first."""
     found = np.empty_like(channels)
     for row, own in zip(matrix.astype(channels.dtype), found, strict=True):
         np.multiply(channels[0], row[0], out=own)

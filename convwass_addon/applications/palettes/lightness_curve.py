@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The map of L: transport on a line, in closed form."""
+"""The map of L: one-dimensional transport in closed form."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
 
-# Knots lie so far apart in L, or further where an image of high dynamic range would need more than the most.
+# Spacing of knots in L, and their largest number, which increases the spacing for images of high dynamic range.
 _STEP, _MOST_KNOTS = 0.1, 16384
 # Standard deviation in L of one unit of smoothing.
 _UNIT = 0.5
@@ -18,14 +18,14 @@ _UNIT = 0.5
 
 @dataclass(frozen=True)
 class LightnessCurve:
-    """By how much L changes.
+    """The change of L.
 
     Attributes
     ----------
     first, step : float
-        L at the first knot, and from knot to knot.
+        L at the first knot, and spacing of the knots.
     shifts : (n,) float32
-        Change of L at the knots; beyond the ends that of the nearest.
+        Change of L at the knots; constant beyond the ends.
     """
 
     first: float
@@ -48,12 +48,12 @@ def lightness_curve(
     Parameters
     ----------
     source, target : (n,) array_like
-        Quantiles at the same shares, ascending. Equal values of the source, such as a black border, all go to the mean
-        of theirs.
+        Quantiles at the same probabilities, ascending. Repeated values of the source, such as a black border, all map
+        to the mean of their targets.
     smoothing : float
-        Standard deviation over which the change is averaged, in half units of L.
+        Standard deviation of the smoothing of the change, in half units of L.
     steepest : float
-        Largest slope; 0 for none. The mean lightness stays what it would be without a limit.
+        Largest slope; 0 for none. The limit preserves the mean lightness.
     """
     quantiles = np.asarray(source, dtype=np.float64)
     knots, ties = np.unique(quantiles, return_inverse=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grades as tables: cubes of colors, written and read as .cube files (Adobe, Cube LUT Specification 1.0)."""
+"""3D lookup tables for color grading, written and read as .cube files (Adobe, Cube LUT Specification 1.0)."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from .lab_colors import linear_of_srgb, srgb_of_linear
 from .recoloring import Recoloring
 
 SIZES = (2, 129)
-"""Fewest and most colors along an edge."""
+"""Smallest and largest number of colors along an edge."""
 
-# A table of the largest size with twenty digits a number takes less.
+# A table of the largest size with twenty digits per number is smaller than this.
 _MOST_BYTES = 1 << 28
 
 
 @dataclass(frozen=True)
 class LookupTable:
-    """Colors that stand for colors.
+    """A 3D lookup table.
 
     Attributes
     ----------
     colors : (n, n, n, 3) float32
-        For red (first axis), green and blue in even steps over the domain: what becomes of them; encoded as sRGB is,
-        like the colors that are looked up.
+        Resulting colors for red (first axis), green and blue in even steps over the domain; inputs and outputs are
+        sRGB-encoded.
     lowest, highest : (3,) float64
-        The domain.
+        Lower and upper corner of the domain.
     """
 
     colors: NDArray[np.float32]
@@ -43,7 +43,7 @@ class LookupTable:
     highest: NDArray[np.float64]
 
     def applied(self, encoded: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Look up colors, (3, ...), interpolated between the eight around them; those outside count at the rim."""
+        """Look up colors, (3, ...), with trilinear interpolation; colors outside the domain are clamped."""
         steps = (len(self.colors) - 1) / (self.highest - self.lowest)
         places = np.empty((3, encoded[0].size), dtype=encoded.dtype)
         for channel, lowest, step, own in zip(encoded, self.lowest, steps, places, strict=True):
@@ -52,30 +52,30 @@ class LookupTable:
         return interpolated(self._channels, places).reshape(encoded.shape)
 
     def beyond(self, encoded: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Return by how much colors, (3, ...), lie outside of the domain: what a scene has above white."""
+        """Return how far colors, (3, ...), lie outside the domain, as do parts of a scene brighter than white."""
         ends = (own.astype(encoded.dtype).reshape(3, *[1] * (encoded.ndim - 1)) for own in (self.lowest, self.highest))
         return encoded - np.clip(encoded, *ends)
 
     @cached_property
     def _channels(self) -> NDArray[np.float32]:
-        """Red, green and blue, each by itself."""
+        """Red, green and blue as separate arrays."""
         return np.ascontiguousarray(np.moveaxis(self.colors, -1, 0), dtype=np.float32)
 
 
 def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
-    """Push a lattice of all colors through a recoloring.
+    """Apply a recoloring to a lattice of all colors.
 
     Parameters
     ----------
     change : Recoloring
-        With the strength that the table is to have; its edge-aware filter sees no neighbors here, and is left out.
+        A recoloring with the desired strength; its edge-aware filter is ignored, because a table has no neighbors.
     size : int
-        Colors along an edge; measured errors are in `docs/performance.md`.
+        Number of colors along an edge; errors are measured in `docs/performance.md`.
 
     Raises
     ------
     InputError
-        A size that other programs would not take.
+        A size that other programs would not accept.
     """
     _check_size(size)
     steps = np.linspace(0.0, 1.0, size, dtype=np.float32)
@@ -85,23 +85,23 @@ def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
 
 
 def write_cube(table: LookupTable, path: Path, title: str = "Convwass", control: Control = UNINTERRUPTED) -> None:
-    """Write a table as a .cube file, red fastest; the file is there whole or not at all.
+    """Write a table as a .cube file, red fastest; the file is written completely or not at all.
 
     Parameters
     ----------
     table : LookupTable
-        What is written.
+        The table.
     path : Path
-        Where to.
+        The file to write.
     title : str
-        What other programs call it.
+        Title for other programs.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Raises
     ------
     ConvwassError
-        The system could not write it.
+        The file could not be written.
     """
     size = len(table.colors)
     safe = "".join(letter for letter in title if letter.isprintable() and letter not in '"\\')[:80]
@@ -116,12 +116,12 @@ def write_cube(table: LookupTable, path: Path, title: str = "Convwass", control:
 
 
 def read_cube(path: Path) -> LookupTable:
-    """Read a .cube file with a table of three dimensions.
+    """Read a .cube file with a 3D table.
 
     Raises
     ------
     InputError
-        No such file, or one that is no such table; the message says what is wrong.
+        No such file, or not a valid 3D table; the message says what is wrong.
     """
     try:
         if path.stat().st_size > _MOST_BYTES:
@@ -130,7 +130,7 @@ def read_cube(path: Path) -> LookupTable:
     except OSError as error:
         raise InputError("{file} could not be read: {reason}", file=str(path), reason=str(error).strip()) from error
     except UnicodeDecodeError as error:
-        raise InputError("{file} is no .cube file; it holds no text.", file=str(path)) from error
+        raise InputError("{file} is not a .cube file: it is not text.", file=str(path)) from error
     return _table_of(lines, path)
 
 
@@ -141,12 +141,12 @@ def _table_of(lines: list[str], path: Path) -> LookupTable:
     rows = [line for line, is_named in zip(words, named, strict=True) if not is_named]
     sizes = [line[1] for line in head if line[0] == "LUT_3D_SIZE" and len(line) == 2]
     if len(sizes) != 1 or not (sizes[0].isascii() and sizes[0].isdigit() and len(sizes[0]) < 5):
-        raise InputError("{file} holds no table of three dimensions (LUT_3D_SIZE).", file=str(path))
+        raise InputError("{file} contains no 3D table (LUT_3D_SIZE).", file=str(path))
     size = int(sizes[0])
     _check_size(size)
     if len(rows) != size**3 or any(len(row) != 3 for row in rows):
         raise InputError(
-            "{file} must hold {count} colors of three numbers, and does not.", file=str(path), count=size**3
+            "{file} does not contain the {count} colors of three numbers that it should.", file=str(path), count=size**3
         )
     lowest, highest = (_numbers(head, name, default, path) for name, default in (("MIN", 0.0), ("MAX", 1.0)))
     colors = _finite(rows, path).reshape(size, size, size, 3).transpose(2, 1, 0, 3)
@@ -166,7 +166,7 @@ def _finite(rows: list[list[str]], path: Path) -> NDArray[np.float64]:
     except ValueError:
         values = np.full(1, np.nan)
     if not np.isfinite(values).all() or np.abs(values).max() > 1e6:
-        raise InputError("{file} holds what is no number.", file=str(path))
+        raise InputError("{file} contains values that are not numbers.", file=str(path))
     return values
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What recoloring is asked for."""
+"""Settings of recoloring."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...schema import Choice, Settings, setting
 
 @dataclass(frozen=True)
 class RecolorSettings(Settings):
-    """How an image takes a palette."""
+    """How an image is recolored with a palette."""
 
     strength: float = setting(
         1.0,
@@ -26,21 +26,21 @@ class RecolorSettings(Settings):
     lightness: str = setting(
         "transport",
         "Lightness",
-        "What happens to how light colors are",
+        "What happens to the lightness of colors",
         choices=(
-            Choice("transport", "From Palette", "Carry it along, which changes the contrast too"),
-            Choice("keep", "Keep", "Leave it as it is, and carry the hues only"),
+            Choice("transport", "From Palette", "Transfer it as well, which also changes the contrast"),
+            Choice("keep", "Keep", "Keep it, and transfer only the hues"),
         ),
         option="--keep-lightness",
         flag="keep",
-        help="Carry the hues only, and leave L as it is",
+        help="Transfer only the hues, and keep L",
         panel="settings",
     )
     smoothing: float = setting(
         1.0,
         "Smoothing",
-        "How far the map of colors is averaged: with less, the palette is met more closely; with more, noise and faint "
-        "steps are raised less",
+        "How widely the map of colors is averaged: with less, the palette is matched more closely; with more, noise "
+        "and faint steps are amplified less",
         least=0.0,
         most=20.0,
         soft_most=4.0,
@@ -82,7 +82,7 @@ class RecolorSettings(Settings):
     )
 
     def __post_init__(self) -> None:
-        """Refuse settings that make no sense; raises InputError."""
+        """Refuse invalid settings; raises InputError."""
         super().__post_init__()
         if 0.0 < self.steepest < 1.0:
             raise InputError("The slope limit must be 0 for none, or 1 or more, not {slope}.", slope=self.steepest)
@@ -90,7 +90,7 @@ class RecolorSettings(Settings):
 
 @dataclass(frozen=True)
 class TableSettings(Settings):
-    """How a table of colors is written."""
+    """How a lookup table is written."""
 
     cube_size: int = setting(
         65,

@@ -16,29 +16,30 @@ BINS = 128
 """Bins along a and along b."""
 
 REACH = 128.0
-"""The histogram goes from minus this to this, along both; what is beyond counts at its rim."""
+"""The histogram extends from minus this to this along both axes; values beyond it count at its border."""
 
 QUANTILES = 4096
-"""Values of L that stand for equal shares of the picture."""
+"""Number of values of L, at equally spaced probabilities."""
 
-# More pixels than these change no histogram that the eye could tell from it.
+# Largest number of pixels measured: more would not change the histogram visibly.
 _MOST_SAMPLES = 1 << 18
-# Golden ratio: samples at these places within equal stretches fall into step with no picture's width.
+# Golden ratio: placing one sample at multiples of this within each of many equal intervals avoids aliasing with the
+# width of the picture.
 _GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True)
 class Palette:
-    """Which colors there are, and how much of each.
+    """The distribution of an image's colors.
 
     Attributes
     ----------
     chroma : (BINS, BINS) float64
-        Shares of a (first axis) and b; of sum 1.
+        Histogram of a (first axis) and b, of sum 1.
     lightness : (QUANTILES,) float64
-        L at the middles of equal shares, ascending.
+        L at the midpoints of equal probability intervals, ascending.
     mass : float
-        How many pixels it stands for, partly transparent ones in part.
+        Number of pixels, with partly transparent ones counted in part.
     """
 
     chroma: NDArray[np.float64]
@@ -47,7 +48,7 @@ class Palette:
 
 
 def sample_places(count: int) -> NDArray[np.int64]:
-    """Return which of `count` pixels stand for all of them: all, or about 260 000 that are spread evenly."""
+    """Return the indices of a sample of `count` pixels: all of them, or about 260 000 evenly spread ones."""
     if count <= _MOST_SAMPLES:
         return np.arange(count)
     steps = np.arange(_MOST_SAMPLES, dtype=np.float64)
@@ -60,9 +61,9 @@ def measured_palette(lab: ArrayLike, weights: ArrayLike | None = None) -> Palett
     Parameters
     ----------
     lab : (3, n) array_like
-        CIE-Lab; pixels with numbers that are not finite do not count.
+        CIE-Lab; pixels with values that are not finite are ignored.
     weights : (n,) array_like, optional
-        Not negative: how much every pixel counts, such as its alpha; by default all alike.
+        Nonnegative weights of the pixels, such as their alpha; by default equal.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def measured_palette(lab: ArrayLike, weights: ArrayLike | None = None) -> Palett
 
 
 def pooled_palette(palettes: Sequence[Palette]) -> Palette:
-    """Return the palette of several images together, such as the frames of a clip, each by its pixels."""
+    """Return the combined palette of several images, such as the frames of a clip, weighted by their pixels."""
     masses = np.array([palette.mass for palette in palettes])
     chroma = np.tensordot(masses / masses.sum(), np.array([palette.chroma for palette in palettes]), axes=1)
     values = np.concatenate([palette.lightness for palette in palettes])
@@ -87,7 +88,7 @@ def pooled_palette(palettes: Sequence[Palette]) -> Palette:
 
 
 def _histogram(ab: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share every pixel among the four bins around it, so that the mean color stays exact."""
+    """Distribute every pixel over the four bins around it, which preserves the mean color exactly."""
     places = np.clip((ab + REACH) * (BINS / (2.0 * REACH)) - 0.5, 0.0, BINS - 1.0)
     first = np.minimum(places.astype(np.int64), BINS - 2)
     upper = places - first

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recolor whole images block by block, so that a large one needs little more memory than it takes itself."""
+"""Recolor whole images in blocks, which needs little memory beyond the image itself."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from .pixel_change import recolor_rows
 from .pixels import PixelFormat
 from .recoloring import Recoloring
 
-# Pixels that are worked on at once, by each thread.
+# Number of pixels that each thread processes at once.
 _AT_ONCE = 1 << 16
-# Shares of the work after which distinct colors are noted, and changed.
+# Fractions of the work at which distinct colors have been collected, and recolored.
 _NOTED, _CHANGED = 0.3, 0.7
-# With more colors than this share of the pixels nothing is gained by taking each once.
+# If distinct colors exceed this fraction of the pixels, treating each only once saves nothing.
 _FEW = 0.5
 
 
 @dataclass(frozen=True)
 class Block:
-    """Rows of an image, and those around them that the filter sees."""
+    """Rows of an image, with additional rows above and below for the filter."""
 
     first: int
     last: int
@@ -42,12 +42,12 @@ class Block:
 
     @property
     def seen(self) -> slice:
-        """All of these rows."""
+        """All rows, including the additional ones."""
         return slice(self.first - self.above, self.last + self.below)
 
     @property
     def own(self) -> slice:
-        """Those that are recolored, as seen from the first of all."""
+        """The rows to recolor, relative to the first of all rows."""
         return slice(self.above, self.above + self.last - self.first)
 
 
@@ -60,26 +60,26 @@ def recolored_blocks(
     control: Control = UNINTERRUPTED,
     workers: int | None = None,
 ) -> Work[None]:
-    """Recolor an image, and report after every block.
+    """Recolor an image, reporting progress after every block.
 
     Parameters
     ----------
     pixels : (height, width, 4) float32
-        Red, green, blue, alpha; alpha stays. Pixels that hold no finite numbers stay as they are.
+        Red, green, blue, alpha; alpha is preserved. Pixels that are not finite are preserved.
     pixel_format : PixelFormat
-        What they mean.
+        Meaning of the values.
     change : Recoloring or LookupTable
-        What to do; a table is quicker, and right to about a level of 255. It holds for values from 0 to 1.
+        The map to apply. A table is faster and accurate to about one 8-bit level; it covers values from 0 to 1.
     mask : (height, width) float32 or None
-        From 0 to 1: how much of the change is made.
+        Strength of the change, from 0 to 1.
     out : (height, width, 4) float32
-        Where to; may be `pixels` unless the edge-aware filter is on.
+        Output; may be `pixels` unless the edge-aware filter is on.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
     workers : int, optional
-        Threads; by default one per processor.
+        Number of threads; by default one per processor.
     """
-    # Elsewhere what becomes of a color depends on where it is.
+    # With a mask or filter, the result for a color depends on its place.
     is_the_same_everywhere = mask is None and not _radius(change)
     way = _by_distinct_colors if pixel_format.levels == LEVELS and is_the_same_everywhere else _by_pixels
     threads = workers or os.cpu_count() or 1
@@ -90,7 +90,7 @@ def recolored_blocks(
 
 @dataclass(frozen=True)
 class _Task:
-    """What :func:`recolored_blocks` was asked for."""
+    """The arguments of :func:`recolored_blocks`."""
 
     pixels: NDArray[np.float32]
     pixel_format: PixelFormat
@@ -101,14 +101,14 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Crew:
-    """Threads, and who asks them to stop."""
+    """The threads and the control that stops them."""
 
     executor: Executor
     threads: int
     control: Control
 
     def run(self, work: Callable[[Block], None], blocks: Sequence[Block], begun: float, ended: float) -> Work[None]:
-        """Work on all blocks, and report the share of the whole, from where this begins to where it ends."""
+        """Process all blocks, reporting progress from `begun` to `ended`."""
         waiting = iter(blocks)
         running = deque(self.executor.submit(work, block) for block in islice(waiting, 2 * self.threads))
         done = 0
@@ -121,7 +121,7 @@ class _Crew:
 
 
 def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Work[None]:
-    """Recolor pixel by pixel."""
+    """Recolor every pixel separately."""
 
     def work(block: Block) -> None:
         part = None if task.mask is None else task.mask[block.seen]
@@ -132,7 +132,7 @@ def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Work[None]:
 
 
 def _by_distinct_colors(task: _Task, crew: _Crew) -> Work[None]:
-    """Recolor every color once, and give it to all pixels that have it."""
+    """Recolor every distinct color once, and assign it to all of its pixels."""
     shape = task.pixels.shape
     present, keys = present_flags(), np.empty(shape[:2], dtype=np.uint32)
 

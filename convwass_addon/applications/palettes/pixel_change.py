@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recolor a few rows of an image: by a map between palettes, or by a table."""
+"""Recolor rows of an image by a map between palettes or by a lookup table."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .lookup_table import LookupTable
 from .pixels import PixelFormat
 from .recoloring import Recoloring
 
-# Contrast in Lab below which the edge-aware filter averages, squared.
+# Squared contrast in Lab below which the edge-aware filter averages.
 _EDGE = 4.0
-# L beyond which brightness guides the filter no more.
+# Upper limit of the guide's values, in Lab.
 _BRIGHTEST = 256.0
 
 
@@ -32,22 +32,22 @@ def recolor_rows(
     Parameters
     ----------
     pixels : (rows, width, 4) float32
-        Those that the edge-aware filter sees; those that are not finite stay as they are.
+        The rows to recolor and those that the edge-aware filter needs; pixels that are not finite are preserved.
     pixel_format : PixelFormat
-        What they mean.
+        Meaning of the values.
     change : Recoloring or LookupTable
-        What to do.
+        The map to apply.
     mask : (rows, width) float32 or None
-        How much of the change is made.
+        Strength of the change.
     own : slice
-        The rows that go to `out`.
+        The rows to recolor, which go to `out`.
     out : (rows, width, 4) float32
-        Where to.
+        Output.
     """
     is_table = isinstance(change, LookupTable)
     with np.errstate(invalid="ignore", over="ignore"):
         colors = pixel_format.displayed(pixels) if is_table else pixel_format.linear(pixels)
-        # Sums are finite where all of their terms are.
+        # A sum is finite if all of its terms are.
         usable = np.isfinite(colors[0] + colors[1] + colors[2] + pixels[..., 3])
     if not usable.all():
         np.copyto(colors, 0.0, where=~usable)
@@ -68,7 +68,7 @@ def recolor_rows(
 def _looked_up(
     displayed: NDArray[np.float32], pixel_format: PixelFormat, table: LookupTable, mask: NDArray[np.float32] | None
 ) -> NDArray[np.float32]:
-    """Return what becomes of colors that sRGB has encoded; scenes keep what they have above white, as much as it is."""
+    """Apply a table to sRGB-encoded colors; in scenes, the excess over white is added back unchanged."""
     found = table.applied(displayed)
     if np.isinf(pixel_format.highest):
         found += table.beyond(displayed)
@@ -78,7 +78,7 @@ def _looked_up(
 def _mapped(
     linear: NDArray[np.float32], pixel_format: PixelFormat, change: Recoloring, mask: NDArray[np.float32] | None
 ) -> NDArray[np.float32]:
-    """Return what becomes of linear colors."""
+    """Apply a map to linear colors."""
     lab = lab_of_linear(linear)
     shifts = change.shifts(lab)
     if change.settings.edge_radius:
@@ -89,12 +89,12 @@ def _mapped(
 
 
 def _along_edges(shifts: NDArray[np.float32], guide: NDArray[np.float32], radius: int) -> NDArray[np.float32]:
-    """Average changes where colors are even, and keep them apart at their edges: the guided filter of He et al. 2013.
+    """Smooth changes where colors are uniform but not across edges: the guided filter of He et al. 2013.
 
-    All of L, a and b guide it: by L alone, the change of a red saucer would go on over its white highlights.
+    The guide is L, a and b. With L alone, the change of a red saucer would extend over its white highlights.
     """
     size = 2 * radius + 1
-    # Squares of lamps would leave nothing of what is beside them.
+    # Squares of very bright lamps would drown everything next to them.
     guide = np.clip(guide, -_BRIGHTEST, _BRIGHTEST)
 
     def mean(values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -122,7 +122,7 @@ def _along_edges(shifts: NDArray[np.float32], guide: NDArray[np.float32], radius
 
 
 def _inverse(matrix: dict[tuple[int, int], NDArray[np.float32]]) -> dict[tuple[int, int], NDArray[np.float32]]:
-    """Invert symmetric matrices of 3 x 3, of which the lower triangle is given: cofactors over the determinant."""
+    """Invert symmetric 3 x 3 matrices, given by their lower triangles: cofactors over the determinant."""
     (a, b, c, d, e, f) = (matrix[place] for place in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)))
     found = {
         (0, 0): c * f - e * e,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pixels as files hold them: encoded or linear, with an alpha or without, and the colors in them."""
+"""Encodings of pixels in files: color encoding, alpha and primaries."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from .palette_statistics import Palette, measured_palette, sample_places
 
 @dataclass(frozen=True)
 class PixelFormat:
-    """What the numbers of an image mean.
+    """Meaning of an image's values.
 
     Attributes
     ----------
     encoding : "srgb" or "linear"
-        Whether the transfer function of sRGB has been applied.
+        Whether the sRGB transfer function was applied.
     alpha : "straight", "associated" or "ignored"
-        Whether colors have been multiplied by it; if ignored, all pixels count alike.
+        Whether colors were multiplied by alpha; "ignored" counts all pixels equally.
     to_rec709 : (3, 3) float64
-        From the primaries of linear values to those of Rec.709.
+        Matrix from the primaries of linear values to those of Rec.709.
     highest : float
         Largest value of a channel; infinite for scenes, which may be brighter than white.
     levels : int
-        Steps from 0 to 1 where there are but few, 255 for bytes; 0 for floats.
+        Number of steps from 0 to 1 for quantized images, such as 255 for bytes; 0 for floats.
     """
 
     encoding: Literal["srgb", "linear"] = "srgb"
@@ -39,32 +39,32 @@ class PixelFormat:
     levels: int = 0
 
     def linear(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the colors of pixels, (..., 4), as linear Rec.709, (3, ...); whatever is not finite stays so."""
+        """Return the colors of pixels, (..., 4), as linear Rec.709, (3, ...); values that are not finite stay so."""
         colors = self._straight(pixels)
         if self.encoding == "srgb":
             colors = linear_of_srgb(colors)
         return colors if self._is_rec709 else transformed(self.to_rec709, colors)
 
     def encoded(self, linear: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return what pixels hold for colors in linear Rec.709, (3, ...), where alpha is as given."""
+        """Return pixel values for colors in linear Rec.709, (3, ...), with the given alpha."""
         colors = linear if self._is_rec709 else transformed(np.linalg.inv(self.to_rec709), linear)
         if self.encoding == "srgb":
             colors = srgb_of_linear(colors)
         return self._with_alpha(colors, alpha)
 
     def displayed(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the colors of pixels, (..., 4), as sRGB encodes them, (3, ...); whatever is not finite stays so."""
+        """Return the colors of pixels, (..., 4), sRGB-encoded, (3, ...); values that are not finite stay so."""
         return self._straight(pixels) if self._is_srgb else srgb_of_linear(self.linear(pixels))
 
     def encoded_displayed(self, displayed: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return what pixels hold for colors that sRGB has encoded, (3, ...), where alpha is as given."""
+        """Return pixel values for sRGB-encoded colors, (3, ...), with the given alpha."""
         if self._is_srgb:
             return self._with_alpha(displayed, alpha)
         return self.encoded(linear_of_srgb(displayed), alpha)
 
     def _straight(self, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return red, green and blue, (3, ...), without alpha in them."""
-        # A copy even where the view of a single pixel is contiguous: what follows changes it.
+        """Return red, green and blue, (3, ...), not multiplied by alpha."""
+        # Always copy, even if the view of a single pixel is contiguous, because the result is modified.
         colors = np.moveaxis(pixels[..., :3], -1, 0).copy(order="C")
         if self.alpha == "associated":
             alpha = pixels[..., 3]
@@ -72,7 +72,7 @@ class PixelFormat:
         return colors
 
     def _with_alpha(self, colors: NDArray[np.float32], alpha: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Undo it."""
+        """Invert `_straight`."""
         if self.alpha == "associated":
             colors = colors * np.where(alpha > 0, alpha, 1.0)
         return np.moveaxis(colors, 0, -1)
@@ -89,18 +89,18 @@ class PixelFormat:
 def image_palette(
     pixels: ArrayLike, pixel_format: PixelFormat, mask: ArrayLike | None = None, weights: ArrayLike | None = None
 ) -> Palette:
-    """Measure the palette of an image, from all of its pixels or about 260 000 of them.
+    """Measure the palette of an image, from all of its pixels or a sample of about 260 000.
 
     Parameters
     ----------
     pixels : (..., 4) array_like
         Red, green, blue, alpha.
     pixel_format : PixelFormat
-        What they mean.
+        Meaning of the values.
     mask : array_like, optional
-        How much every pixel counts, not negative, besides its alpha.
+        Nonnegative weights of the pixels, in addition to their alpha.
     weights : array_like, optional
-        The same again, such as the areas of the vertices of a mesh.
+        Further weights, such as the areas of the vertices of a mesh.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images as PNG files in memory (ISO/IEC 15948): beside the user's work, where Blender would make its window wait."""
+"""PNG encoding in memory (ISO/IEC 15948), which can run on a worker thread; Blender's own would block its window."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...progress import UNINTERRUPTED, Control
 
-# The quickest that still compresses; with differences of rows it comes out smaller than what Blender writes.
+# The fastest level that compresses; with row differences the result is smaller than Blender's.
 _LEVEL = 1
 _FILTER_UP = 2
 _RGB, _RGBA = 2, 6
@@ -20,14 +20,14 @@ _ROWS_AT_ONCE = 64
 
 
 def png_bytes(pixels: NDArray[np.float32], control: Control = UNINTERRUPTED) -> bytes:
-    """Return a PNG file of 8 bits a channel; with an alpha where a pixel is not opaque.
+    """Return a PNG file with 8 bits per channel, with alpha if any pixel is not opaque.
 
     Parameters
     ----------
     pixels : (height, width, 4) float32
-        From 0 to 1, from the bottom up; alpha is not multiplied in.
+        From 0 to 1, bottom row first; alpha is not premultiplied.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
     """
     height, width = pixels.shape[:2]
     channels = 4 if (pixels[..., 3] < 1.0).any() else 3
@@ -35,7 +35,7 @@ def png_bytes(pixels: NDArray[np.float32], control: Control = UNINTERRUPTED) -> 
     above = np.zeros((1, width * channels), dtype=np.uint8)
     for start in range(0, height, _ROWS_AT_ONCE):
         control.check()
-        # Files go from the top down.
+        # PNG stores the top row first.
         last = height - start
         rows = pixels[max(last - _ROWS_AT_ONCE, 0) : last, :, :channels][::-1]
         values = (np.clip(rows, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8).reshape(len(rows), -1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recoloring one image as a job of steps: measure, solve, apply."""
+"""Recolor one image in steps: measure, solve, apply."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from .pixel_blocks import recolored_blocks
 from .pixels import PixelFormat, image_palette
 from .recoloring import Recoloring, recoloring
 
-# Shares of a job that measuring and solving take, as the progress tells it.
+# Fractions of the progress at which measuring and solving end.
 _MEASURED, _SOLVED = 0.1, 0.3
 
 LARGEST_ERROR = 0.1
-"""A plan that is this far off is refused: it would say little about the palette."""
+"""Plans with a larger marginal error are rejected as meaningless."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """Pixels, or what is treated as such, and how they are to be read.
+    """Pixels (or other colors in the same form) and how to interpret them.
 
     Attributes
     ----------
     pixels : (height, width, 4) float32
         Red, green, blue, alpha.
     pixel_format : PixelFormat
-        What they mean.
+        Meaning of the values.
     mask : (height, width) float32 or None
-        From 0 to 1: how much every pixel takes part.
+        From 0 to 1: weight of every pixel in the palette and strength of its change.
     weights : (height, width) array or None
-        How much it counts in the palette, besides: the area that it stands for.
+        Further weights in the palette: the areas that the pixels represent.
     """
 
     pixels: NDArray[np.float32]
@@ -51,7 +51,7 @@ class Picture:
     __repr__ = one_line("pixels", "pixel_format", "mask", "weights")
 
     def palette(self) -> Palette:
-        """Measure the palette; raises InputError where no pixel counts."""
+        """Measure the palette; raises InputError if no pixel counts."""
         return image_palette(self.pixels, self.pixel_format, self.mask, self.weights)
 
 
@@ -64,7 +64,7 @@ class Recolored:
     change : Recoloring
         The map of colors.
     pixels : (height, width, 4) float32
-        The picture.
+        The recolored pixels.
     """
 
     change: Recoloring
@@ -80,25 +80,25 @@ def recolor_steps(
     settings: RecolorSettings,
     control: Control = UNINTERRUPTED,
 ) -> Work[Recolored]:
-    """Give a picture the palette of another, or the barycenter of the palettes of several.
+    """Recolor a picture with the palette of another, or with the barycenter of the palettes of several.
 
     Parameters
     ----------
     source : Picture
-        What is recolored.
+        The picture to recolor.
     palettes : sequence of Picture
-        Where the colors come from.
+        Pictures that provide the palettes.
     weights : sequence of float
-        One for each; those without weight are not read.
+        One per palette; palettes of weight zero are not read.
     settings : RecolorSettings
-        How.
+        Settings of the recoloring.
     control : Control
-        Ends the job when cancelled.
+        Stops the job when cancelled.
 
     Yields
     ------
     Progress
-        Before every part of the work, and after every block of pixels.
+        Before every stage, and after every block of pixels.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def recolor_steps(
     Raises
     ------
     InputError
-        Pictures without colors, or weights that do not fit.
+        Pictures without colors, or invalid weights.
     """
     change = yield from within(map_steps(source, palettes, weights, settings, control), 0.0, _SOLVED)
     yield Progress(_SOLVED, Sentence("Recoloring"))
@@ -124,7 +124,7 @@ def map_steps(
     settings: RecolorSettings,
     control: Control = UNINTERRUPTED,
 ) -> Work[Recoloring]:
-    """Find the map of colors alone, for a table that other programs apply; arguments as :func:`recolor_steps`."""
+    """Find only the map of colors, for a lookup table; arguments as for :func:`recolor_steps`."""
     yield Progress(0.0, Sentence("Measuring palettes"))
     own = source.palette()
     yield Progress(_MEASURED / _SOLVED, Sentence("Matching palettes"))
@@ -138,12 +138,12 @@ def matched(
     settings: RecolorSettings,
     control: Control = UNINTERRUPTED,
 ) -> Recoloring:
-    """Measure palettes, those that have a weight, and return the map to their barycenter.
+    """Measure the palettes that have weight, and return the map to their barycenter.
 
     Raises
     ------
     InputError
-        Pictures without colors, weights that do not fit, or palettes that could not be matched.
+        Pictures without colors, invalid weights, or palettes that could not be matched.
     """
     used = [place for place, weight in enumerate(weights) if weight > 0]
     if not used:
@@ -162,12 +162,12 @@ def solved_map(
     settings: RecolorSettings,
     control: Control = UNINTERRUPTED,
 ) -> Recoloring:
-    """Return the map to the barycenter of palettes, as :func:`.recoloring.recoloring` does, if it is good for anything.
+    """Return the map to the barycenter of palettes, see :func:`.recoloring.recoloring`, if it is accurate enough.
 
     Raises
     ------
     InputError
-        Weights that do not fit, or palettes that could not be matched.
+        Invalid weights, or palettes that could not be matched.
     """
     change = recoloring(source, palettes, weights, settings, control)
     if not change.chroma.marginal_error < LARGEST_ERROR:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between palettes: what is solved once, and then applied to any number of pixels."""
+"""Maps between palettes, solved once and applied to any number of pixels."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from .lightness_curve import LightnessCurve, lightness_curve
 from .palette_settings import RecolorSettings
 from .palette_statistics import Palette
 
-# Halvings of the interval in which the largest chroma lies that a screen can show.
+# Bisection steps for the largest displayable chroma.
 _HALVINGS = 10
-# Pixels of which no channel changes by more than this are what they were.
+# Changes below this in all channels leave a pixel unchanged.
 _NOTHING = 1e-9
-# L of white, and what rounding adds.
+# L of white, plus rounding.
 _WHITE = 100.01
 
 
 @dataclass(frozen=True)
 class Recoloring:
-    """A map that carries one palette to another.
+    """A map from one palette to another.
 
-    The change of a color grows with the strength, so that a new strength needs no new solve: between two palettes this
-    is the sequence of their barycenters (Solomon et al. 2015, section 7 and Fig. 11).
+    The change of a color is proportional to the strength, so another strength needs no new solve. Between two palettes
+    this yields the sequence of their barycenters (Solomon et al. 2015, section 7 and Fig. 11).
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Recoloring:
     chroma : ChromaMap
         Change of a and b.
     settings : RecolorSettings
-        How it is applied.
+        Settings of its application.
     """
 
     lightness: LightnessCurve
@@ -49,11 +49,11 @@ class Recoloring:
 
     @property
     def record(self) -> dict[str, object]:
-        """Figures of the solve, ready for JSON."""
+        """JSON-ready figures of the solve."""
         return {"iterations": self.chroma.iterations, "marginal_error": self.chroma.marginal_error}
 
     def shifts(self, lab: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Return by how much colors change, (3, ...), at the strength of the settings."""
+        """Return the changes of colors, (3, ...), at the strength of the settings."""
         found = np.empty_like(lab)
         found[0] = self.lightness(lab[0]) if self.settings.lightness == "transport" else 0.0
         found[1:] = self.chroma(lab[1:])
@@ -63,14 +63,14 @@ class Recoloring:
     def finished(
         self, linear: NDArray[np.floating], lab: NDArray[np.floating], shifts: NDArray[np.floating], highest: float
     ) -> NDArray[np.floating]:
-        """Return shifted colors in linear Rec.709, brought into the gamut.
+        """Return shifted colors in linear Rec.709, mapped into the gamut.
 
         Parameters
         ----------
         linear, lab : (3, ...) array
-            The colors before.
+            The original colors.
         shifts : (3, ...) array
-            By how much they change.
+            Their changes.
         highest : float
             Largest value of a channel; infinite for scenes.
         """
@@ -94,31 +94,31 @@ def recoloring(
     settings: RecolorSettings | None = None,
     control: Control = UNINTERRUPTED,
 ) -> Recoloring:
-    """Solve for the map that carries a palette to another one, or to the barycenter of several.
+    """Solve for the map from a palette to another one, or to the barycenter of several.
 
     Parameters
     ----------
     source : Palette
-        Of what is recolored.
+        Palette of the image to recolor.
     targets : sequence of Palette
         One or more.
     weights : sequence of float, optional
-        Their weights in the barycenter, not negative; by default all alike.
+        Their weights in the barycenter, nonnegative; by default equal.
     settings : RecolorSettings, optional
-        How.
+        Settings of the recoloring.
     control : Control
-        Ends the solve when cancelled.
+        Stops the solve when cancelled.
 
     Raises
     ------
     InputError
-        No palette, or weights that do not fit.
+        No palette, or invalid weights.
     """
     settings = settings or RecolorSettings()
     target = palette_barycenter(targets, weights, control)
     own = source.lightness
     if target.lightness[-1] <= _WHITE:
-        # Lamps of a scene stay as much brighter than white as they are, where the palette knows nothing above it.
+        # If the palette has nothing brighter than white, bright lamps of a scene keep their excess over white.
         own = np.minimum(own, _WHITE)
     return Recoloring(
         lightness_curve(own, target.lightness, settings.smoothing, settings.steepest),
@@ -135,7 +135,7 @@ def palette_barycenter(
     Raises
     ------
     InputError
-        No palette, or weights that do not fit.
+        No palette, or invalid weights.
     """
     alphas = _checked_weights(len(palettes), weights)
     chosen = [palette for palette, alpha in zip(palettes, alphas, strict=True) if alpha > 0]
@@ -159,7 +159,7 @@ def _checked_weights(count: int, weights: Sequence[float] | None) -> NDArray[np.
 
 
 def _grow_pale(lab: NDArray[np.floating], lowest: NDArray[np.floating], highest: float) -> None:
-    """Take chroma from colors that cannot be shown, until they can; L stays, within what is black and white."""
+    """Reduce the chroma of colors outside the gamut until they can be displayed; L is kept, clipped to the gamut's."""
     if np.isfinite(highest):
         np.clip(lab[0], 0.0, 100.0, out=lab[0])
     slack = 1e-4

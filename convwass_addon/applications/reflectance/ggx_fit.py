@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The GGX material that comes nearest to a table, for a Principled or Glossy BSDF that stands in for it."""
+"""Fit a GGX material to a table, as a substitute for a Principled or Glossy BSDF."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...geometry.weighted_quantile import weighted_quantile
 from .lobe_table import IncomingDirections, LobeTable, reflected_light
 from .materials import Ggx
 
-# The fit looks at this many rows, and at incoming directions up to here: beyond, little light comes in.
+# Rows of the lobes that the fit compares, and the steepest incoming direction: beyond it, little light arrives.
 _ROWS = 32
 _STEEPEST = np.radians(70.0)
 _MOST_DIRECTIONS = 6
@@ -22,17 +22,17 @@ _LEAST_ALPHA, _MOST_ALPHA = 5e-3, 1.0
 
 @dataclass(frozen=True)
 class GgxFit:
-    """The GGX material nearest to a table, and how near it is.
+    """The best-fitting GGX material for a table, and the quality of the fit.
 
     Attributes
     ----------
     material : Ggx
-        With the color that makes the mean of the light the same.
+        With the color that reproduces the mean reflected light.
     total_variation : float
-        Share of the light that goes elsewhere, the mean over incoming directions: 0 the same lobes, 1 nothing in
-        common.
+        Fraction of the light that goes elsewhere, averaged over incoming directions: 0 for equal lobes, 1 for disjoint
+        ones.
     peak_ratio : float
-        Its highest value over that of the table, for the first incoming direction.
+        Ratio of its peak to that of the table, for the first incoming direction.
     """
 
     material: Ggx
@@ -40,7 +40,7 @@ class GgxFit:
     peak_ratio: float
 
     def record(self) -> dict[str, object]:
-        """Return the figures ready for JSON."""
+        """Return the figures, ready for JSON."""
         material = self.material
         return {
             "alpha_x": material.alpha_x,
@@ -55,19 +55,19 @@ class GgxFit:
 
 
 def fit_ggx(table: LobeTable) -> GgxFit:
-    """Fit one GGX to all lobes of a table by the least total variation.
+    """Fit one GGX material to all lobes of a table by minimizing the total variation.
 
     Parameters
     ----------
     table : LobeTable
-        With the same roughness along and across where it has no grain.
+        The table. If it is isotropic, the fit is as well.
 
     Returns
     -------
     GgxFit
-        Good for single highlights; a cross or two lobes of different width it cannot show.
+        Accurate for single highlights; it cannot represent a cross or two lobes of different widths.
     """
-    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do not need.
     from scipy.optimize import minimize, minimize_scalar
 
     chosen = np.flatnonzero(table.theta_in <= _STEEPEST)
@@ -121,13 +121,13 @@ def _bounded(logs: NDArray[np.float64]) -> list[float]:
 
 
 def _shares(material: Ggx, incoming: IncomingDirections, rows: int) -> NDArray[np.float64]:
-    """Share of the light that goes out to every cell, (n, rows, columns); sum 1."""
+    """Fraction of the light that goes out to every cell, (n, rows, columns); sum 1."""
     light = np.array([own[..., 0] for own in reflected_light(material, incoming, rows)])
     return light / light.sum(axis=(1, 2), keepdims=True)
 
 
 def _coarsened(shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Add cells up until there are few enough rows."""
+    """Sum blocks of cells until there are few enough rows."""
     while shares.shape[1] > _ROWS and shares.shape[1] % 2 == 0:
         count, rows, columns = shares.shape
         shares = shares.reshape(count, rows // 2, 2, columns // 2, 2).sum(axis=(2, 4))
@@ -135,7 +135,7 @@ def _coarsened(shares: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _typical_slope(table: LobeTable) -> float:
-    """Median slope of the facets at the first incoming direction: that of a GGX without a grain is its alpha."""
+    """Median slope of the facets at the first incoming direction; for an isotropic GGX material this is its alpha."""
     half = table.outgoing + table.incoming[0]
     slope = (np.hypot(half[..., 0], half[..., 1]) / half[..., 2]).ravel()
     mass = (table.lobes[0] * table.cells).ravel()

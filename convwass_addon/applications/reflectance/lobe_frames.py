@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that a material between others is made of, step by step."""
+"""Compute all outputs for an interpolated material, step by step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .lobe_table import LobeTable
 from .materials import Material
 from .reflectance_settings import ReflectanceSettings
 
-# Share of the work that tabulating the materials takes.
+# Fraction of the work for tabulating the materials.
 _TABULATING = 0.1
 
 
@@ -31,17 +31,17 @@ class LobeFrame:
     Attributes
     ----------
     weights : (k,) float64
-        Sum 1.
+        Of sum 1.
     table : LobeTable
-        Its lobes.
+        The lobes of the material.
     image : (64, 256, 3) float32 or None
-        By half and difference angle; None where there is a grain.
+        Reflectance by half and difference angle; None for anisotropic materials.
     fit : GgxFit
-        The nearest GGX.
+        The best-fitting GGX material.
     record : dict
-        Ready for JSON.
+        JSON-ready figures.
     notices : tuple of Sentence
-        What the user should know.
+        Warnings for the user.
     """
 
     weights: NDArray[np.float64]
@@ -55,7 +55,7 @@ class LobeFrame:
 
 
 def path_weights(steps: int, count: int) -> NDArray[np.float64]:
-    """Weights on the way from the first of so many materials through the others to the last, (steps, count)."""
+    """Weights along a path through `count` materials, from the first to the last, (steps, count)."""
     places = np.linspace(0.0, count - 1.0, steps)
     return np.maximum(0.0, 1.0 - np.abs(places[:, None] - np.arange(count)))
 
@@ -73,11 +73,11 @@ def lobe_frames(
     materials : sequence of Material
         Two to four.
     weights : (n, k)
-        One row for every blend.
+        One row per blend.
     settings : ReflectanceSettings
-        How.
+        Settings of the interpolation.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Yields
     ------
@@ -87,7 +87,7 @@ def lobe_frames(
     Raises
     ------
     InputError
-        Materials or weights that cannot be used.
+        Invalid materials or weights.
     """
     for row in weights:
         blend_weights(row, len(materials))
@@ -96,7 +96,7 @@ def lobe_frames(
 
 
 def blended_frames(blend: LobeBlend, weights: NDArray[np.float64], control: Control = UNINTERRUPTED) -> Work[None]:
-    """Do the same with materials that are tabulated already."""
+    """Like :func:`lobe_frames`, for materials that are already tabulated."""
     rows = [blend_weights(row, len(blend.tables)) for row in weights]
     before: InterpolatedLobes | None = None
     for index, row in enumerate(rows):
@@ -106,7 +106,7 @@ def blended_frames(blend: LobeBlend, weights: NDArray[np.float64], control: Cont
 
 
 def _numbered(work: Work[InterpolatedLobes], number: int, total: int) -> Work[InterpolatedLobes]:
-    """Say in the messages which blend they are about."""
+    """Add the number of the blend to progress messages."""
     while True:
         try:
             report = next(work)

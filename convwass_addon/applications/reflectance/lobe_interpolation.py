@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials between others: every lobe is the Wasserstein barycenter of theirs (Solomon et al. 2015, section 7)."""
+"""Interpolate materials: every lobe is the Wasserstein barycenter of theirs (Solomon et al. 2015, section 7)."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from .materials import Material
 from .reflectance_settings import ReflectanceSettings
 
 _FEWEST, _MOST = 2, 4
-# What rounding leaves in weights that stand for zero.
+# Weights below this are rounding errors of zero.
 _NO_WEIGHT = 1e-9
-# Densities below this share of a lobe's largest are nothing.
+# Densities below this fraction of a lobe's maximum are set to zero.
 _NO_LIGHT = 1e-9
 
 
 @dataclass(frozen=True)
 class InterpolatedLobes:
-    """A material between others.
+    """A material interpolated between others.
 
     Attributes
     ----------
     table : LobeTable
-        Its lobes and, mixed in proportion to the weights, how much light they carry.
+        Its lobes, with albedos that are linear in the weights.
     weights : (k,) float64
-        Of the materials; sum 1.
+        Weights of the materials; sum 1.
     starts : tuple of Barycenter
-        Per incoming direction, to start the same directions from at other weights.
+        One barycenter per incoming direction, to start from at other weights.
     record : dict
-        Figures ready for JSON: settings, iterations, errors, entropies and what the bound did.
+        JSON-ready figures: settings, iterations, errors, entropies and exponents of the bound.
     notices : tuple of Sentence
-        What the user should know.
+        Warnings for the user.
     """
 
     table: LobeTable
@@ -56,19 +56,19 @@ class InterpolatedLobes:
 
 
 class LobeBlend:
-    """Two to four tabulated materials, prepared once for any weights.
+    """Two to four tabulated materials, prepared for blending with any weights.
 
     Parameters
     ----------
     tables : sequence of LobeTable
-        Of the same directions and resolution.
+        With equal directions and resolution.
     settings : ReflectanceSettings
-        `rows`, `incoming` and `turns` of which are those of the tables already.
+        Its `rows`, `incoming` and `turns` must be those of the tables.
 
     Raises
     ------
     InputError
-        Too few or too many materials, or tables that do not fit each other.
+        Too few or too many materials, or tables that do not match.
     """
 
     def __init__(self, tables: Sequence[LobeTable], settings: ReflectanceSettings) -> None:
@@ -80,13 +80,13 @@ class LobeBlend:
         self.settings = settings
         self.domain = Sphere(tables[0].rows, settings.sigma, part="upper")
         lobes = np.stack([table.lobes for table in tables], axis=1)
-        # What is far out in a highlight's tail carries no light, but is a long way for scalings to reach.
+        # The far tail of a highlight carries no light, but its distance would make scalings underflow.
         lobes[lobes < _NO_LIGHT * lobes.max(axis=(2, 3), keepdims=True)] = 0.0
         self._inputs = [Inputs.of(own, self.domain) for own in lobes]
 
     @classmethod
     def of(cls, materials: Sequence[Material], settings: ReflectanceSettings) -> LobeBlend:
-        """Tabulate materials; for several azimuths where any of them has a grain.
+        """Tabulate materials, for several azimuths if any of them is anisotropic.
 
         Raises
         ------
@@ -100,22 +100,22 @@ class LobeBlend:
         return cls([tabulated(material, incoming, settings.rows) for material in materials], settings)
 
     def __len__(self) -> int:
-        """How many incoming directions there are."""
+        """Return the number of incoming directions."""
         return len(self._inputs)
 
     def steps(
         self, weights: ArrayLike, before: InterpolatedLobes | None = None, control: Control = UNINTERRUPTED
     ) -> Work[InterpolatedLobes]:
-        """Interpolate at some weights.
+        """Interpolate at given weights.
 
         Parameters
         ----------
         weights : (k,)
-            Of the materials; not negative, not all zero.
+            Weights of the materials; nonnegative, not all zero.
         before : InterpolatedLobes, optional
-            At other weights, to start from.
+            Result at other weights, to start from.
         control : Control
-            Ends the work when cancelled.
+            Stops the work when cancelled.
 
         Yields
         ------
@@ -129,7 +129,7 @@ class LobeBlend:
         Raises
         ------
         InputError
-            Weights that make no sense.
+            Invalid weights.
         """
         alphas = blend_weights(weights, len(self.tables))
         solved: list[Barycenter] = []
@@ -137,7 +137,7 @@ class LobeBlend:
         for index in range(len(self)):
             values = {"done": index + 1, "total": len(self)}
             yield Progress(index / len(self), Sentence("Direction {done} of {total}", values))
-            # Neighboring directions help each other only without a grain, along which highlights would have to turn.
+            # For anisotropic materials the previous direction is no good start, because highlights would have to turn.
             neighbor = solved[-1] if solved and self.tables[0].is_isotropic else None
             start = before.starts[index] if before is not None else neighbor
             found = self._solved(index, alphas, start, control)
@@ -146,7 +146,7 @@ class LobeBlend:
             exponents.append(exponent)
             lobes.append(self._bounded(found.density, exponent) / self.domain.area)
         if alphas.max() == 1.0:
-            # A material alone is itself, also in what the kernel blurs.
+            # A single material is reproduced exactly, without the kernel's blur.
             lobes = list(self.tables[int(alphas.argmax())].lobes)
         table = replace(self.tables[0], lobes=np.array(lobes), albedo=_mixed_albedo(self.tables, alphas))
         record = self._record(alphas, solved, exponents, table)
@@ -165,7 +165,7 @@ class LobeBlend:
     def _barycenter(
         self, index: int, alphas: NDArray[np.float64], start: Barycenter | None, control: Control
     ) -> Barycenter:
-        # A bound inside the iteration bends lobes into horns, or does not converge: it is applied to what comes out.
+        # A bound inside the iteration distorts lobes or does not converge, so it is applied to the result.
         return barycenter(
             self._inputs[index],
             alphas,
@@ -210,12 +210,12 @@ class LobeBlend:
 
 
 def linear_lobes(tables: Sequence[LobeTable], weights: ArrayLike) -> LobeTable:
-    """Mix materials as a Mix Shader does, to compare with: highlights fade in and out where they are.
+    """Mix materials linearly, like a Mix Shader, for comparison: highlights fade in place.
 
     Raises
     ------
     InputError
-        Weights that make no sense.
+        Invalid weights.
     """
     alphas = blend_weights(weights, len(tables))
     albedo = _mixed_albedo(tables, alphas)
@@ -231,12 +231,12 @@ def _mixed_albedo(tables: Sequence[LobeTable], alphas: NDArray[np.float64]) -> N
 
 
 def blend_weights(weights: ArrayLike, count: int) -> NDArray[np.float64]:
-    """Check weights and make their sum 1; what rounding has left of a zero becomes one.
+    """Validate weights and normalize them to sum 1; rounding errors of zero become zero.
 
     Raises
     ------
     InputError
-        There are not as many as materials, or they are negative, no numbers or all zero.
+        The wrong number of weights, or weights that are negative, not finite or all zero.
     """
     alphas = np.asarray(weights, dtype=np.float64)
     if alphas.shape != (count,):

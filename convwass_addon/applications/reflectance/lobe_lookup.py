@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Look up a table between its directions so that highlights stay where the half vector puts them."""
+"""Interpolate a table between its directions such that highlights stay at the right half vector."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from ...errors import InputError
 from .lobe_table import LobeTable
 
 WIDTH, HEIGHT = 256, 64
-"""Texels of one table as pictures hold it: half angles along X, difference angles along Y."""
+"""Size in texels of one table as an image: half angles along X, difference angles along Y."""
 
-# Azimuths of the light around the half vector that a texel is averaged over; the other half is the mirror image.
+# Azimuths of the light around the half vector over which a texel is averaged; the other half is symmetric.
 _AZIMUTHS = 16
 
 
 def reflectance_at(
     table: LobeTable, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Reflectance between any two directions of a material without a grain.
+    """Reflectance of an isotropic material between any two directions.
 
-    Between two tabulated incoming angles lobes are not mixed as they are, which would double a narrow highlight: each
-    is read where its own half vector lies as the given one does.
+    Averaging the lobes of two tabulated incoming angles would double a narrow highlight. Instead, each lobe is read at
+    the outgoing direction for which its half vector is the given one.
 
     Parameters
     ----------
     table : LobeTable
-        Without a grain.
+        Of an isotropic material.
     incoming, outgoing : (n, 3)
         Unit vectors; the normal is +Z.
 
@@ -40,10 +40,10 @@ def reflectance_at(
     Raises
     ------
     InputError
-        The material has a grain.
+        The material is anisotropic.
     """
     if not table.is_isotropic:
-        raise InputError("A material with a grain cannot be looked up by its half angles; export the table.")
+        raise InputError("An anisotropic material cannot be looked up by its half angles; export the table.")
     half = incoming + outgoing
     half /= np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-12)
     azimuth = np.arctan2(half[:, 1], half[:, 0]) - np.arctan2(incoming[:, 1], incoming[:, 0])
@@ -64,7 +64,7 @@ def reflectance_at(
 
 
 def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Interpolate lobes linearly between their cells, across the pole too, as values of f."""
+    """Interpolate lobes linearly between their cells, also across the pole; return f."""
     rows, columns = table.lobes.shape[1:]
     theta = np.arctan2(np.hypot(outgoing[:, 0], outgoing[:, 1]), outgoing[:, 2])
     row = theta * (2.0 * rows / np.pi) - 0.5
@@ -72,7 +72,7 @@ def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float
     first, left = np.floor(row).astype(int), np.floor(column).astype(int)
     result = np.zeros(len(index))
     for down, own in ((first, 1.0 - (row - first)), (first + 1, row - first)):
-        # Beyond the pole lies the cell half a turn away.
+        # Beyond the pole is the cell half a turn away.
         over = np.where(down < 0, columns // 2, 0)
         line = np.minimum(np.maximum(down, -1 - down), rows - 1)
         for across, part in ((left, 1.0 - (column - left)), (left + 1, column - left)):
@@ -82,26 +82,26 @@ def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float
 
 
 def half_angle_table(table: LobeTable, height: int = HEIGHT, width: int = WIDTH) -> NDArray[np.float32]:
-    """Tabulate a material by the half and the difference angle (Rusinkiewicz 1998), for a picture that shaders read.
+    """Tabulate a material by half and difference angle (Rusinkiewicz 1998), as an image for shaders.
 
     Parameters
     ----------
     table : LobeTable
-        Without a grain.
+        Of an isotropic material.
     height, width : int
-        Of the picture. Texel (i, j) has the difference angle 90 degrees v, v = (i + 1/2) / height, and the half angle
-        90 degrees u^2, u = (j + 1/2) / width.
+        Size of the image. Texel (i, j) has the difference angle 90 degrees v, v = (i + 1/2) / height, and the half
+        angle 90 degrees u^2, u = (j + 1/2) / width.
 
     Returns
     -------
     (height, width, 3) float32
         f in 1/sr, averaged over the azimuth of the light around the half vector; where no such pair of directions lies
-        above the surface, the last value of the row.
+        above the surface, the last valid value of the row.
 
     Raises
     ------
     InputError
-        The material has a grain.
+        The material is anisotropic.
     """
     theta_d = ((np.arange(height) + 0.5) / height * (np.pi / 2))[:, None, None]
     theta_h = (((np.arange(width) + 0.5) / width) ** 2 * (np.pi / 2))[None, :, None]

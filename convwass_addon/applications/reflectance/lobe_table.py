@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A material as a table: for every incoming direction the distribution of the light that goes out."""
+"""Tabulated materials: for every incoming direction, the distribution of the outgoing light."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from ...one_line import one_line
 from ...transport.sphere import directions, solid_angles
 from .materials import Material
 
-# Every cell of a lobe is the mean of so many points along each side: highlights are narrower than cells.
+# Every cell of a lobe is the mean over this many points along each side, because highlights are narrower than cells.
 _POINTS = 4
-# The last incoming angle: at the horizon itself nothing is reflected.
+# The largest incoming angle: at the horizon nothing is reflected.
 _LAST_ANGLE = np.radians(85.0)
 
 
 @dataclass(frozen=True)
 class LobeTable:
-    """For every incoming direction where the light goes, and how much of it.
+    """Distribution and amount of the outgoing light for every incoming direction.
 
     Attributes
     ----------
     theta_in : (n,) float64
-        Angles of the incoming directions from the normal in radians; increasing where there is one azimuth.
+        Angles of the incoming directions from the normal in radians; ascending if there is only one azimuth.
     phi_in : (n,) float64
-        Their azimuths in radians; all 0 where the material has no grain.
+        Their azimuths in radians; all 0 for isotropic materials.
     lobes : (n, rows, 4 * rows) float64
-        Densities per steradian over the outgoing hemisphere, f cos(theta_out) over its integral. Row i has the angle
+        Densities per steradian over the outgoing hemisphere, f cos(theta_out) normalized. Row i has the angle
         (i + 1/2) 90 degrees / rows from the normal, column j the azimuth (j + 1/2) 360 degrees / columns.
     albedo : (n, 3) float64
-        The share of the light that goes out, per channel.
+        The fraction of the light that goes out, per channel.
     """
 
     theta_in: NDArray[np.float64]
@@ -47,12 +47,12 @@ class LobeTable:
 
     @property
     def is_isotropic(self) -> bool:
-        """Whether the azimuth of the incoming direction does not matter."""
+        """Whether reflectance is independent of the incoming azimuth."""
         return not self.phi_in.any()
 
     @property
     def rows(self) -> int:
-        """Rows of a lobe."""
+        """Number of rows of a lobe."""
         return self.lobes.shape[1]
 
     @cached_property
@@ -76,7 +76,7 @@ class LobeTable:
         return (self.lobes / cosines)[..., None] * self.albedo[:, None, None, :]
 
     def fits(self, other: LobeTable) -> bool:
-        """Whether another table has the same directions."""
+        """Return whether another table has the same directions."""
         return self.lobes.shape == other.lobes.shape and all(
             np.allclose(own, their, atol=1e-9)
             for own, their in ((self.theta_in, other.theta_in), (self.phi_in, other.phi_in))
@@ -84,7 +84,7 @@ class LobeTable:
 
 
 def incoming_vectors(theta: NDArray[np.float64], phi: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return unit vectors of polar angles and azimuths in radians, (n, 3)."""
+    """Return unit vectors for polar angles and azimuths in radians, (n, 3)."""
     return np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1)
 
 
@@ -97,9 +97,9 @@ class IncomingDirections:
 
 
 def incoming_directions(angles: int, turns: int) -> IncomingDirections:
-    """Incoming angles from the normal almost to the horizon, evenly, for so many azimuths; 1 for no grain.
+    """Evenly spaced incoming angles from the normal almost to the horizon, for `turns` azimuths (1 for isotropic).
 
-    Neighbors in the order are neighbors in direction: every second azimuth runs backwards.
+    Consecutive directions are adjacent: every second azimuth is traversed backward.
     """
     thetas = np.linspace(0.0, _LAST_ANGLE, angles)
     phis = np.arange(turns) * (2.0 * np.pi / turns)
@@ -113,16 +113,16 @@ def tabulated(material: Material, incoming: IncomingDirections, rows: int) -> Lo
     Parameters
     ----------
     material : Material
-        Its values are averaged over the cells.
+        The material, averaged over the cells.
     incoming : IncomingDirections
-        For which.
+        The incoming directions.
     rows : int
-        Of every lobe.
+        Rows of every lobe.
 
     Returns
     -------
     LobeTable
-        Lobes of mass 1. Where a material reflects nothing at all the lobe is that of a matte one, with albedo 0.
+        Lobes of mass 1. If a material reflects nothing, its lobe is that of a diffuse one, with albedo 0.
     """
     columns = 4 * rows
     cells = solid_angles(2 * rows, columns)[:rows]
@@ -136,7 +136,7 @@ def tabulated(material: Material, incoming: IncomingDirections, rows: int) -> Lo
 
 
 def reflected_light(material: Material, incoming: IncomingDirections, rows: int) -> Iterator[NDArray[np.float64]]:
-    """Yield for every incoming direction the share of the light that goes out to every cell, (rows, 4 rows, 3)."""
+    """Yield for every incoming direction the fraction of light that goes out to every cell, (rows, 4 rows, 3)."""
     fine_rows, fine_columns = rows * _POINTS, 4 * rows * _POINTS
     outgoing = directions(2 * fine_rows, fine_columns)[:fine_rows]
     projected = (solid_angles(2 * fine_rows, fine_columns)[:fine_rows] * outgoing[..., 2])[..., None]

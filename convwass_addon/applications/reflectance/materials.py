@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials in closed form: how much light goes from one direction to another, by a formula."""
+"""Analytic materials: reflectance by formula."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 
-# Blender's Principled BSDF makes a roughness of less than this a mirror; no cell of a table could show it.
+# Below this roughness Blender's Principled BSDF is a mirror, which no cell of a table could resolve.
 _LEAST_ALPHA = 1e-3
 _MOST_EXPONENT = 1e6
-# Share of the aspect that full anisotropy takes away, as in Principled BSDF.
+# Fraction of the aspect ratio that full anisotropy removes, as in the Principled BSDF.
 _ASPECT = 0.9
 
 Color = tuple[float, float, float]
@@ -23,12 +23,12 @@ WHITE: Color = (1.0, 1.0, 1.0)
 
 
 class Material(Protocol):
-    """What can be tabulated.
+    """A material that can be tabulated.
 
     Attributes
     ----------
     is_isotropic : bool
-        Whether turning the surface around its normal changes nothing.
+        Whether rotating the surface around its normal changes nothing.
     """
 
     is_isotropic: bool
@@ -42,14 +42,14 @@ class Material(Protocol):
 
 @dataclass(frozen=True)
 class Ggx:
-    """The microfacets of Walter et al. 2007 with Smith's masking: a Glossy BSDF or a metallic Principled BSDF.
+    """The microfacet model of Walter et al. 2007 with Smith masking: a Glossy BSDF or a metallic Principled BSDF.
 
     Attributes
     ----------
     alpha_x, alpha_y : float
-        Roughness along the tangent and across it; the square of Blender's.
+        Roughness along and across the tangent; the square of Blender's roughness.
     color : (3,) float
-        Of what is reflected, at all angles alike.
+        Color of the reflected light, the same for all angles.
     """
 
     alpha_x: float
@@ -57,12 +57,12 @@ class Ggx:
     color: Color = WHITE
 
     def __post_init__(self) -> None:
-        """Refuse a roughness that makes no sense.
+        """Refuse an invalid roughness.
 
         Raises
         ------
         InputError
-            It is not a number between nothing and one.
+            It is not a positive number of at most two.
         """
         if not all(np.isfinite(alpha) and 0 < alpha <= 2 for alpha in (self.alpha_x, self.alpha_y)):
             raise InputError("The roughness of a material must be a positive number, 1 at most.")
@@ -70,12 +70,12 @@ class Ggx:
 
     @classmethod
     def principled(cls, roughness: float, anisotropic: float = 0.0, color: Color = WHITE) -> Ggx:
-        """Make a material of the values of Blender's Principled BSDF.
+        """Create a material from values of Blender's Principled BSDF.
 
         Raises
         ------
         InputError
-            A roughness or an anisotropy that is not from 0 to 1.
+            Roughness or anisotropy outside 0 to 1.
         """
         if not 0 <= roughness <= 1:
             raise InputError("The roughness of a material must be a positive number, 1 at most.")
@@ -87,27 +87,27 @@ class Ggx:
 
     @property
     def roughness(self) -> float:
-        """Roughness that Principled BSDF shows this material with."""
+        """Corresponding roughness of the Principled BSDF."""
         return float((self.alpha_x * self.alpha_y) ** 0.25)
 
     @property
     def anisotropic(self) -> float:
-        """Its anisotropy, as far as Principled BSDF goes."""
+        """Corresponding anisotropy, clipped to the range of the Principled BSDF."""
         aspect = min(self.alpha_x, self.alpha_y) / max(self.alpha_x, self.alpha_y)
         return float(min((1.0 - aspect) / _ASPECT, 1.0))
 
     @property
     def rotation(self) -> float:
-        """Anisotropic Rotation of Principled BSDF: a quarter where this is smoother along the tangent than across."""
+        """Corresponding Anisotropic Rotation: a quarter turn if the surface is smoother along the tangent."""
         return 0.25 if self.alpha_x < self.alpha_y else 0.0
 
     @property
     def is_isotropic(self) -> bool:
-        """Whether the roughness is the same along and across."""
+        """Whether the roughness is equal along and across the tangent."""
         return self.alpha_x == self.alpha_y
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return D G / (4 cos cos), with the masking and shadowing that go together (Heitz 2014)."""
+        """Return D G / (4 cos cos), with height-correlated masking and shadowing (Heitz 2014)."""
         half = _half(incoming, outgoing)
         slopes = (half[..., 0] / self.alpha_x) ** 2 + (half[..., 1] / self.alpha_y) ** 2
         facets = 1.0 / (np.pi * self.alpha_x * self.alpha_y * (slopes + half[..., 2] ** 2) ** 2)
@@ -123,14 +123,14 @@ class Ggx:
 
 @dataclass(frozen=True)
 class BlinnPhong:
-    """The highlight of Blinn 1977: a power of the cosine between the normal and the half vector.
+    """The highlight of Blinn 1977: a power of the cosine of the half vector.
 
     Attributes
     ----------
     exponent : float
         The larger, the smaller the highlight.
     color : (3,) float
-        Of what is reflected.
+        Color of the reflected light.
     """
 
     exponent: float
@@ -138,12 +138,12 @@ class BlinnPhong:
     is_isotropic = True
 
     def __post_init__(self) -> None:
-        """Refuse an exponent that makes no sense."""
+        """Refuse an invalid exponent."""
         _check_exponent(self.exponent)
         _check_color(self.color)
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (n + 2) / (8 pi) (N H)^n, normalized roughly as is usual."""
+        """Return (n + 2) / (8 pi) (N H)^n, with the usual approximate normalization."""
         lobe = _half(incoming, outgoing)[..., 2] ** self.exponent
         return ((self.exponent + 2.0) / (8.0 * np.pi) * lobe)[..., None] * np.asarray(self.color)
 
@@ -155,9 +155,9 @@ class AshikhminShirley:
     Attributes
     ----------
     exponent_u, exponent_v : float
-        Along the tangent and across it.
+        Along and across the tangent.
     color : (3,) float
-        Reflectance at normal incidence; by Schlick's formula it goes to white at grazing angles.
+        Reflectance at normal incidence; it tends to white at grazing angles (Schlick's formula).
     """
 
     exponent_u: float
@@ -165,14 +165,14 @@ class AshikhminShirley:
     color: Color = WHITE
 
     def __post_init__(self) -> None:
-        """Refuse exponents that make no sense."""
+        """Refuse invalid exponents."""
         _check_exponent(self.exponent_u)
         _check_exponent(self.exponent_v)
         _check_color(self.color)
 
     @property
     def is_isotropic(self) -> bool:
-        """Whether both exponents are the same."""
+        """Whether both exponents are equal."""
         return self.exponent_u == self.exponent_v
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -17,21 +17,21 @@ _HALF, _DIFFERENCE, _AZIMUTH = 90, 90, 180
 _VALUES = _HALF * _DIFFERENCE * _AZIMUTH
 _HEADER = struct.Struct("<3i")
 _BYTES = _HEADER.size + 3 * 8 * _VALUES
-# What the values of each channel are multiplied by.
+# Scaling factors of the channels.
 _SCALES = np.array([1.0, 1.15, 1.66]) / 1500.0
-# No material reflects more than this; a file that says so is none.
+# Upper limit of plausible values.
 _LARGEST = 1e9
 
 
 @dataclass(frozen=True)
 class MerlMaterial:
-    """A measured material without a grain.
+    """A measured isotropic material.
 
     Attributes
     ----------
     values : (90, 90, 180, 3) float32
-        f in 1/sr by the half angle (the square root of which is even), the difference angle and its azimuth; what was
-        not measured is 0.
+        f in 1/sr by half angle (evenly spaced in its square root), difference angle and the azimuth of the latter;
+        unmeasured values are 0.
     """
 
     values: NDArray[np.float32]
@@ -43,7 +43,7 @@ class MerlMaterial:
         half = half / np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-12)
         aslant = np.hypot(half[..., 0], half[..., 1])
         theta_h = np.arctan2(aslant, half[..., 2])
-        # Axes of the half vector: y across it and x so that it points up; straight up any do.
+        # Axes of the half vector: y perpendicular to it and x pointing up along it; arbitrary if it points straight up.
         straight = aslant < 1e-12
         along = np.where(straight, 1.0, half[..., 0] / np.where(straight, 1.0, aslant))
         across = np.where(straight, 0.0, half[..., 1] / np.where(straight, 1.0, aslant))
@@ -68,25 +68,25 @@ def read_merl(path: Path) -> MerlMaterial:
     Raises
     ------
     InputError
-        The file is not there, has other sizes, or values that no material has.
+        The file does not exist, has the wrong size, or implausible values.
     """
     try:
         size = path.stat().st_size
         if size != _BYTES:
-            raise InputError("{name} is no material of the MERL database: its size is wrong.", name=path.name)
+            raise InputError("{name} is not a material of the MERL database: its size is wrong.", name=path.name)
         with path.open("rb") as file:
             dimensions = _HEADER.unpack(file.read(_HEADER.size))
             if dimensions != (_HALF, _DIFFERENCE, _AZIMUTH):
-                raise InputError("{name} is no material of the MERL database: its header is wrong.", name=path.name)
+                raise InputError("{name} is not a material of the MERL database: its header is wrong.", name=path.name)
             content = file.read(_BYTES - _HEADER.size)
     except OSError as problem:
         raise InputError("{name} cannot be read: {problem}", name=path.name, problem=problem.strerror) from problem
     if len(content) != _BYTES - _HEADER.size:
-        raise InputError("{name} is no material of the MERL database: its size is wrong.", name=path.name)
+        raise InputError("{name} is not a material of the MERL database: its size is wrong.", name=path.name)
     values = np.frombuffer(content, "<f8").reshape(3, _HALF, _DIFFERENCE, _AZIMUTH)
     if not np.isfinite(values).all() or np.abs(values).max() > _LARGEST:
-        raise InputError("{name} has values that no material has.", name=path.name)
+        raise InputError("{name} has values that are impossible for a material.", name=path.name)
     scaled = np.maximum(np.moveaxis(values, 0, -1) * _SCALES, 0.0).astype(np.float32)
     if not scaled.any():
-        raise InputError("{name} has values that no material has.", name=path.name)
+        raise InputError("{name} has values that are impossible for a material.", name=path.name)
     return MerlMaterial(scaled)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How materials are interpolated."""
+"""Settings for interpolating materials."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...schema import Choice, Settings, setting
 
 @dataclass(frozen=True)
 class ReflectanceSettings(Settings):
-    """How materials are interpolated."""
+    """Settings for interpolating materials."""
 
     rows: int = setting(
         64,
@@ -20,7 +20,7 @@ class ReflectanceSettings(Settings):
         "Rows of a highlight from the normal to the horizon: narrow ones need more, and time grows with the third "
         "power",
         least=8,
-        # More take minutes for a picture that no render tells from these.
+        # More would take minutes for an image that is visually the same.
         most=128,
         soft_least=32,
         soft_most=96,
@@ -31,7 +31,7 @@ class ReflectanceSettings(Settings):
     incoming: int = setting(
         12,
         "Incoming Angles",
-        "Incoming angles from the normal to the horizon that a lobe is tabulated for",
+        "Incoming angles from the normal to the horizon for which lobes are tabulated",
         least=2,
         most=90,
         prop=None,
@@ -40,7 +40,7 @@ class ReflectanceSettings(Settings):
     turns: int = setting(
         8,
         "Turns",
-        "Directions around the normal that an incoming angle of materials with a grain is tabulated for",
+        "Directions around the normal for which an incoming angle of anisotropic materials is tabulated",
         least=1,
         most=90,
         prop=None,
@@ -61,8 +61,8 @@ class ReflectanceSettings(Settings):
     sharpness: float = setting(
         1.0,
         "Sharpness",
-        "How much of that blur is taken out of the result",
-        help="How much of the blur is taken out of the result: 0 is the paper's barycenter, 1 the debiased one",
+        "How much of that blur is removed from the result",
+        help="How much of the blur is removed from the result: 0 is the paper's barycenter, 1 the debiased one",
         least=0.0,
         most=1.0,
         subtype="FACTOR",
@@ -71,13 +71,13 @@ class ReflectanceSettings(Settings):
     entropy_limit: str = setting(
         "free",
         "Entropy Limit",
-        "How widely a highlight between others may spread",
+        "How widely an interpolated highlight may spread",
         choices=(
-            Choice("free", "No Limit", "As transport leaves it"),
+            Choice("free", "No Limit", "As transport makes it"),
             Choice("largest", "As the Widest", "No more than the widest of the materials, as in the paper"),
             Choice("mean", "As Their Mean", "No more than their weighted mean"),
         ),
-        note="The bound is applied to every lobe once it is there; the largest one rarely acts",
+        note="The bound is applied to every solved lobe; the largest one rarely has an effect",
         panel="settings",
     )
     tolerance: float = setting(
@@ -90,20 +90,22 @@ class ReflectanceSettings(Settings):
         prop=None,
         option=None,
     )
-    max_iterations: int = setting(200, "Iterations", "Most iterations per level", least=1, prop=None, option=None)
+    max_iterations: int = setting(
+        200, "Iterations", "Largest number of iterations per level", least=1, prop=None, option=None
+    )
 
     def __post_init__(self) -> None:
-        """Refuse settings that make no sense.
+        """Refuse invalid settings.
 
         Raises
         ------
         InputError
-            With the name of the setting and what it must be.
+            The message names the setting and its valid values.
         """
         super().__post_init__()
         if self.sigma > self.rows:
             raise InputError(
-                "A blur of {sigma:g} rows is more than there are: {rows}.", sigma=self.sigma, rows=self.rows
+                "A blur of {sigma:g} rows exceeds the number of rows, {rows}.", sigma=self.sigma, rows=self.rows
             )
         if self.rows % 2:
             raise InputError("The rows of a lobe must be an even number.")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of lobes as files of NumPy's, checked when they are read; nothing in them is unpickled."""
+"""Tables of lobes as NumPy files, validated when read; nothing is unpickled."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from .lobe_table import LobeTable
 
 _NAMES = ("theta_in", "phi_in", "lobes", "albedo")
 MOST_DIRECTIONS, MOST_ROWS = 8100, 256
-"""Incoming directions, and rows of a lobe, that a table that is read may have."""
+"""Largest numbers of incoming directions, and of rows of a lobe, that can be read."""
 
 _FEWEST_ROWS = 4
 _MOST_BYTES = 4 << 30
-# That of NumPy's own compressed files.
+# Compression level of NumPy's own files.
 _LEVEL = 6
-# Lobes are stored in single precision, in which a mass of 1 is this near to it.
+# Lobes are stored in single precision; tolerance of their masses, which should be 1.
 _MASS_TOLERANCE = 1e-3
 
 
 def write_table(path: Path, table: LobeTable) -> None:
-    """Write a table as ``.npz``: `theta_in`, `phi_in`, `lobes` (float32) and `albedo`, as :class:`LobeTable` has them.
+    """Write a table as ``.npz``: `theta_in`, `phi_in`, `lobes` (float32) and `albedo`, as in :class:`LobeTable`.
 
-    The file is there as a whole or not at all.
+    The file is written completely or not at all.
 
     Raises
     ------
     ConvwassError
-        It cannot be written.
+        The file could not be written.
     """
     arrays = {"theta_in": table.theta_in, "phi_in": table.phi_in, "albedo": table.albedo}
     content = array_bytes(arrays | {"lobes": table.lobes.astype(np.float32)}, level=_LEVEL)
@@ -43,23 +43,23 @@ def write_table(path: Path, table: LobeTable) -> None:
 
 
 def read_table(path: Path) -> LobeTable:
-    """Read what :func:`write_table` has written.
+    """Read a file of :func:`write_table`.
 
     Raises
     ------
     InputError
-        The file cannot be read, or is no such table.
+        The file cannot be read, or is not such a table.
     """
     try:
         with path.open("rb") as file:
-            # Other programs may have made it.
+            # Other programs may have written the file.
             reader = ArrayReader(file, _MOST_BYTES, is_sealed=False)
             arrays = [reader.take(name, ("<f4", "<f8"), (1, 2, 3)).astype(np.float64) for name in _NAMES]
     except OSError as problem:
         reason = problem.strerror or str(problem)
         raise InputError("{name} cannot be read: {problem}", name=path.name, problem=reason) from problem
     except DamagedArraysError as problem:
-        raise InputError("{name} is no table of lobes.", name=path.name) from problem
+        raise InputError("{name} is not a table of lobes.", name=path.name) from problem
     return checked_table(*arrays, path.name)
 
 
@@ -70,23 +70,23 @@ def checked_table(
     albedo: NDArray[np.float64],
     name: str,
 ) -> LobeTable:
-    """Make a table of what a file of this name holds, if it can be one.
+    """Create a table from the contents of a file if they are valid.
 
     Parameters
     ----------
     theta, phi : (d,) float64
-        Of the incoming directions, in radians.
+        Incoming directions, in radians.
     lobes : (d, rows, 4 rows) float64
-        One for each.
+        One lobe per direction.
     albedo : (d, 3) float64
         Red, green and blue.
     name : str
-        Of the file.
+        Name of the file for messages.
 
     Raises
     ------
     InputError
-        Sizes that do not go together, or values that no table has.
+        Sizes that do not match, or invalid values.
     """
     fits = (
         theta.ndim == 1
@@ -100,14 +100,14 @@ def checked_table(
         and albedo.shape == (len(theta), 3)
     )
     if not fits:
-        raise InputError("{name} is no table of lobes.", name=name)
+        raise InputError("{name} is not a table of lobes.", name=name)
     finite = all(np.isfinite(array).all() for array in (theta, phi, lobes, albedo))
     if not finite or min(lobes.min(), albedo.min()) < 0:
-        raise InputError("{name} has values that no table of lobes has.", name=name)
+        raise InputError("{name} has values that are invalid for a table of lobes.", name=name)
     if theta.min() < 0 or theta.max() >= np.pi / 2 or (not phi.any() and (np.diff(theta) <= 0).any()):
-        raise InputError("{name} has values that no table of lobes has.", name=name)
+        raise InputError("{name} has values that are invalid for a table of lobes.", name=name)
     table = LobeTable(theta, phi, lobes, albedo)
     masses = (lobes * table.cells).sum(axis=(1, 2))
     if np.abs(masses - 1.0).max() > _MASS_TOLERANCE:
-        raise InputError("{name} has values that no table of lobes has.", name=name)
+        raise InputError("{name} has values that are invalid for a table of lobes.", name=name)
     return LobeTable(theta, phi, lobes / masses[:, None, None], albedo)

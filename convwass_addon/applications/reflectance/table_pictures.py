@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whole tables of lobes as pictures: f for every pair of directions, with the incoming ones above."""
+"""Complete tables of lobes as images: f for every pair of directions, below a header with the incoming directions."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ...transport.sphere import directions, solid_angles
 from .lobe_table import LobeTable
 from .table_files import MOST_DIRECTIONS, MOST_ROWS, checked_table
 
-# No material reflects more than this; a picture that says so is none.
+# Upper limit of plausible values.
 _LARGEST = 1e9
 
 
 def table_picture(table: LobeTable) -> NDArray[np.float32]:
-    """Return f of a table as a picture.
+    """Return f of a table as an image.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def table_picture(table: LobeTable) -> NDArray[np.float32]:
     Returns
     -------
     (head + n * rows, 4 * rows, 3) float32
-        In the first rows, as many as that needs, one pixel for every incoming direction: its angle from the normal, its
-        azimuth, both in radians, and 1; the rest of them is 0. Below them f in 1/sr, one hemisphere after the other:
+        The first rows are a header with one pixel per incoming direction: its angle from the normal and its azimuth,
+        both in radians, and 1; the rest of the header is 0. Below it follows f in 1/sr, one hemisphere after the other:
         row i has the angle (i + 1/2) 90 degrees / rows from the normal, column j the azimuth (j + 1/2) 360 degrees /
         columns.
     """
@@ -40,52 +40,52 @@ def table_picture(table: LobeTable) -> NDArray[np.float32]:
 
 
 def has_table_size(width: int, height: int) -> bool:
-    """Whether a picture of this size can be a whole table."""
+    """Return whether an image of this size can be a table."""
     return _directions_of(width, height) is not None
 
 
 def table_of_picture(picture: NDArray[np.float32], name: str) -> LobeTable:
-    """Read what :func:`table_picture` has drawn.
+    """Read an image written by :func:`table_picture`.
 
     Parameters
     ----------
     picture : (height, width, 3) float
-        The top row first.
+        Top row first.
     name : str
-        Of its file, for the message.
+        Name of the file for messages.
 
     Raises
     ------
     InputError
-        It is no such picture, or has values that no table has.
+        Not such an image, or invalid values.
     """
     height, width = picture.shape[:2]
     count = _directions_of(width, height)
     if count is None:
-        raise InputError("{name} is no table of lobes.", name=name)
-    # Before they are cast, which some NaN do not survive quietly.
+        raise InputError("{name} is not a table of lobes.", name=name)
+    # Check before casting, which warns about some NaNs.
     if not np.isfinite(picture).all():
-        raise InputError("{name} has values that no table of lobes has.", name=name)
+        raise InputError("{name} has values that are invalid for a table of lobes.", name=name)
     values = picture.astype(np.float64)
     if values.min() < 0 or values.max() > _LARGEST:
-        raise InputError("{name} has values that no table of lobes has.", name=name)
+        raise InputError("{name} has values that are invalid for a table of lobes.", name=name)
     rows, head_rows = width // 4, _head_rows(count, width)
     head = values[:head_rows].reshape(-1, 3)
     if (head[:count, 2] != 1).any() or head[count:].any():
-        raise InputError("{name} is no table of lobes.", name=name)
+        raise InputError("{name} is not a table of lobes.", name=name)
     light = values[head_rows:].reshape(count, rows, width, 3) * directions(2 * rows, width)[:rows, :, 2:]
     cells = solid_angles(2 * rows, width)[:rows]
     albedo = (light * cells[..., None]).sum(axis=(1, 2))
     grey = light.sum(axis=3)
     mass = (grey * cells).sum(axis=(1, 2))[:, None, None]
-    # What reflects nothing has the lobe of something matte.
+    # A direction that reflects nothing gets the lobe of a diffuse material.
     matte = directions(2 * rows, width)[:rows, :, 2]
     lobes = np.where(mass > 0, grey / np.where(mass > 0, mass, 1.0), matte / (matte * cells).sum())
     return checked_table(head[:count, 0], head[:count, 1], lobes, albedo, name)
 
 
 def _directions_of(width: int, height: int) -> int | None:
-    """Return how many incoming directions a picture of a size has; None where it is no table."""
+    """Return the number of incoming directions of a table image of this size; None if it cannot be a table."""
     rows = width // 4
     if width % 8 or not 8 <= width <= 4 * MOST_ROWS:
         return None

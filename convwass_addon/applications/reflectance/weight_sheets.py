@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""At which weights materials are blended: along a way of weights, or all over a pad."""
+"""Sets of blend weights: along a path, or over a whole pad."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 
 MOST_ON_PAD = 16
-"""Blends along each side: their tables lie in one image, and no graphics card takes more rows than those of these."""
+"""Largest number of blends along each side: all tables lie in one image, whose rows graphics cards limit."""
 
 
 def way_weights(rows: ArrayLike, steps: int) -> NDArray[np.float64]:
-    """Weights on the way through some, evenly from each to the next, (steps, k).
+    """Weights along a path through given ones, evenly spaced from each to the next, (steps, k).
 
     Parameters
     ----------
     rows : (n, k)
-        Through which the way goes; two at least.
+        Weights to pass through; at least two rows.
     steps : int
-        How many there shall be.
+        Number of results.
 
     Raises
     ------
     InputError
-        There are not two rows, or they are not equally long.
+        Fewer than two rows, or rows of different lengths.
     """
     try:
         stops = np.asarray(rows, dtype=np.float64)
@@ -43,16 +43,16 @@ def way_weights(rows: ArrayLike, steps: int) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class PadSheet:
-    """The blends that a pad is made of: a square of side x side places, of which the upper edge of a triangle is one.
+    """The blends of a pad: a square grid of side x side cells; for a triangle, all cells of the top row are equal.
 
     Attributes
     ----------
     side : int
-        Places along each side.
+        Cells along each side.
     weights : (n, k) float64
-        Of what is blended, each once; neighbors in this order are neighbors on the pad.
+        Distinct weights; consecutive ones are neighbors on the pad.
     numbers : (side * side,) int64
-        Which of them is at each place, row by row from below, from the left.
+        Index into `weights` of each cell, row by row from the bottom, left to right.
     """
 
     side: int
@@ -61,12 +61,12 @@ class PadSheet:
 
     @classmethod
     def of(cls, count: int, side: int) -> PadSheet:
-        """Lay out three materials (left below, right below, above) or four (left above, right above, left below, ...).
+        """Arrange three materials (bottom left, bottom right, top) or four (top left, top right, bottom left, ...).
 
         Raises
         ------
         InputError
-            Another number of materials, or too few or too many places along a side.
+            Another number of materials, or too few or too many cells along a side.
         """
         if count not in (3, 4):
             raise InputError("A pad blends three or four materials, not {count}.", count=count)
@@ -82,7 +82,7 @@ class PadSheet:
 
 
 def pad_weights(count: int, across: float, up: float) -> tuple[float, ...]:
-    """Weights at a place of a pad, both from 0 to 1; in a triangle `across` counts along the line at that height."""
+    """Weights at a point of a pad, coordinates from 0 to 1; in a triangle `across` is relative to the line at `up`."""
     left, right, below = 1.0 - across, across, 1.0 - up
     if count == 3:
         return (left * below, right * below, up)
@@ -90,5 +90,5 @@ def pad_weights(count: int, across: float, up: float) -> tuple[float, ...]:
 
 
 def spread_out(sheet: PadSheet, values: Sequence[object]) -> list[object]:
-    """Return the values of the blends of a sheet at all its places."""
+    """Expand the values of a sheet's distinct blends to all its cells."""
     return [values[number] for number in sheet.numbers]

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skeletons laid out inside bodies."""
+"""Fitting skeletons into bodies."""

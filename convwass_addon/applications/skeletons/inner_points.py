@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The point inside a body that lies behind a point of its surface: where a pin belongs that is set with one click."""
+"""The point inside a body behind a point of its surface, for setting a pin with one click."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ...transport import Surface
 from ..workers import one_blas_thread
 from .skeleton_bodies import SkeletonBody, skeleton_body
 
-# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
-# Blur along the surface, in halves of the thickness behind the point, that brings the mean to the middle of a limb.
+# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Blur along the surface, in half thicknesses behind the point, that moves the mean to the middle of a limb.
 _REACH = 2.0
-# In mean edge lengths: a narrower blur is one of edges, not of the surface.
+# Least blur in mean edge lengths: narrower kernels resolve edges, not the surface.
 _LEAST_BLUR = 1.5
-# Where the mean is not deep inside, the blur is made wider by this, so often at most.
+# If the mean is not deep enough, the blur is widened by this factor, at most this often.
 _WIDER, _ROUNDS = 1.4, 6
-# So much of the wanted depth is deep enough.
+# Fraction of the desired depth that is sufficient.
 _SHALLOW = 0.4
-# In diagonals: a click this near to a part of the body is on it.
+# A click within this many diagonals of a part of the body is on that part.
 _NEAR = 0.02
 
 
@@ -36,9 +36,9 @@ class InnerPoint:
     Attributes
     ----------
     position : (3,) float64
-        Where it is.
+        Its position.
     depth : float
-        How far it is from the surface.
+        Its distance from the surface.
     """
 
     position: NDArray[np.float64]
@@ -47,7 +47,7 @@ class InnerPoint:
 
 @dataclass(frozen=True)
 class _Body:
-    """A body and what is looked up on it."""
+    """A body with its lookup structures."""
 
     body: SkeletonBody
     surface: Surface
@@ -55,7 +55,7 @@ class _Body:
 
 
 class InnerPointFinder:
-    """Finds points inside one body behind points of its surface; what one needs is kept for the next.
+    """Finds points inside one body behind points of its surface, reusing computed data between calls.
 
     Parameters
     ----------
@@ -70,15 +70,15 @@ class InnerPointFinder:
     def find(self, point: ArrayLike, depth: float = 1.0) -> InnerPoint:
         """Return the point inside the body behind a point of its surface.
 
-        A unit mass at the point is diffused along the surface, and its mean lies inside; where it does not, more
-        diffusion brings it there, or else the middle of what is straight behind the point is taken.
+        A unit mass at the point is diffused along the surface until its mean lies inside. If that fails, the middle of
+        the body straight behind the point is used.
 
         Parameters
         ----------
         point : (3,)
-            On the surface, or near to it.
+            On or near the surface.
         depth : float
-            1 goes about to the middle of the limb that the point is on, less stays closer to the surface.
+            1 reaches about the middle of the limb, less stays closer to the surface.
 
         Raises
         ------
@@ -105,12 +105,12 @@ class InnerPointFinder:
             if reached >= _SHALLOW * wanted and body.inside.contains(place[None])[0]:
                 return InnerPoint(place, reached)
             blur *= _WIDER
-        # On a sheet no blur gets around the edge before it is all over the place.
+        # On a sheet, a blur wide enough to get around its edge spreads everywhere.
         place = body.inside.nearest(foot[None], wanted).positions[0]
         return InnerPoint(place, float(body.inside.distances(place[None])[0]))
 
     def _at(self, point: NDArray[np.float64]) -> _Body:
-        """Return the part of the body at a point: where parts do not touch, another may be nearer than the last one."""
+        """Return the part of the body at a point; among separate parts, another may be nearer than the last one."""
         for known in self._bodies:
             if known.closest.find(point[None]).distances[0] <= _NEAR * known.body.size:
                 return known
@@ -121,7 +121,7 @@ class InnerPointFinder:
 
 
 def _mean(mass: NDArray[np.float64], surface: Surface, blur: float) -> NDArray[np.float64]:
-    """Where a mass has its mean after a blur, a standard deviation in units of the domain."""
+    """Mean position of a mass after a blur, given as a standard deviation in units of the domain."""
     kernel = surface.with_kernel(2.0 * blur**2)
     with one_blas_thread():
         heat = kernel.apply(mass) * kernel.weights

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The closed surface, in one piece, on which the joints of a skeleton are laid out as densities."""
+"""The closed, connected surface on which the joints of a skeleton are laid out as densities."""
 
 from __future__ import annotations
 
@@ -27,40 +27,40 @@ from ...geometry.welding import welded
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.volumes import Lattice, voxelized
 
-# The kernel needs vertices that are closer together than its blur; more than enough of them only take time.
+# The kernel needs vertices closer together than its blur; more than enough only take time.
 _FEWEST_VERTICES, _MOST_VERTICES = 800, 4000
-# What larger ones are reduced to.
+# Target number of vertices when larger meshes are reduced.
 _REDUCED_VERTICES = 2500
-# Looking up what lies inside a mesh of more triangles takes longer than all the rest; its reduction does.
+# Above this, inside tests on the mesh itself would dominate the time, so its reduction is used.
 _MOST_FACES = 100_000
-# Laying a thick shell takes the longer, the more cells it is thick.
+# Voxelizing a thick shell takes time in proportion to its thickness in cells.
 _THICK_RESOLUTION = 80
-# Areas from which seeds are spread are no less than this share of the mean.
+# Lower limit of vertex areas for spreading seeds, relative to the mean.
 _LEAST_AREA = 1e-6
 _SIGMA = 1.0
 
 RESOLUTION = 128
-"""Cells along the longest side where the body is made of what the mesh encloses."""
+"""Cells along the longest side when the body is built from what the mesh encloses."""
 
 MOST_HANDLES = 1000
-"""A body with more handles is a thicket, not one with limbs: each keeps about sixteen vertices however far it is
-reduced, so it is made of cells that are twice as large."""
+"""Above this, a body is rebuilt with cells twice as large: it is a thicket rather than a body with limbs, and each
+handle keeps about sixteen vertices however far it is reduced."""
 
 
 @dataclass(frozen=True)
 class SkeletonBody:
-    """A body, as a surface to lay out joints on and as a solid that they are to lie in.
+    """A body, as a surface for laying out joints and as a solid that must contain them.
 
     Attributes
     ----------
     surface : TriangleMesh
-        Closed, in one piece, of a few thousand vertices, outward.
+        Closed, connected, with a few thousand vertices, oriented outward.
     inside : Inside
-        Tells what lies inside: the mesh itself where it encloses something.
+        Inside tests, on the mesh itself if it encloses a volume.
     made : str
-        "as it is", "subdivided", "reduced", or "solid" where it is the surface of what the mesh encloses.
+        "as it is", "subdivided", "reduced", or "solid" for the surface of what the mesh encloses.
     size : float
-        Diagonal of the box around the surface.
+        Diagonal of the surface's bounding box.
     """
 
     surface: TriangleMesh
@@ -69,7 +69,7 @@ class SkeletonBody:
 
     @property
     def size(self) -> float:
-        """Diagonal of the box around the surface."""
+        """Diagonal of the surface's bounding box."""
         return float(np.linalg.norm(np.ptp(self.surface.bounds, axis=0)))
 
 
@@ -80,28 +80,27 @@ def skeleton_body(
     thickness: float = 0.0,
     control: Control = UNINTERRUPTED,
 ) -> SkeletonBody:
-    """Return the body that a mesh is, for a skeleton with some pins in it.
+    """Return the body of a mesh, for a skeleton with given pins.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Open, in several parts, self-intersecting, of any number of vertices.
+        May be open, disconnected, self-intersecting, with any number of vertices.
     pins : (k, 3)
-        Joints that are known, one at least. Where the mesh is in parts that do not touch, the part that they lie in is
-        the body.
+        Known joints, at least one. If the mesh has parts that do not touch, the body is the part that contains them.
     names : sequence of str
-        What messages call the pins.
+        Names of the pins for messages.
     thickness : float
-        Given to surfaces that enclose nothing, and across gaps between parts; 0 for none.
+        Thickness for surfaces that enclose nothing and for closing gaps between parts; 0 for none.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Raises
     ------
     InputError
         The mesh encloses nothing, or the pins lie in parts that do not touch.
     ResourceError
-        It does not fit in memory.
+        The body does not fit in memory.
     """
     joined = welded(mesh)
     control.check()
@@ -121,9 +120,9 @@ def skeleton_body(
 
 
 def _hangs_together(mesh: TriangleMesh, use: EdgeUse) -> bool:
-    """Tell whether all triangles are joined across edges; at a vertex alone, no heat gets from one part to another.
+    """Return whether all triangles are connected across edges; heat does not flow through a shared vertex.
 
-    Which way faces are turned makes no difference to the edge use that is looked at.
+    The edge use is independent of the orientation of faces.
     """
     count = len(mesh.faces)
     same = np.ones(len(use.face), bool)
@@ -144,7 +143,7 @@ def _solid_body(
     piece = _piece_around(_solid(mesh, resolution, thickness, control), pins, names)
     control.check()
     if topology(piece).euler < 2 - 2 * MOST_HANDLES:
-        # Where larger cells lose what holds the pins together, it takes the time that it takes.
+        # If larger cells disconnect the pins, accept the longer time.
         with suppress(InputError):
             piece = _piece_around(_solid(mesh, resolution // 2, thickness, control), pins, names)
     sized = _sized(piece, control)
@@ -154,7 +153,7 @@ def _solid_body(
 
 
 def _solid(mesh: TriangleMesh, resolution: int, thickness: float, control: Control) -> TriangleMesh:
-    """Return the surface of what a mesh, or a shell of some thickness around it, fills."""
+    """Return the surface of the solid of a mesh, or of a shell of some thickness around it."""
     lattice = Lattice.around([mesh], resolution, _SIGMA)
     if thickness > 0:
         corners = lattice.to_cells(mesh, 0)
@@ -168,7 +167,7 @@ def _solid(mesh: TriangleMesh, resolution: int, thickness: float, control: Contr
 
 
 def _enclosed(mesh: TriangleMesh, lattice: Lattice, control: Control) -> NDArray[np.float32]:
-    """Return which share of every cell the mesh encloses."""
+    """Return the fraction of every cell that the mesh encloses."""
     try:
         return voxelized(mesh, "", 0, lattice, 0.0, control)
     except InputError as error:
@@ -179,14 +178,14 @@ def _enclosed(mesh: TriangleMesh, lattice: Lattice, control: Control) -> NDArray
 
 
 def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequence[str]) -> TriangleMesh:
-    """Return the outer surface of the piece that the pins lie in; hollows inside of it are filled."""
+    """Return the outer surface of the component that contains the pins, with inner hollows filled."""
     labels = vertex_components(solid)[solid.faces[:, 0]]
     pieces = [_part(solid, labels == label) for label in range(labels.max() + 1)]
     pieces = [piece for piece in pieces if piece.volume > 0]
     if len(pieces) == 1:
         return pieces[0]
     holds = np.stack([winding_numbers(pins, piece) for piece in pieces]) > 0.5
-    # A pin outside of all pieces belongs to the nearest. There may be thousands of them, so they are asked together.
+    # A pin outside all components belongs to the nearest. There may be thousands, so one query covers all.
     nearest = ClosestPointFinder(np.concatenate([piece.corners for piece in pieces])).find(pins).triangles
     starts = np.cumsum([len(piece.faces) for piece in pieces])
     owners = np.where(holds.any(axis=0), holds.argmax(axis=0), np.searchsorted(starts, nearest, side="right"))
@@ -202,7 +201,7 @@ def _piece_around(solid: TriangleMesh, pins: NDArray[np.float64], names: Sequenc
 
 
 def _sized(mesh: TriangleMesh, control: Control) -> tuple[TriangleMesh, str] | None:
-    """Bring a closed mesh to a moderate number of vertices; None where that would open it."""
+    """Bring a closed mesh to a moderate number of vertices; None if that would open it."""
     if len(mesh.vertices) > _MOST_VERTICES:
         control.check()
         areas = np.maximum(mesh.vertex_areas, _LEAST_AREA * mesh.vertex_areas.mean())
@@ -217,7 +216,7 @@ def _sized(mesh: TriangleMesh, control: Control) -> tuple[TriangleMesh, str] | N
 
 
 def _subdivided(mesh: TriangleMesh) -> TriangleMesh:
-    """Cut every triangle into four; the surface stays what it is."""
+    """Split every triangle into four without changing the surface."""
     faces, count = mesh.faces, len(mesh.vertices)
     ends = np.sort(np.concatenate([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]]), axis=1)
     edges, index = np.unique(ends, axis=0, return_inverse=True)

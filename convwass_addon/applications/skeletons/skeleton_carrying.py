@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limbs without a pin at their end, which nothing lays out: they keep their shape and go with what they hang on."""
+"""Move limbs without pins rigidly along with the joints that they are attached to."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from .skeleton_graph import JointGraph
 
-# Bones away from where a limb hangs that tell how it turns.
+# Distance in bones from a limb's root of the joints that determine its rotation.
 _HOPS = 2
 
 
 def between_pins(graph: JointGraph) -> NDArray[np.bool_]:
-    """Tell the joints that a way between pins leads through, or a loop, from those of loose limbs, (v,)."""
+    """Return which joints lie on a path between pins or in a loop, as opposed to loose limbs, (v,)."""
     kept = np.ones(len(graph.positions), bool)
     degree = np.array([len(own) for own in graph.neighbors])
     loose = [joint for joint in np.flatnonzero(~graph.pinned).tolist() if degree[joint] <= 1]
@@ -29,16 +29,16 @@ def between_pins(graph: JointGraph) -> NDArray[np.bool_]:
 
 
 def carried(graph: JointGraph, fitted: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return positions with loose limbs moved, turned and scaled like what they hang on, (v, 3).
+    """Return the joints, (v, 3), with loose limbs moved, rotated and scaled like what they are attached to.
 
     Parameters
     ----------
     graph : JointGraph
-        The skeleton before it was fitted.
+        The skeleton before the fit.
     fitted : (v, 3)
-        Where the other joints are now.
+        Fitted positions of the other joints.
     kept : (v,) bool
-        Which these are.
+        Mask of those joints.
     """
     positions = fitted.copy()
     for root in np.flatnonzero(kept).tolist():
@@ -53,7 +53,7 @@ def carried(graph: JointGraph, fitted: NDArray[np.float64], kept: NDArray[np.boo
 
 
 def _similarity(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rotation times scale, (3, 3), that brings vectors closest to others (Kabsch 1976; Umeyama 1991)."""
+    """Rotation times scale, (3, 3), that best maps vectors to others (Kabsch 1976; Umeyama 1991)."""
     spread = float(np.square(before).sum())
     if not spread > 0:
         return np.eye(3)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skeletons that cannot be fitted, and what to pin so that they can."""
+"""Validate skeletons, and suggest what to pin if they cannot be fitted."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ...errors import InputError
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
 
-# Pins closer than this, in diagonals of the box around all of them, are in one place.
+# Pins within this distance, relative to the diagonal of their bounding box, coincide.
 _SAME_PLACE = 1e-4
-# Joints that a message names.
+# Number of joints named in a message.
 _NAMED = 5
 
 
 def check_pins(graph: JointGraph) -> None:
-    """Refuse skeletons that say too little, or two things at once, about where they belong.
+    """Refuse skeletons whose pins are insufficient or contradictory.
 
     Raises
     ------
     InputError
-        No bones; parts without pins, or with one; pins in one place.
+        No bones; components with no pin or only one; coincident pins.
     """
     if not len(graph.edges):
         raise InputError("The skeleton has no bones.")
@@ -52,17 +52,17 @@ def check_pins(graph: JointGraph) -> None:
 
 
 def check_loops(graph: JointGraph) -> None:
-    """Refuse loops whose two sides nothing tells apart: both would be laid out through the hole between them.
+    """Refuse loops with two equivalent sides, both of which would be laid out through the hole between them.
 
     Parameters
     ----------
     graph : JointGraph
-        Without joints that no way between pins leads through.
+        The skeleton without loose limbs.
 
     Raises
     ------
     InputError
-        Two ways lead from one joint to another, or a way back to where it began, without a pin or a branch.
+        Two paths between the same two joints, or a path back to its start, without a pin or branch.
     """
     found = {}
     for chain in chains(graph):
@@ -77,21 +77,21 @@ def check_loops(graph: JointGraph) -> None:
 
 
 def check_inside(graph: JointGraph, outside: NDArray[np.int64], places: NDArray[np.float64]) -> None:
-    """Refuse pins outside of the body.
+    """Refuse pins outside the body.
 
     Parameters
     ----------
     graph : JointGraph
         The skeleton.
     outside : (k,) int64
-        Pins that lie outside.
+        Pins outside the body.
     places : (k, 3)
-        The nearest places inside.
+        The nearest points inside.
 
     Raises
     ------
     InputError
-        There are any; with the place for the first one.
+        There are such pins; the message suggests a position for the first one.
     """
     if not len(outside):
         return
@@ -109,20 +109,20 @@ def check_inside(graph: JointGraph, outside: NDArray[np.int64], places: NDArray[
 
 
 def skeleton_parts(graph: JointGraph) -> NDArray[np.int64]:
-    """Label the joints by the connected part they belong to, (v,)."""
+    """Label the joints by connected component, (v,)."""
     count = len(graph.positions)
     links = coo_array((np.ones(len(graph.edges), np.int8), graph.edges.T), shape=(count, count))
     return connected_components(links, directed=False)[1]
 
 
 def named(graph: JointGraph, joints: NDArray[np.int64]) -> str:
-    """Names of some joints, the first of them where there are many."""
+    """Names of joints, abbreviated if there are many."""
     names = [graph.names[joint] for joint in joints]
     return ", ".join(names[:_NAMED]) + (" ..." if len(names) > _NAMED else "")
 
 
 def _ends(graph: JointGraph, joints: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the free joints of one bone, or all free ones where there are none."""
+    """Return the free joints with only one bone, or all free joints if there are none."""
     free = joints[~graph.pinned[joints]]
     tips = np.array([joint for joint in free if len(graph.neighbors[joint]) == 1], np.int64)
     return tips if len(tips) else free

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fit a skeleton into a body: a few joints are pinned, the others are laid out inside.
+"""Fit a skeleton into a body: some joints are pinned, the others are laid out inside.
 
 Solomon et al. 2015, section 7, "Skeleton layout".
 """
@@ -27,33 +27,33 @@ from .skeleton_notices import bone_notices
 from .skeleton_settings import SkeletonSettings
 from .skeleton_settling import settled
 
-# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
-# Where the mean of a joint lies outside, it is laid out again with a kernel so many times wider, so often at most.
+# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# If the mean of a joint lies outside, the layout is repeated with a kernel wider by this factor, at most this often.
 _NOTCH, _NOTCHES = 1.6, 2
-# In diagonals of the body: how far below the surface joints are put that lie outside.
+# Depth below the surface, in diagonals of the body, to which joints outside are moved.
 _DEPTH = 0.01
 
 
 @dataclass(frozen=True)
 class FittedSkeleton:
-    """Where the joints of a skeleton belong.
+    """Positions of a skeleton's joints in a body.
 
     Attributes
     ----------
     positions : (v, 3) float64
-        In the space of the body; pins stay where they were, unless they were moved inside.
+        In the space of the body; pins keep their positions unless they were moved inside.
     inside : (v,) bool
         Whether each joint lies inside the body.
     winding : (v,) float64
         Winding number of the body at each joint: about 1 inside.
     projected : (v,) bool
-        Joints that came to lie outside and were moved to the nearest place inside.
+        Joints that ended up outside and were moved to the nearest point inside.
     record : dict
-        Figures of the fit, ready for JSON: `settings`, `gamma`, `iterations`, `marginal_error`, `converged`, `solves`,
-        `vertices` of the surface that was used and `body`, how it was made, `links`, `inside` and `projected`, numbers
-        of joints.
+        JSON-ready figures of the fit: `settings`, `gamma`, `iterations`, `marginal_error`, `converged`, `solves`,
+        `vertices` of the surface used and `body`, how it was made, `links`, and the numbers of joints `inside` and
+        `projected`.
     notices : tuple of Sentence
-        What the user should know.
+        Warnings for the user.
     """
 
     positions: NDArray[np.float64]
@@ -74,18 +74,18 @@ def fit_steps(
     Parameters
     ----------
     mesh : TriangleMesh
-        The body, in the space of the joints. Open, in touching parts, of any number of vertices.
+        The body, in the space of the joints. May be open, in touching parts, with any number of vertices.
     graph : JointGraph
         The skeleton, with some joints pinned.
     settings : SkeletonSettings
-        How.
+        Settings of the fit.
     control : Control
-        Ends the job when cancelled.
+        Stops the job when cancelled.
 
     Yields
     ------
     Progress
-        Before every part of the work.
+        Before every stage of the work.
 
     Returns
     -------
@@ -94,8 +94,8 @@ def fit_steps(
     Raises
     ------
     InputError, ResourceError
-        Before the work: a skeleton without bones or with too few pins, pins outside the body or in one place, a body
-        that encloses nothing. The message says what to add.
+        Before the work starts: a skeleton without bones or with too few pins, pins outside the body or coincident, or a
+        body that encloses nothing. The message says what to add.
     """
     refuse_far(mesh)
     check_pins(graph)
@@ -136,7 +136,7 @@ def fit_steps(
 def _with_pins_inside(
     graph: JointGraph, body: SkeletonBody, settings: SkeletonSettings
 ) -> tuple[JointGraph, list[Sentence]]:
-    """Check that the pins lie inside, or move them there and say so."""
+    """Check that the pins lie inside, or move them inside and report it."""
     pins = np.flatnonzero(graph.pinned)
     outside = pins[~body.inside.contains(graph.positions[pins])]
     nearest = body.inside.nearest(graph.positions[outside], _DEPTH * body.size)
@@ -153,7 +153,7 @@ def _with_pins_inside(
 def _all_inside(
     graph: JointGraph, positions: NDArray[np.float64], body: SkeletonBody, notices: list[Sentence]
 ) -> FittedSkeleton:
-    """Move joints that came to lie outside to the nearest place inside, and say so."""
+    """Move joints that ended up outside to the nearest point inside, and report it."""
     free = np.flatnonzero(~graph.pinned)
     outside = free[~body.inside.contains(positions[free])]
     nearest = body.inside.nearest(positions[outside], _DEPTH * body.size)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The joints of a skeleton and the bones between them, with what is known of each."""
+"""The joints and bones of a skeleton."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from ...one_line import one_line
 
 @dataclass(frozen=True)
 class JointGraph:
-    """A skeleton as a graph: joints, bones between them, and which joints stay where they are.
+    """A skeleton as a graph of joints and bones, some of whose joints are pinned.
 
     Attributes
     ----------
     positions : (v, 3) float64
-        Where the pinned joints belong, in the space of the body; those of free joints do not matter.
+        Positions of the pinned joints in the space of the body; those of free joints are ignored.
     edges : (e, 2) int64
         Bones, as pairs of joints.
     pinned : (v,) bool
-        Joints that stay where they are.
+        Joints with fixed positions.
     names : tuple of str
-        What messages call the joints, one each.
+        Names of the joints for messages.
     rest : (v, 3) float64
-        The skeleton in its own shape, before any joint was pinned elsewhere, in any place and size: how long its bones
-        are beside each other.
+        The skeleton in its original shape, before any joint was moved by pinning, in any place and size. It defines the
+        proportions of the bones.
     """
 
     positions: NDArray[np.float64]
@@ -50,26 +50,26 @@ class JointGraph:
         names: tuple[str, ...] | None = None,
         rest: ArrayLike | None = None,
     ) -> JointGraph:
-        """Check and convert arrays to a graph.
+        """Validate and convert arrays to a graph.
 
         Parameters
         ----------
         positions : (v, 3)
-            Where the joints are now.
+            Current positions of the joints.
         edges : (e, 2)
-            Pairs of joints, by their numbers from 0.
+            Pairs of joints, by index from 0.
         pinned : (v,) bool
-            Joints that stay.
+            Joints with fixed positions.
         names : tuple of str, optional
-            One per joint; by default their numbers.
+            One per joint; by default their indices.
         rest : (v, 3), optional
-            Where the joints were before any was pinned elsewhere; by default where they are now.
+            Positions before any joint was moved by pinning; by default the current ones.
 
         Raises
         ------
         InputError
-            Arrays that are no graph: positions that are no numbers, bones that name joints which are not there or run
-            from a joint to itself.
+            Invalid arrays: positions that are not finite, or bones that refer to missing joints or connect a joint with
+            itself.
         """
         points = np.asarray(positions, dtype=np.float64)
         pairs = np.asarray(edges)
@@ -98,12 +98,12 @@ class JointGraph:
 
     @property
     def lengths(self) -> NDArray[np.float64]:
-        """Lengths of the bones in the skeleton's own shape, (e,)."""
+        """Lengths of the bones in the original shape, (e,)."""
         return np.linalg.norm(self.rest[self.edges[:, 0]] - self.rest[self.edges[:, 1]], axis=1)
 
     @cached_property
     def neighbors(self) -> list[list[int]]:
-        """The joints at the other ends of every joint's bones."""
+        """The adjacent joints of every joint."""
         found: list[list[int]] = [[] for _ in self.positions]
         for tail, head in self.edges.tolist():
             found[tail].append(head)
@@ -111,7 +111,7 @@ class JointGraph:
         return found
 
     def part(self, chosen: NDArray[np.bool_]) -> JointGraph:
-        """Return the graph of some joints, (v,) bool, and the bones between them."""
+        """Return the subgraph of some joints, (v,) bool."""
         number = np.cumsum(chosen) - 1
         edges = number[self.edges[chosen[self.edges].all(axis=1)]]
         names = tuple(name for name, is_chosen in zip(self.names, chosen, strict=True) if is_chosen)

@@ -19,7 +19,7 @@ from .skeleton_graph import JointGraph
 from .skeleton_links import Links, spread_along
 from .skeleton_settings import SkeletonSettings
 
-# A kernel that does not reach is made wider by this, so often at most.
+# If the kernel is too narrow, it is widened by this factor, at most this often.
 _WIDER, _WIDENINGS = 2.0, 4
 
 
@@ -30,13 +30,13 @@ class Layout:
     Attributes
     ----------
     positions : (v, 3) float64
-        Spread along the chains by the lengths of the bones; pins where they were.
+        Spaced along the chains in proportion to the lengths of the bones; pins are unchanged.
     gamma : float
-        That it was solved with.
+        Value used for the solve.
     links : int
-        Parts that the bones were cut into.
+        Number of links that the bones were divided into.
     solution : Propagation
-        Of the joints and the links.
+        Distributions of the joints and of the ends of links.
     """
 
     positions: NDArray[np.float64]
@@ -46,16 +46,16 @@ class Layout:
 
 
 class LayoutProblem:
-    """A skeleton and the body's surface, prepared for solves with several kernels.
+    """A skeleton and the body's surface, prepared for solving with several kernels.
 
     Parameters
     ----------
     graph : JointGraph
-        Every part of it with pins.
+        Every connected component must have pins.
     body : SkeletonBody
-        That the pins are in.
+        The body that contains the pins.
     settings : SkeletonSettings
-        How.
+        Settings of the layout.
     """
 
     def __init__(self, graph: JointGraph, body: SkeletonBody, settings: SkeletonSettings) -> None:
@@ -73,7 +73,7 @@ class LayoutProblem:
         self._given = dict(zip(self._pins.tolist(), shares / np.where(areas > 0, areas, 1.0), strict=True))
 
     def solved(self, gamma: float, control: Control = UNINTERRUPTED) -> Layout:
-        """Lay it out with a kernel, or with a wider one where that does not reach."""
+        """Solve with a kernel, or with a wider one if it is too narrow."""
         for _ in range(_WIDENINGS):
             try:
                 return self._solved(gamma, control)
@@ -107,7 +107,7 @@ class LayoutProblem:
 
 
 def bone_lengths(graph: JointGraph, settings: SkeletonSettings) -> NDArray[np.float64]:
-    """Lengths that the bones are to have in proportion, (e,), none of them zero."""
+    """Relative target lengths of the bones, (e,), all positive."""
     lengths = graph.lengths
     if settings.weights == "uniform" or not lengths.max() > 0:
         return np.ones(len(lengths))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bones cut into links, along which a skeleton bends while it is laid out, and joints spread along the result."""
+"""Divide bones into links so that a skeleton can bend during layout, and space joints along the result."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .skeleton_graph import JointGraph
 
 @dataclass(frozen=True)
 class Links:
-    """A graph whose bones are cut into links; its first vertices are the joints.
+    """A graph whose bones are divided into links; its first vertices are the joints.
 
     Attributes
     ----------
@@ -24,9 +24,9 @@ class Links:
     edges : (l, 2) int64
         Links.
     weights : (l,) float64
-        How near the ends of a link are to be.
+        Weights of the links: the larger, the closer their ends.
     paths : tuple of (k,) int64
-        For every bone of the graph the vertices from its first joint to its second.
+        For every bone, the vertices from its first joint to its second.
     """
 
     size: int
@@ -36,9 +36,10 @@ class Links:
 
     @classmethod
     def of(cls, graph: JointGraph, lengths: NDArray[np.float64], count: int) -> Links:
-        """Cut bones of some positive lengths, (e,), into `count` links on average, so that all links are about as long.
+        """Divide bones with given lengths, (e,), into `count` links on average, such that links have similar lengths.
 
-        The sum of weighted squares is least where the ends of links lie as far apart as the links are long.
+        With these weights the sum of weighted squares is minimal when the links' ends are spaced in proportion to their
+        lengths.
         """
         relative = lengths / lengths.mean()
         counts = np.maximum(np.round(count * relative), 1).astype(np.int64)
@@ -52,7 +53,7 @@ class Links:
 
 
 def chains(graph: JointGraph) -> list[NDArray[np.int64]]:
-    """Return the joints along every longest way through free joints of two bones, its ends included."""
+    """Return the joints along every maximal path through free joints with two bones, including its ends."""
     neighbors = graph.neighbors
     is_inner = ~graph.pinned & (np.array([len(own) for own in neighbors]) == 2)
     found = []
@@ -61,7 +62,7 @@ def chains(graph: JointGraph) -> list[NDArray[np.int64]]:
             way = [start, second]
             while is_inner[way[-1]]:
                 way.append(next(joint for joint in neighbors[way[-1]] if joint != way[-2]))
-            # Every chain is met from both of its ends, and kept from the first; so is one back to where it began.
+            # Every chain is found from both ends; keep one of the two. The same goes for loops.
             if (way[0], way[1]) <= (way[-1], way[-2]):
                 found.append(np.array(way))
     return found
@@ -70,18 +71,18 @@ def chains(graph: JointGraph) -> list[NDArray[np.int64]]:
 def spread_along(
     graph: JointGraph, links: Links, laid: NDArray[np.float64], lengths: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return joints, (v, 3), spread along the chains as the lengths of the bones are, not as they came to lie.
+    """Return joints, (v, 3), spaced along the laid-out chains in proportion to the lengths of the bones.
 
     Parameters
     ----------
     graph : JointGraph
         The skeleton.
     links : Links
-        Its links.
+        The links of the skeleton.
     laid : (links.size, 3)
-        Where the ends of the links came to lie.
+        Laid-out positions of the links' ends.
     lengths : (e,)
-        Of the bones, positive.
+        Lengths of the bones, positive.
     """
     positions = laid[: len(graph.positions)].copy()
     bone_of = {tuple(edge): index for index, edge in enumerate(graph.edges.tolist())}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a rigger should know about the bones of a fitted skeleton."""
+"""Warnings about the bones of a fitted skeleton."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from .skeleton_bodies import SkeletonBody
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
 
-# Places along a bone that are looked at.
+# Points along a bone that are tested.
 _PLACES = np.linspace(0.0, 1.0, 9)[1:-1]
-# Bones that leave the body by less than this, in its diagonals, touch no skin that anybody sees.
+# Bones that leave the body by less than this, relative to its diagonal, are not visible.
 _VISIBLE = 0.01
-# A way this many times longer than its bones, beside the others, has its pins in the wrong places.
+# A chain that is stretched by this factor relative to the others has its pins in the wrong places.
 _TOO_LONG = 4.0
 
 
 def bone_notices(
     graph: JointGraph, positions: NDArray[np.float64], lengths: NDArray[np.float64], body: SkeletonBody
 ) -> list[Sentence]:
-    """Return notices about bones that leave the body between their joints, and about pins that contradict the bones.
+    """Return warnings about bones that leave the body between their joints, and about pins that contradict the bones.
 
     Parameters
     ----------
     graph : JointGraph
         The skeleton.
     positions : (v, 3)
-        Where its joints are now.
+        Current positions of its joints.
     lengths : (e,)
-        Of its bones, in proportion, positive.
+        Relative lengths of its bones, positive.
     body : SkeletonBody
-        That it is in.
+        The body.
     """
     notices = []
     leaving = _leaving(graph, positions, body)
@@ -48,7 +48,7 @@ def bone_notices(
         way = {"first": graph.names[chain[0]], "last": graph.names[chain[-1]], "times": times}
         notices.append(
             Sentence(
-                "From {first} to {last} it is {times:.1f} times as far as the bones say; check what is pinned there.",
+                "The way from {first} to {last} is {times:.1f} times as long as its bones; check the pins there.",
                 way,
             )
         )
@@ -67,7 +67,7 @@ def _leaving(graph: JointGraph, positions: NDArray[np.float64], body: SkeletonBo
 def _stretched(
     graph: JointGraph, positions: NDArray[np.float64], lengths: NDArray[np.float64]
 ) -> list[tuple[NDArray[np.int64], float]]:
-    """Find the ways that are much longer than their bones, beside the others, and how many times."""
+    """Find the chains that are much more stretched than the others, and their factors."""
     bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
     ways = chains(graph)
     ratios = np.array(

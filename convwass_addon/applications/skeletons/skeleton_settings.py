@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a skeleton is fitted into a body."""
+"""Settings for fitting a skeleton into a body."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from ...schema import Choice, Companion, Settings, setting
 
 @dataclass(frozen=True)
 class SkeletonSettings(Settings):
-    """How a skeleton is fitted into a body."""
+    """Settings for fitting a skeleton into a body."""
 
     weights: str = setting(
         "length",
         "Lengths",
-        "How bones share the way between pinned joints",
+        "How bones share the distance between pinned joints",
         choices=(
             Choice(
                 "length",
                 "Proportional",
-                "Bones keep the proportions that they had when the first joint was pinned; Unpin All forgets those",
+                "Bones keep the proportions that they had when the first joint was pinned; Unpin All forgets these",
                 word="proportional",
             ),
-            Choice("uniform", "All Alike", "All bones take up as much of the way", word="alike"),
+            Choice("uniform", "All Alike", "All bones get the same length", word="alike"),
         ),
         option="--lengths",
         panel="settings",
@@ -32,7 +32,7 @@ class SkeletonSettings(Settings):
     placement: str = setting(
         "centered",
         "Placement",
-        "Where joints go in what they are next to",
+        "Where to place joints within the limbs",
         choices=(
             Choice("centered", "Centered", "Settle joints along the middle of the limbs"),
             Choice(
@@ -47,7 +47,7 @@ class SkeletonSettings(Settings):
     outside_pins: str = setting(
         "refuse",
         "Pins Outside",
-        "What to do with joints that are pinned outside of the body",
+        "What to do with joints that are pinned outside the body",
         choices=(
             Choice("refuse", "Refuse", "Say which they are, and change nothing"),
             Choice("move", "Move Inside", "Move them to the nearest place inside"),
@@ -75,17 +75,17 @@ class SkeletonSettings(Settings):
     links: int = setting(
         2,
         "Links",
-        "Parts that a bone is cut into while it is laid out, so that it can bend with the body",
+        "Number of links that a bone is divided into during layout, so that it can bend with the body",
         least=1,
         most=20,
         soft_most=6,
-        note="So many for a bone of average length",
+        note="This is the number for a bone of average length",
         panel="settings",
     )
     thickness: float = setting(
         0.0,
         "Thickness",
-        "Thickness that is given to surfaces which enclose nothing, and that closes gaps between parts; 0 for none",
+        "Thickness for surfaces that enclose nothing, which also closes gaps between parts; 0 for none",
         least=0.0,
         soft_most=1.0,
         subtype="DISTANCE",
@@ -95,9 +95,10 @@ class SkeletonSettings(Settings):
     slack: float | None = setting(
         None,
         "Slack",
-        "How much more it may spread out than the pinned joints do, in nats; less than 1 may not come to an end",
-        help="How much more than the pinned joints anything may spread out on the surface, in nats of entropy; less "
-        "than 1 may not converge",
+        "How much more distributions may spread out than the pinned joints, in nats; below 1 the solve may not "
+        "converge",
+        help="How much more the distributions may spread out on the surface than the pinned joints, in nats of "
+        "entropy; below 1 the solve may not converge",
         least=0.0,
         most=20.0,
         soft_most=5.0,
@@ -121,4 +122,6 @@ class SkeletonSettings(Settings):
         prop=None,
         option=None,
     )
-    max_iterations: int = setting(200, "Iterations", "Most sweeps over the skeleton", least=1, prop=None, option=None)
+    max_iterations: int = setting(
+        200, "Iterations", "Largest number of sweeps over the skeleton", least=1, prop=None, option=None
+    )

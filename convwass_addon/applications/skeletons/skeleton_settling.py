@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settle a skeleton that has been laid out along the middle of the body's limbs.
+"""Move a laid-out skeleton to the medial axis of the body's limbs.
 
 The objective is that of the propagation, the weighted sum of squared distances along the bones, with points instead of
-distributions and with ways through the body instead of ways along its surface.
+distributions and paths through the body instead of paths along its surface.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from ...geometry.solid_angles import Inside
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
 
-# Chosen by eye; what they and the other constants of the fit give is measured in docs/performance.md, "Skeletons".
-# How strongly a branching joint keeps to where it was laid out, against the pull of its bones.
+# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Weight that holds a branching joint where it was laid out, relative to the pull of its bones.
 _LOYALTY = 0.25
 _ROUNDS = 10
-# Ways from ball to ball are evened out over the first of these shares of their length that keeps joints inside, on so
-# many points.
+# Paths from ball to ball are smoothed over the first of these fractions of their length that keeps joints inside, on
+# this many points.
 _EVENING, _POINTS = (0.12, 0.06, 0.02), 400
 
 
@@ -38,15 +38,15 @@ def settled(
     Parameters
     ----------
     graph : JointGraph
-        The skeleton. Pins stay where they are in `laid`.
+        The skeleton. Pins keep their positions in `laid`.
     laid : (v, 3)
-        Where the joints were laid out.
+        Laid-out positions of the joints.
     lengths : (e,)
-        Of the bones, positive, in any unit: joints along a way are spread by them.
+        Lengths of the bones, positive, in any unit; joints on a path are spaced in proportion to them.
     balls : InnerBalls
-        Of the body.
+        Inner balls of the body.
     inside : Inside
-        Tells what lies in it.
+        Inside tests of the body.
     """
     bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
     ways = [
@@ -71,11 +71,11 @@ class _Way:
 
     @property
     def length(self) -> float:
-        """Of all its bones."""
+        """Total length of the bones."""
         return float(self.reached[-1])
 
     def lay(self, positions: NDArray[np.float64], places: _Places, inside: Inside) -> None:
-        """Set the positions of its joints."""
+        """Set the positions of the joints."""
         first, last = self.joints[0], self.joints[-1]
         curve = places.curve(first, last)
         positions[first], positions[last] = curve[0], curve[-1]
@@ -86,14 +86,14 @@ class _Way:
         positions[self.joints[1:-1]] = joints
 
     def _along(self, curve: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Spread its inner joints along a curve."""
+        """Space the inner joints along a curve."""
         gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
         wanted = self.reached[:-1] / self.length * gone[-1]
         return np.stack([np.interp(wanted, gone, axis) for axis in curve.T], axis=1)
 
 
 class _Places:
-    """Where the pinned and branching joints are among the balls; every pin is a place of its own behind them."""
+    """Positions of the pinned and branching joints as nodes: the balls, followed by one node per pin."""
 
     def __init__(
         self, graph: JointGraph, laid: NDArray[np.float64], balls: InnerBalls, keys: NDArray[np.int64]
@@ -113,7 +113,7 @@ class _Places:
         return dijkstra(self._links, indices=self._node[joint])
 
     def improve(self, ways: list[_Way]) -> None:
-        """Move the branching joints, one after the other, to where the bones pull least."""
+        """Move each branching joint in turn to the ball where the pull of its bones is least."""
         about = {hub: [way for way in ways if hub in (way.joints[0], way.joints[-1])] for hub in self._hubs}
         scale = sum(way.length for way in ways) / sum(
             self._distances[way.joints[0]][self._node[way.joints[-1]]] for way in ways
@@ -135,7 +135,7 @@ class _Places:
                 break
 
     def curve(self, first: int, last: int) -> NDArray[np.float64]:
-        """Return the shortest way between two joints, (k, 3)."""
+        """Return the shortest path between two joints, (k, 3)."""
         before = dijkstra(self._links, indices=self._node[first], return_predecessors=True)[1]
         node, nodes = self._node[last], [self._node[last]]
         while node != self._node[first]:
@@ -145,7 +145,7 @@ class _Places:
 
 
 def _with_pins(balls: InnerBalls, pins: NDArray[np.float64]) -> csr_array:
-    """Add every pin to the links of the balls that hold it."""
+    """Link every pin to the balls that contain it."""
     links = balls.links.tocoo()
     tails, heads, costs = [links.row], [links.col], [links.data]
     count = len(balls.centers)
@@ -162,13 +162,13 @@ def _with_pins(balls: InnerBalls, pins: NDArray[np.float64]) -> csr_array:
 
 
 def _evened(way: NDArray[np.float64], share: float) -> NDArray[np.float64]:
-    """Even out a way from ball to ball over a share of its length; its ends stay."""
+    """Smooth a path from ball to ball over a fraction of its length, keeping its ends."""
     gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
     if not (gone[-1] > 0 and share > 0):
         return way
     places = np.linspace(0.0, gone[-1], _POINTS)
     curve = np.stack([np.interp(places, gone, axis) for axis in way.T], axis=1)
-    # Continued beyond its ends by its reflection at them, so that they stay.
+    # Extend the curve by point reflection at its ends, which keeps them fixed.
     width = max(1, round(share * _POINTS))
     before, after = 2 * curve[0] - curve[width:0:-1], 2 * curve[-1] - curve[-2 : -width - 2 : -1]
     padded = np.concatenate([before, curve, after])

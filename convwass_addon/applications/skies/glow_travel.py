@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The glow of a sun on its way: transported as the sun sees it, so that all it has to do is to change its shape."""
+"""Transport the glow of a sun in the sun's own frame, where only its shape has to change."""
 
 from __future__ import annotations
 
@@ -20,32 +20,34 @@ from .sky_settings import SkySettings
 from .sun_frames import SunWay, seen_in
 from .sun_glow import Glow, horizon, reflecting
 
-# Chosen by eye; tests/applications/test_sun_glow.py holds what they are for.
-# Within this share of the way from an end its glow goes over into what it is there exactly.
+# Chosen by eye; tests/applications/test_sun_glow.py tests what they achieve.
+# Within this fraction of the path from an end, the glow blends into the exact one.
 _END = 0.2
-# What it is within so many degrees of the horizon sooner: it would be seen to rise from there.
+# Within this many degrees of the horizon it blends over a shorter fraction, so that it does not seem to rise from
+# there.
 _LOW, _LOW_END = 8.0, 0.05
-# Directions along each side of a cell of the sphere that its mean is taken over.
+# Number of directions along each side of a cell over which its mean is taken.
 _POINTS = 4
-# What keeps the color of a glow defined where there is hardly any, as a share of the brightest.
+# Keeps the color of a very faint glow defined, as a fraction of the brightest.
 _FAINT = 1e-4
 
 
 class GlowTravel:
     """The glows of two suns, prepared for any time between them.
 
-    On a sphere, transport over a long way widens what it moves, and a glow cut off by the horizon would carry the cut
-    along. Both are avoided: each glow is turned with its sun into one frame, divided by the haze of its height, and
-    what the horizon hides of it is taken from the other side of the sun; what comes out is turned back, and cut again.
+    On a sphere, transport over a long distance widens what it moves, and a glow cut off by the horizon would keep the
+    cut while it moves. To avoid both, each glow is rotated with its sun into one frame and divided by the haze of its
+    height, and the part hidden by the horizon is mirrored from the other side of the sun. The result is rotated back
+    and cut off again.
 
     Parameters
     ----------
     glows : two Glow
         Both with some light.
     way : SunWay
-        From the first sun to the second.
+        Path from the first sun to the second.
     settings : SkySettings
-        How.
+        Settings of the interpolation.
     """
 
     def __init__(self, glows: Sequence[Glow], way: SunWay, settings: SkySettings) -> None:
@@ -57,7 +59,7 @@ class GlowTravel:
         self._colors = [self._turned(glow, way.frame(float(end))) for end, glow in enumerate(self._clear)]
 
     def at(self, time: float) -> tuple[NDArray[np.float64], Barycenter]:
-        """Return the glow at a time in [0, 1], (rows, columns, 3), with what the ground has of it, and the solution."""
+        """Return the glow at a time in [0, 1], (rows, columns, 3), with its light on the ground, and the solution."""
         weights = np.array([1.0 - time, time])
         colored, solved = self._transported(weights)
         frame = self._way.frame(time)
@@ -79,7 +81,7 @@ class GlowTravel:
         return glow, solved
 
     def _detail_weights(self, away: float) -> NDArray[np.float64]:
-        """Return how much of the details is left so far from their end, (rows, 1, 1)."""
+        """Return the fraction of the details that remains this far from their end, (rows, 1, 1)."""
         rows = len(self._glows[0].light)
         elevation = 90.0 - (np.arange(rows) + 0.5) * (180.0 / rows)
         high = np.clip(elevation / _LOW, 0.0, 1.0)
@@ -88,7 +90,7 @@ class GlowTravel:
 
     @cached_property
     def _details(self) -> list[NDArray[np.float64]]:
-        """What the transported glow lacks of the true one at both ends, as seen there; 0 below the horizon."""
+        """Difference of the true glow from the transported one at both ends; 0 below the horizon."""
         details = []
         for end, clear in enumerate(self._clear):
             colored, _ = self._transported(np.array([1.0 - end, end]))
@@ -100,7 +102,7 @@ class GlowTravel:
 
     @cached_property
     def _tints(self) -> list[NDArray[np.float64]]:
-        """Color of the glow over its luminance, (rows, columns, 3)."""
+        """Color of the glow divided by its luminance, (rows, columns, 3)."""
         raised = [color + _FAINT * (color @ LUMINANCE).max() for color in self._colors]
         return [color / (color @ LUMINANCE)[..., None] for color in raised]
 
@@ -109,12 +111,12 @@ class GlowTravel:
         return Inputs.of(np.stack([color @ LUMINANCE for color in self._colors]), self._domain)
 
     def _turned(self, glow: NDArray[np.float64], frame: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return means of a glow over the cells of the sphere in the frame of its sun."""
+        """Return means of a glow over the cells of the sphere, in the frame of its sun."""
         rows = _POINTS * self._settings.rows
         return shrunk(seen_in(glow, directions(rows, 2 * rows) @ frame.T), self._settings.rows)
 
     def _transported(self, weights: NDArray[np.float64]) -> tuple[NDArray[np.float64], Barycenter]:
-        """Return the glow in the frame of the sun, its color carried by the plans, with the light that the mix has."""
+        """Return the glow in the frame of the sun, with colors moved by the plans and the interpolated total light."""
         try:
             solved = barycenter(
                 self._inputs,
@@ -134,7 +136,7 @@ class GlowTravel:
         return colored * (want / np.maximum(light_of(colored), np.finfo(float).tiny)), solved
 
     def _carried(self, log_v: NDArray[np.float64], index: int) -> NDArray[np.float64]:
-        """Mean color of the input's light that comes to every place: H(w c) / H(w), w = mu / H(v)."""
+        """Mean color of the input's light that arrives at every cell: H(w c) / H(w), w = mu / H(v)."""
         reached = np.empty(self._domain.shape)
         self._domain.log_apply(log_v, reached)
         level = self._inputs.levels[-1]
@@ -149,7 +151,7 @@ class GlowTravel:
 
 
 def _completed(glow: Glow, sun: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a glow without haze, and below the horizon as it is on the other side of the sun."""
+    """Return a glow without haze, with the part below the horizon mirrored from the other side of the sun."""
     clear = glow.light / glow.haze[:, None, None]
     rows, columns = clear.shape[:2]
     start = horizon(rows)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies between two: lamps move along great circles, their glow is transported, the rest fades."""
+"""Interpolate two skies: lamps move along great circles, their glow is transported, the rest fades."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from .sky_settings import SkySettings
 from .sun_frames import SunWay
 from .sun_glow import split_glows
 
-# Suns of which less than this share of all light becomes one another move without their glow.
+# Suns that share less than this fraction of the light with each other move without their glow.
 _LEAST_MOVE = 0.05
 
 
 @dataclass(frozen=True)
 class SkyFrame:
-    """A sky between two.
+    """An interpolated sky.
 
     Attributes
     ----------
     time : float
-        0 the first, 1 the second.
+        0 for the first sky, 1 for the second.
     image : (rows, columns, 3) float32
-        Radiance, the top row at the zenith; column j looks to the longitude (j + 1/2) 360 degrees / columns.
+        Radiance, zenith in the top row; column j shows the longitude (j + 1/2) 360 degrees / columns.
     lamps : tuple of Lamp
-        Where the suns are, and how bright.
+        Positions and brightness of the suns.
     record : dict
-        Figures ready for JSON: lamps, energy, how the glow's transport went.
+        JSON-ready figures: lamps, energy, and the solution of the glow's transport.
     """
 
     time: float
@@ -48,20 +48,20 @@ class SkyFrame:
 
 
 class Skies:
-    """Two skies, prepared once for any time between them.
+    """Two skies, prepared for any time between them.
 
     Parameters
     ----------
     first, second : (rows, columns, 3)
-        Equirectangular pictures of linear radiance, equally large, twice as wide as high; the top row first. The rows
-        must be a multiple of `settings.rows`.
+        Equirectangular pictures of linear radiance, of equal size, twice as wide as high, top row first. The number of
+        rows must be a multiple of `settings.rows`.
     settings : SkySettings
-        How.
+        Settings of the interpolation.
 
     Raises
     ------
     InputError
-        Pictures of other or different sizes, without any light, or with values that are no light.
+        Pictures of invalid or different sizes, without any light, or with invalid values.
     """
 
     def __init__(self, first: ArrayLike, second: ArrayLike, settings: SkySettings | None = None) -> None:
@@ -78,7 +78,7 @@ class Skies:
         self._travels = self._travelling()
 
     def _travelling(self) -> list[GlowTravel]:
-        """Take the glows of suns that become one another out of what stays still."""
+        """Separate the glows of suns that turn into one another from the still part."""
         everything = sum(lamp.flux @ LUMINANCE for lamp in self.lamps[0])
         pairs = [
             move
@@ -106,12 +106,12 @@ class Skies:
         return travels
 
     def frame(self, time: float) -> SkyFrame:
-        """Interpolate at a time in [0, 1]; the ends are the skies themselves.
+        """Interpolate at a time in [0, 1]; the ends return the given skies.
 
         Raises
         ------
         InputError
-            A time beyond the ends, or a glow that is too far from the other for the blur.
+            A time outside [0, 1], or glows too far apart for the blur.
         """
         if not 0 <= time <= 1:
             raise InputError("The time of a sky must lie between 0 and 1.")
@@ -126,7 +126,7 @@ class Skies:
             solved.append(found)
         np.maximum(image, 0.0, out=image)
         lamps = self._lamps_at(time)
-        # Clipping adds light: what is left of the two skies' own is scaled back.
+        # Clipping adds light, so scale the result back to the interpolated total.
         want = sum(w * light_of(own) for w, own in zip((1.0 - time, time), self._ends, strict=True))
         lit = sum((lamp.flux for lamp in lamps), np.zeros(3))
         have = light_of(image)

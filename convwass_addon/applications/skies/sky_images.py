@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the whole sky, equirectangular: made smaller and larger, and discs drawn into them."""
+"""Equirectangular pictures of the whole sky: resizing, integration, and drawing discs."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ...transport.sphere import solid_angles
 
 # Luminance of linear Rec. 709.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-# Points along each side of a pixel at which a disc is tested.
+# Points along each side of a pixel that are tested against a disc.
 _POINTS = 8
 
 
 def shrunk(image: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
-    """Means over blocks by their solid angles, (rows, 2 rows, ...), of a picture whose rows are a multiple of it."""
+    """Means over blocks by solid angle, (rows, 2 rows, ...); the picture's height must be a multiple of `rows`."""
     height, width = image.shape[:2]
     down, across = height // rows, width // (2 * rows)
     rest = image.shape[2:]
@@ -27,7 +27,7 @@ def shrunk(image: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
 
 
 def padded(image: NDArray[np.float64], margin: int) -> NDArray[np.float64]:
-    """Continue a picture, (rows, columns), around and over the poles, half a turn away."""
+    """Pad a picture, (rows, columns), around the seam and across the poles, half a turn away."""
     half = image.shape[1] // 2
     north, south = (np.roll(part[::-1], half, axis=1) for part in (image[:margin], image[-margin:]))
     tall = np.concatenate([north, image, south])
@@ -49,9 +49,9 @@ def light_of(image: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def great_circle(first: NDArray[np.float64], second: NDArray[np.float64], time: float) -> NDArray[np.float64]:
-    """Return the unit vector, (3,), on the great circle from one to another at a time from 0 to 1.
+    """Return the unit vector, (3,), on the great circle between two others at a time from 0 to 1.
 
-    Between opposite ones it goes over the highest point.
+    Between opposite vectors the path passes the highest point.
     """
     angle = 2.0 * np.arctan2(np.linalg.norm(first - second), np.linalg.norm(first + second))
     if angle < 1e-9:
@@ -65,18 +65,18 @@ def great_circle(first: NDArray[np.float64], second: NDArray[np.float64], time: 
 
 
 def add_disc(image: NDArray[np.float64], center: NDArray[np.float64], flux: NDArray[np.float64], radius: float) -> None:
-    """Draw an even disc, its edge smoothed, whose light is exact whatever pixels it falls on.
+    """Add a uniform, antialiased disc whose total light is exact.
 
     Parameters
     ----------
     image : (rows, columns, 3) float64
-        Added to.
+        Modified in place.
     center : (3,) float64
-        Unit vector.
+        Unit vector to the center.
     flux : (3,) float64
         Integral over the sphere per channel.
     radius : float
-        In radians.
+        Angular radius in radians.
     """
     height, width = image.shape[:2]
     theta = np.arccos(np.clip(center[2], -1.0, 1.0))
@@ -91,7 +91,7 @@ def add_disc(image: NDArray[np.float64], center: NDArray[np.float64], flux: NDAr
     inside = (haversine < np.sin(radius / 2) ** 2).reshape(len(rows), _POINTS, width, _POINTS).mean(axis=(1, 3))
     areas = solid_angles(height, width)[rows]
     if not inside.any():
-        # A disc between all the points falls on one pixel.
+        # A disc smaller than the spacing of the test points lights one pixel.
         column = int(azimuth % (2 * np.pi) * width / (2 * np.pi)) % width
         inside[int(np.argmin(np.abs((rows + 0.5) * (np.pi / height) - theta))), column] = 1.0
     image[rows] += (inside / (inside * areas).sum())[..., None] * flux

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How skies are interpolated."""
+"""Settings for interpolating skies."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ...schema import Settings, setting
 
 @dataclass(frozen=True)
 class SkySettings(Settings):
-    """How skies are interpolated."""
+    """Settings for interpolating skies."""
 
     near: float = setting(
         20.0,
         "Glow",
-        "Angle around a sun within which all that is brighter than the other sky goes along with it",
+        "Angle around a sun within which everything brighter than the other sky moves with it",
         least=1.0,
         most=170.0,
         soft_most=60.0,
@@ -28,7 +28,7 @@ class SkySettings(Settings):
     far: float = setting(
         60.0,
         "Fade Out",
-        "Angle around a sun from which on nothing goes along with it",
+        "Angle around a sun beyond which nothing moves with it",
         least=2.0,
         most=180.0,
         soft_most=120.0,
@@ -39,7 +39,7 @@ class SkySettings(Settings):
     least_share: float = setting(
         0.01,
         "Least Share",
-        "Share of all light that a lamp must have to move; smaller ones fade in place",
+        "Share of all light that a lamp must have to move; fainter ones fade in place",
         least=0.0,
         most=0.99,
         soft_most=0.1,
@@ -77,14 +77,20 @@ class SkySettings(Settings):
     brightness: float = setting(
         20.0,
         "Brightness",
-        "How many times brighter than its surroundings the sun is, or a lamp",
+        "How many times brighter than its surroundings a sun or lamp must be",
         least=1.0,
         open_ends=True,
         prop=None,
         option=None,
     )
     most_lamps: int = setting(
-        8, "Most Lamps", "How many lamps are moved, the brightest ones", least=0, most=64, prop=None, option=None
+        8,
+        "Most Lamps",
+        "Largest number of lamps that move, the brightest first",
+        least=0,
+        most=64,
+        prop=None,
+        option=None,
     )
     tolerance: float = setting(
         3e-3,
@@ -98,19 +104,19 @@ class SkySettings(Settings):
     )
 
     def __post_init__(self) -> None:
-        """Refuse settings that make no sense.
+        """Refuse invalid settings.
 
         Raises
         ------
         InputError
-            With the name of the setting and what it must be.
+            The message names the setting and its valid values.
         """
         super().__post_init__()
         if self.rows not in (16, 32, 64, 128):
             raise InputError("The glow must travel on 16, 32, 64 or 128 rows.")
         if self.sigma > self.rows:
             raise InputError(
-                "A blur of {sigma:g} rows is more than there are: {rows}.", sigma=self.sigma, rows=self.rows
+                "A blur of {sigma:g} rows exceeds the number of rows, {rows}.", sigma=self.sigma, rows=self.rows
             )
         if not self.near < self.far:
-            raise InputError("The glow must end between where it is whole and 180 degrees.")
+            raise InputError("The glow must end between the angle where it is whole and 180 degrees.")

@@ -101,7 +101,7 @@ def read_table_exr(path: Path) -> LobeTable:
     """
     file = whole_path(path)
     if not holds_whole_table(file):
-        raise InputError("{name} is no table of lobes.", name=file.name)
+        raise InputError("{name} is not a table of lobes.", name=file.name)
     return table_of_picture(_read_exr(file)[::-1], file.name)
 
 
@@ -117,10 +117,10 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
     size = exr_size(file)
     steps = size.height // HEIGHT
     if size.width != WIDTH or size.height != steps * HEIGHT or not 1 <= steps <= _MOST_STEPS:
-        raise InputError("{name} is no table of lobes.", name=file.name)
+        raise InputError("{name} is not a table of lobes.", name=file.name)
     values = _read_exr(file).reshape(steps, HEIGHT, WIDTH, 3)
     if not np.isfinite(values).all() or values.min() < 0 or values.max() > _LARGEST:
-        raise InputError("{name} has values that no table of lobes has.", name=file.name)
+        raise InputError("{name} has values that are invalid for a table of lobes.", name=file.name)
     return list(values)
 
 
@@ -130,7 +130,7 @@ def _read_exr(file: Path) -> NDArray[np.float32]:
         image.colorspace_settings.name = "Non-Color"
         width, height = image.size
         if not image.is_float or len(image.pixels) != width * height * image.channels or image.channels < 3:
-            raise InputError("{name} is no table of lobes.", name=file.name)
+            raise InputError("{name} is not a table of lobes.", name=file.name)
         values = np.empty(width * height * image.channels, dtype=np.float32)
         image.pixels.foreach_get(values)
         return values.reshape(height, width, -1)[..., :3]
