@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the system refuses, as errors that say so to the user."""
+"""Convert system errors to errors for the user."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from ..errors import ConvwassError, ResourceError
 
 
 def error_to_tell(error: BaseException) -> ConvwassError | None:
-    """Return an error as one that can be told to the user; None for what is a defect, or none of their business.
+    """Return an error as one that can be shown to the user; None for defects and irrelevant errors.
 
-    Disks that are full, folders that vanish and memory that does not suffice may be met anywhere.
+    Full disks, missing folders and insufficient memory can occur anywhere.
     """
     if isinstance(error, ConvwassError):
         return error

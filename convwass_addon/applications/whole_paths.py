@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paths as people write them: whole ones, or a message that says what is wrong with them."""
+"""Resolve paths entered by users, or explain what is wrong with them."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ from pathlib import Path
 
 from ..errors import InputError
 
-# Of a path that is refused for being too long, the beginning will do.
+# Overlong paths are truncated to this many characters in messages.
 _SHOWN = 200
 
 
 def whole_path(path: str | Path) -> Path:
-    """Return the absolute path that is meant, with a user's folder in the place of ``~``.
+    """Return the absolute form of a path, with ``~`` replaced by the home folder.
 
-    Whether there is anything is not looked at, only whether there could be: the path may then be asked for its parents
-    and for what is there.
+    Only checks that such a path can exist, not that it does, so that later queries about it or its parents do not fail.
 
     Raises
     ------
     InputError
-        A path that no file of this system can have: too long, with a user who is unknown, or in a circle of links.
+        A path that cannot exist on this system: too long, with an unknown user, or with circular links.
     """
     try:
         whole = Path(path).expanduser().absolute()
@@ -36,12 +35,12 @@ def whole_path(path: str | Path) -> Path:
 
 
 def path_with_suffix(path: str | Path, suffix: str) -> Path:
-    """Return a path that ends in `suffix`, such as ``.blend``, instead of what it ends in.
+    """Return a path with its suffix replaced, for example by ``.blend``.
 
     Raises
     ------
     InputError
-        It names no file, such as ``.`` or ``/``.
+        A path without a file name, such as ``.`` or ``/``.
     """
     try:
         return Path(path).with_suffix(suffix)
@@ -50,18 +49,18 @@ def path_with_suffix(path: str | Path, suffix: str) -> Path:
 
 
 def share_a_place(paths: Iterable[Path], others: Iterable[Path]) -> bool:
-    """Tell whether one of some paths leads to where one of the others does.
+    """Return whether any of some paths refers to the same file as any of the others.
 
-    Dots, links and, where the system makes no difference, small letters do not hide it.
+    Resolves dots, links and, on case-insensitive systems, case.
     """
     return not {_place(path) for path in paths}.isdisjoint({_place(path) for path in others})
 
 
 def _place(path: Path) -> object:
-    """Return what the system knows a file or a folder by, or a path without links to what is not there yet."""
+    """Return a path's file identity, or the resolved path if it does not exist yet."""
     with suppress(OSError):
         status = os.stat(path)
-        # Some file systems number nothing.
+        # Some file systems have no inode numbers.
         if status.st_ino:
             return status.st_dev, status.st_ino
     return os.path.normcase(os.path.realpath(path))

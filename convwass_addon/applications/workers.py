@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Threads that compute frames side by side, and one thread of BLAS in each."""
+"""Worker threads for computing frames in parallel, with one BLAS thread each."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ T = TypeVar("T")
 
 @contextmanager
 def frame_workers(count: int | None = None) -> Iterator[Executor]:
-    """Provide threads for frames; BLAS gets one thread in each, with which it does twice as much for its CPU time.
+    """Provide worker threads for frames, with one BLAS thread each, which doubles the throughput per CPU time.
 
-    Where threads of BLAS wait for each other on a machine that has other work, the same products take several times
-    longer than on one thread.
+    On a machine with other work, BLAS threads that wait for each other make the same products several times slower than
+    on one thread.
 
     Parameters
     ----------
     count : int, optional
-        Threads; by default one per processor.
+        Number of threads; by default one per processor.
 
     Yields
     ------
     concurrent.futures.Executor
-        Ends with the context; runs that have not begun are dropped.
+        Shut down with the context; calls that have not started are dropped.
     """
     with ExitStack() as stack:
         stack.enter_context(one_blas_thread())
@@ -43,12 +43,12 @@ def frame_workers(count: int | None = None) -> Iterator[Executor]:
 
 
 def both_ways(work: Callable[[int], T]) -> tuple[T, T]:
-    """Do the same from the first to the second of two things and back, at the same time; return both results.
+    """Run work for both directions between two things in parallel; return both results.
 
     Parameters
     ----------
     work : callable
-        Called with 0 in this thread and with 1 in another. Where one fails, the other is waited for.
+        Called with 0 in this thread and with 1 in another. If one fails, the other is awaited.
     """
     with ThreadPoolExecutor(1, thread_name_prefix="convwass") as executor:
         other = executor.submit(work, 1)
@@ -56,7 +56,7 @@ def both_ways(work: Callable[[int], T]) -> tuple[T, T]:
 
 
 class _BlasLimit:
-    """A limit that holds while anybody in the process wants it: the last to leave lifts it, not the first."""
+    """A process-wide limit with a user count: the last user to leave lifts it."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -66,7 +66,7 @@ class _BlasLimit:
         self._modules = 0
 
     def enter(self) -> None:
-        """Limit BLAS, where threadpoolctl is there to do it."""
+        """Limit BLAS, if threadpoolctl is installed."""
         with self._lock:
             if self._users == 0:
                 libraries = self._libraries()
@@ -75,10 +75,10 @@ class _BlasLimit:
             self._users += 1
 
     def _libraries(self) -> ThreadpoolController | None:
-        """Return the libraries of BLAS in this process; None without threadpoolctl.
+        """Return the BLAS libraries in this process; None without threadpoolctl.
 
-        In a Blender it takes 3 ms to find them. Others come only with a module, so they are looked for again where one
-        has been imported.
+        Finding them takes 3 ms in Blender. New ones only come with imports, so the search is repeated if the number of
+        imported modules has changed.
         """
         if self._modules != len(sys.modules):
             try:
@@ -89,7 +89,7 @@ class _BlasLimit:
         return self._found
 
     def leave(self) -> None:
-        """Let BLAS be as it was, unless others still want it limited."""
+        """Lift the limit unless others still need it."""
         with self._lock:
             self._users -= 1
             if self._users == 0:
@@ -101,7 +101,7 @@ _blas = _BlasLimit()
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Limit BLAS in this process to one thread, also where several threads enter and leave in any order."""
+    """Limit BLAS in this process to one thread; threads may enter and leave in any order."""
     _blas.enter()
     try:
         yield

@@ -217,7 +217,7 @@ def test_bad_materials_and_settings_are_refused(make):
 
 def test_what_cannot_be_looked_up_is_refused():
     grain = tabulated(Ggx(0.4, 0.1), incoming_directions(2, 2), 8)
-    with pytest.raises(InputError, match="grain"):
+    with pytest.raises(InputError, match="anisotropic"):
         half_angle_table(grain)
     with pytest.raises(InputError, match="other directions"):
         LobeBlend([grain, tabulated(Ggx(0.4, 0.1), incoming_directions(3, 2), 8)], QUICK)

@@ -80,7 +80,7 @@ def test_headers_that_promise_more_are_refused(table, tmp_path):
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in members.items():
             archive.writestr(name, content)
-    with pytest.raises(InputError, match="no table of lobes"):
+    with pytest.raises(InputError, match="not a table of lobes"):
         read_table(path)
 
 

@@ -93,7 +93,7 @@ def test_pieces_without_points_get_no_place():
     np.testing.assert_allclose(found.uvs[: len(TUBE.faces)], TUBE_UVS, atol=1e-6)
     assert not found.uvs[len(TUBE.faces) :].any()
     assert [str(notice) for notice in found.notices] == [
-        "768 triangles have no counterpart and got no place in the UV map."
+        "768 triangles have no counterpart and are missing from the UV map."
     ]
 
 

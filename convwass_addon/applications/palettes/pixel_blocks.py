@@ -81,11 +81,11 @@ def recolored_blocks(
     """
     # With a mask or filter, the result for a color depends on its place.
     is_the_same_everywhere = mask is None and not _radius(change)
-    way = _by_distinct_colors if pixel_format.levels == LEVELS and is_the_same_everywhere else _by_pixels
+    recolor = _by_distinct_colors if pixel_format.levels == LEVELS and is_the_same_everywhere else _by_pixels
     threads = workers or os.cpu_count() or 1
     with frame_workers(threads) as executor:
-        crew = _Crew(executor, threads, control)
-        yield from way(_Task(pixels, pixel_format, change, mask, out), crew)
+        pool = _Pool(executor, threads, control)
+        yield from recolor(_Task(pixels, pixel_format, change, mask, out), pool)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class _Task:
 
 
 @dataclass(frozen=True)
-class _Crew:
+class _Pool:
     """The threads and the control that stops them."""
 
     executor: Executor
@@ -120,7 +120,7 @@ class _Crew:
             yield Progress(begun + (ended - begun) * done / len(blocks), Sentence("Recoloring"))
 
 
-def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Work[None]:
+def _by_pixels(task: _Task, pool: _Pool, begun: float = 0.0) -> Work[None]:
     """Recolor every pixel separately."""
 
     def work(block: Block) -> None:
@@ -128,10 +128,10 @@ def _by_pixels(task: _Task, crew: _Crew, begun: float = 0.0) -> Work[None]:
         out = task.out[block.first : block.last]
         recolor_rows(task.pixels[block.seen], task.pixel_format, task.change, part, block.own, out)
 
-    yield from crew.run(work, _blocks(task.pixels.shape, 2 * _radius(task.change)), begun, 1.0)
+    yield from pool.run(work, _blocks(task.pixels.shape, 2 * _radius(task.change)), begun, 1.0)
 
 
-def _by_distinct_colors(task: _Task, crew: _Crew) -> Work[None]:
+def _by_distinct_colors(task: _Task, pool: _Pool) -> Work[None]:
     """Recolor every distinct color once, and assign it to all of its pixels."""
     shape = task.pixels.shape
     present, keys = present_flags(), np.empty(shape[:2], dtype=np.uint32)
@@ -140,14 +140,14 @@ def _by_distinct_colors(task: _Task, crew: _Crew) -> Work[None]:
         keys[block.seen] = color_keys(task.pixels[block.seen])
         present[keys[block.seen]] = True
 
-    yield from crew.run(note, _blocks(shape, 0), 0.0, _NOTED)
+    yield from pool.run(note, _blocks(shape, 0), 0.0, _NOTED)
     if np.count_nonzero(present) > _FEW * keys.size:
-        yield from _by_pixels(task, crew, _NOTED)
+        yield from _by_pixels(task, pool, _NOTED)
         return
     colors = distinct_colors(present)
     found = np.empty_like(colors.pixels)
     rows = [colors.pixels.reshape(-1, 1, 4), found.reshape(-1, 1, 4)]
-    yield from crew.run(
+    yield from pool.run(
         lambda block: recolor_rows(
             rows[0][block.seen], task.pixel_format, task.change, None, block.own, rows[1][block.seen]
         ),
@@ -165,7 +165,7 @@ def _by_distinct_colors(task: _Task, crew: _Crew) -> Work[None]:
             new[clear] = old[clear]
         task.out[block.seen] = new
 
-    yield from crew.run(give, _blocks(shape, 0), _CHANGED, 1.0)
+    yield from pool.run(give, _blocks(shape, 0), _CHANGED, 1.0)
 
 
 def _radius(change: Recoloring | LookupTable) -> int:

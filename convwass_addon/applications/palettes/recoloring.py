@@ -77,7 +77,7 @@ class Recoloring:
         moved = lab + shifts
         lowest = np.minimum(linear, 0.0)
         if self.settings.gamut == "chroma":
-            _grow_pale(moved, lowest, highest)
+            _reduce_chroma(moved, lowest, highest)
         found = np.clip(linear_of_lab(moved), lowest, highest)
         return np.where((np.abs(shifts) <= _NOTHING).all(axis=0), linear, found)
 
@@ -158,7 +158,7 @@ def _checked_weights(count: int, weights: Sequence[float] | None) -> NDArray[np.
     return alphas / alphas.sum()
 
 
-def _grow_pale(lab: NDArray[np.floating], lowest: NDArray[np.floating], highest: float) -> None:
+def _reduce_chroma(lab: NDArray[np.floating], lowest: NDArray[np.floating], highest: float) -> None:
     """Reduce the chroma of colors outside the gamut until they can be displayed; L is kept, clipped to the gamut's."""
     if np.isfinite(highest):
         np.clip(lab[0], 0.0, 100.0, out=lab[0])

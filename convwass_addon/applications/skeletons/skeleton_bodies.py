@@ -111,7 +111,7 @@ def skeleton_body(
     control.check()
     found = topology(outward, use if outward is joined else None)
     control.check()
-    if found.closed and _hangs_together(outward, use) and not thickness > 0 and outward.volume > 0:
+    if found.closed and _is_connected(outward, use) and not thickness > 0 and outward.volume > 0:
         sized = _sized(outward, control)
         if sized is not None:
             surface, made = sized
@@ -119,7 +119,7 @@ def skeleton_body(
     return _solid_body(outward, pins, names, thickness, control)
 
 
-def _hangs_together(mesh: TriangleMesh, use: EdgeUse) -> bool:
+def _is_connected(mesh: TriangleMesh, use: EdgeUse) -> bool:
     """Return whether all triangles are connected across edges; heat does not flow through a shared vertex.
 
     The edge use is independent of the orientation of faces.

@@ -80,7 +80,7 @@ class _Way:
         curve = places.curve(first, last)
         positions[first], positions[last] = curve[0], curve[-1]
         for share in (*_EVENING, 0.0):
-            joints = self._along(_evened(curve, share))
+            joints = self._along(_smoothed_path(curve, share))
             if inside.contains(joints).all():
                 break
         positions[self.joints[1:-1]] = joints
@@ -161,7 +161,7 @@ def _with_pins(balls: InnerBalls, pins: NDArray[np.float64]) -> csr_array:
     return coo_array(entries, shape=(size, size)).tocsr()
 
 
-def _evened(way: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+def _smoothed_path(way: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Smooth a path from ball to ball over a fraction of its length, keeping its ends."""
     gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
     if not (gone[-1] > 0 and share > 0):

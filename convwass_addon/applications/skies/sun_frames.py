@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies as the sun sees them: frames that go along with it, and pictures read in any direction."""
+"""Frames that move with the sun, and sampling of sky pictures in any direction."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from scipy.ndimage import map_coordinates
 
 from .sky_images import great_circle, padded
 
-# Two suns more than this aslant to each other are not turned upright on the way: the way leads by the zenith.
+# If the paths' frames differ by a larger twist, they are not rotated upright, because the path passes the zenith.
 _MOST_TWIST = np.pi / 2
 
 
 @dataclass(frozen=True)
 class SunWay:
-    """The way of a sun, with a frame that goes along: X to the sun, Z up, and so at both ends.
+    """The path of a sun with a moving frame, whose X axis points to the sun and whose Z axis is upright at both ends.
 
     Attributes
     ----------
     first, second : (3,) float64
-        Unit vectors to the sun at both ends.
+        Unit vectors to the sun at the two ends.
     twist : float
-        Angle in radians by which a frame that is merely carried along arrives aslant.
+        Angle in radians between the parallel-transported frame and the upright one at the second end.
     """
 
     first: NDArray[np.float64]
@@ -34,7 +34,7 @@ class SunWay:
 
     @classmethod
     def between(cls, first: NDArray[np.float64], second: NDArray[np.float64]) -> SunWay:
-        """Make the way along the great circle; where it turns a frame over, the frame stays as it is carried."""
+        """Create the path along the great circle; without twist where that would turn the frame over."""
         carried = cls(first, second, 0.0).frame(1.0)
         y, z = carried[:, 1:].T
         up = _upright(second)[:, 2]
@@ -43,25 +43,25 @@ class SunWay:
 
     def frame(self, time: float) -> NDArray[np.float64]:
         """Return the axes at a time in [0, 1] as the columns of a matrix, (3, 3)."""
-        # In two halves, neither of which leads to the opposite side.
+        # Split in two halves, because transport to the opposite direction is undefined.
         middle, place = (great_circle(self.first, self.second, part) for part in (0.5 * time, time))
-        x, y, z = (_carried(_carried(axis, self.first, middle), middle, place) for axis in _upright(self.first).T)
+        x, y, z = (_rotated(_rotated(axis, self.first, middle), middle, place) for axis in _upright(self.first).T)
         cosine, sine = np.cos(time * self.twist), np.sin(time * self.twist)
         return np.stack([x, cosine * y + sine * z, cosine * z - sine * y], axis=1)
 
 
 def _upright(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Axes with X in a direction and Z up as far as may be, as columns."""
+    """Axes, as columns, with X in the given direction and Z as close to upright as possible."""
     up = np.array([0.0, 0.0, 1.0]) if abs(direction[2]) < 1.0 - 1e-9 else np.array([1.0, 0.0, 0.0])
     z = up - (up @ direction) * direction
     z /= np.linalg.norm(z)
     return np.stack([direction, np.cross(z, direction), z], axis=1)
 
 
-def _carried(axis: NDArray[np.float64], first: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turn an axis by the turn that takes one unit vector to another the short way.
+def _rotated(axis: NDArray[np.float64], first: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotate an axis by the shortest rotation from one unit vector to another.
 
-    Two mirrors, one across `first` and one across the middle of both, are that turn.
+    That rotation consists of two reflections, in the planes normal to `first` and to the bisector of both.
     """
     middle = first + place
     mirrored = axis - 2.0 * (axis @ first) * first
@@ -69,7 +69,7 @@ def _carried(axis: NDArray[np.float64], first: NDArray[np.float64], place: NDArr
 
 
 def seen_in(image: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Read a picture, (rows, 2 rows, channels), in any directions, (..., 3), linearly between its pixels."""
+    """Sample a picture, (rows, 2 rows, channels), in any directions, (..., 3), with linear interpolation."""
     rows, columns = image.shape[:2]
     theta = np.arctan2(np.hypot(vectors[..., 0], vectors[..., 1]), vectors[..., 2])
     phi = np.arctan2(vectors[..., 1], vectors[..., 0]) % (2.0 * np.pi)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shines around a sun: taken out of the sky, with the light that the ground close to the horizon has of it."""
+"""Separate the glow around suns from a sky, together with its reflection on the ground near the horizon."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .lamps import Lamp
 from .sky_images import LUMINANCE
 from .sky_settings import SkySettings
 
-# Chosen by eye; tests/applications/test_sun_glow.py holds what they are for.
-# Air is brighter towards the horizon: up to so many times, smoothed over so many degrees.
+# Chosen by eye; tests/applications/test_sun_glow.py tests what they achieve.
+# Air is brighter towards the horizon: largest factor, and smoothing in degrees.
 _MOST_HAZE, _HAZE_DEGREES = 8.0, 0.7
-# The ground goes along with the glow above it where that is at least this share of its brightest, as much as all but
-# this percentage of its pixels do, and less and less down to so many degrees.
+# The reflectance of the ground is measured where the glow above it is at least this fraction of its brightest, as this
+# percentile of the pixels, and fades out to this many degrees below the horizon.
 _REFLECTING_SHARE, _REFLECTING_PERCENT, _DEEPEST = 0.2, 10.0, 20.0
 
 
@@ -33,11 +33,11 @@ class Glow:
     light : (rows, columns, 3) float64
         Radiance above the horizon; 0 below.
     ground : (rows, columns, 3) float64
-        What of the ground goes along with it; 0 above the horizon.
+        Light on the ground that moves with the glow; 0 above the horizon.
     reflected : (rows, 3) float64
-        Share that the ground has of the glow right above it: 0 above the horizon.
+        Ground light as a fraction of the glow right above it; 0 above the horizon.
     haze : (rows,) float64
-        How much brighter than halfway up the sky is at every height; 1 at least.
+        Brightness of the sky at every height relative to its median; at least 1.
     """
 
     light: NDArray[np.float64]
@@ -46,28 +46,28 @@ class Glow:
     haze: NDArray[np.float64]
 
     def times(self, share: float) -> Glow:
-        """Return a share of it."""
+        """Return a fraction of the glow."""
         return replace(self, light=share * self.light, ground=share * self.ground)
 
 
 def split_glows(
     rests: Sequence[NDArray[np.float64]], suns: Sequence[Sequence[Lamp]], settings: SkySettings
 ) -> list[list[Glow]]:
-    """Find what each sky has more than the other around its suns.
+    """Find what each sky has in excess of the other around its suns.
 
     Parameters
     ----------
     rests : two (rows, columns, 3) arrays
         Skies without their suns.
     suns : two sequences of Lamp
-        Those of each. What lies between several is divided.
+        Suns of each sky. Light between several suns is divided.
     settings : SkySettings
-        How far glows reach.
+        Angular extent of the glows.
 
     Returns
     -------
     list of list of Glow
-        For either sky one for every sun.
+        For each sky, one glow per sun.
     """
     height = len(rests[0])
     medians = [float(np.median((rest @ LUMINANCE)[: height // 2])) for rest in rests]
@@ -92,14 +92,14 @@ def _windows(suns: Sequence[Lamp], height: int, settings: SkySettings) -> NDArra
 
 
 def reflecting(light: NDArray[np.float64], reflected: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the light, (rows, columns, 3), that the ground below a glow has of it; see :class:`Glow`."""
+    """Return the light of the ground below a glow, (rows, columns, 3); see :class:`Glow`."""
     return reflected[:, None] * light[horizon(len(light)) - 1]
 
 
 def horizon(rows: int) -> int:
-    """Return the first row whose middle is not above the horizon.
+    """Return the first row whose center is not above the horizon.
 
-    There is no ramp: of a thin band at the horizon whatever does not travel would stay behind as a bright line.
+    A gradual transition would leave a bright line at the horizon, because part of the band there would not move.
     """
     return rows // 2
 
@@ -107,7 +107,7 @@ def horizon(rows: int) -> int:
 def _glow(
     excess: NDArray[np.float64], window: NDArray[np.float64], part: NDArray[np.float64], haze: NDArray[np.float64]
 ) -> Glow:
-    """Take out of the excess what is in a window, and of the ground, where `part` of it has to do with this sun."""
+    """Extract the excess in a window, and the ground light, of which the fraction `part` belongs to this sun."""
     start = horizon(len(excess))
     light = excess * window[..., None]
     light[start:] = 0.0
@@ -118,9 +118,9 @@ def _glow(
 def _reflected(
     above: NDArray[np.float64], excess: NDArray[np.float64], part: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the share that ground has of the glow above it, (rows, 3), where the upper rows are sky.
+    """Return the ground light as a fraction of the glow above it, (rows, 3), with zero rows for the sky.
 
-    What ground far from the sun has more than that of the other sky is no reflection.
+    Ground far from the sun that is brighter than in the other sky is not a reflection, so its median is subtracted.
     """
     rows = len(excess)
     reflected = np.zeros((2 * rows, 3))
@@ -140,7 +140,7 @@ def _reflected(
 
 
 def _haze(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the median of every row over that of the whole sky; below the horizon as right above it."""
+    """Return the median of every row relative to that of the whole sky; below the horizon, the value just above it."""
     rows = len(rest)
     start = horizon(rows)
     luminance = rest[:start] @ LUMINANCE
@@ -152,6 +152,6 @@ def _haze(rest: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _smooth(share: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Go from 0 to 1 smoothly while the share does."""
+    """Smoothstep from 0 to 1."""
     inside = np.clip(share, 0.0, 1.0)
     return inside * inside * (3.0 - 2.0 * inside)

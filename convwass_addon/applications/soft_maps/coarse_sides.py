@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes of about a thousand vertices that stand for the ones that a soft map is wanted for."""
+"""Coarse meshes of about a thousand vertices, on which soft maps are solved."""
 
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ from ...progress import UNINTERRUPTED, Control
 from .map_sides import MapSide
 from .surface_maps import VertexInterpolation
 
-# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
-# A mesh with up to so many times the wanted vertices is taken as it is: a coarser one would be worse for little.
+# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# A mesh with up to this multiple of the target vertices is used directly, since coarsening would gain little.
 _NEAR_ENOUGH = 1.3
-# A coarser mesh has at most this share of the vertices.
+# Largest fraction of the vertices in a coarser mesh.
 _LARGEST_SHARE = 0.45
-# Where thin parts need more vertices than are wanted, up to so many are taken.
+# Upper limit if thin parts need more vertices than requested.
 _MOST_VERTICES = 4000
 
 
 @dataclass(frozen=True)
 class CoarseSide:
-    """A mesh that stands for a finer one.
+    """A coarse mesh that represents a finer one.
 
     Attributes
     ----------
     side : MapSide
-        The coarser mesh with the groups of the finer one. All its vertices are used.
+        The coarse mesh with the groups of the finer one. All its vertices are used.
     vertices : (c,) int64
-        The vertices of the finer mesh that they are.
+        Index in the finer mesh of every coarse vertex.
     interpolation : VertexInterpolation
-        The finer mesh's vertices as means of them.
+        The finer mesh's vertices as weighted means of coarse ones.
     masses : (c,) float64
-        The share of the finer mesh's area that each stands for, of sum 1.
+        Fraction of the finer mesh's area that each coarse vertex represents, of sum 1.
     centers : (c, 3) float64
-        Where on average that share lies.
+        Centroids of these areas.
     normals : (c, 3) float64
-        Its mean normal, shorter where the surface bends.
+        Mean normals of these areas, shorter where the surface bends.
     """
 
     side: MapSide
@@ -56,20 +56,20 @@ class CoarseSide:
     normals: NDArray[np.float64]
 
     def places(self, fine: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the coarse vertices, (k,), that some of the finer mesh's, (k,), are."""
+        """Return the coarse vertices, (k,), for vertices of the finer mesh, (k,), that were kept."""
         order = np.argsort(self.vertices)
         return order[np.searchsorted(self.vertices[order], fine)]
 
 
 def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Control = UNINTERRUPTED) -> CoarseSide:
-    """Return a coarser mesh of about `count` vertices, some of the finer one's, `kept` (k,), among them.
+    """Return a coarse mesh of about `count` vertices that includes the vertices `kept`, (k,), of the finer one.
 
-    Cancelling `control` ends the work.
+    Cancelling `control` stops the work.
 
     Raises
     ------
     InputError
-        The mesh has no area, or has no coarser one that could be solved on.
+        The mesh has no area, or cannot be coarsened enough.
     """
     mesh = side.mesh
     areas = mesh.vertex_areas
@@ -96,7 +96,7 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Con
 
 
 def _as_it_is(side: MapSide, used: NDArray[np.int64], areas: NDArray[np.float64]) -> CoarseSide:
-    """Take the part of a mesh that triangles use."""
+    """Use the part of a mesh that triangles use, without coarsening."""
     place = np.zeros(len(areas), np.int32)
     place[used] = np.arange(len(used))
     shares = np.zeros((len(areas), 3), np.float32)
@@ -125,7 +125,7 @@ def _of(
     )
     gather = entries.T.tocsr()
     masses = gather @ areas
-    # Vertices without area in a mesh that has some still want a place and weights.
+    # Vertices without area still need a position and weights.
     safe = np.where(masses > 0, masses, 1.0)[:, None]
     centers = np.where(masses[:, None] > 0, gather @ (areas[:, None] * side.mesh.vertices) / safe, mesh.vertices)
     normals = gather @ area_normals(side.mesh.vertices, side.mesh.faces) / safe
@@ -139,7 +139,7 @@ def _of(
 
 
 def _interpolation(prolongation: csr_array) -> VertexInterpolation:
-    """Write a matrix of up to three entries a row as two arrays."""
+    """Convert a matrix with up to three entries per row to two arrays."""
     counts = np.diff(prolongation.indptr)
     rows = np.repeat(np.arange(len(counts)), counts)
     places = np.arange(len(rows)) - np.repeat(prolongation.indptr[:-1], counts)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well each point of one surface goes with each of another: what a soft map is told besides to be smooth.
+"""Compatibility of points on two surfaces: the data term of a soft map.
 
-Signatures and distances to the marked pairs give a first guess; one surface is then laid over the other, from there or
-from the pairs alone, and what comes to lie on what counts most.
+Signatures and distances to the marked pairs give an initial guess. One surface is then registered to the other,
+starting from the guess or from the pairs alone, and the resulting correspondence dominates the compatibility.
 """
 
 from __future__ import annotations
@@ -23,27 +23,27 @@ from .registered_maps import Overlay, overlaid
 from .shape_descriptors import ShapeDescriptors, differences, shape_descriptors
 from .soft_map_settings import SoftMapSettings
 
-# The square of a distance from the match counts so much, in sizes of the surface (the square root of its area), and
-# nothing counts more than 1, which that of 0.16 does. Steeper ones are worse (docs/performance.md, "Soft maps").
+# Weight of the squared distance from the match, relative to the size of the surface (the square root of its area). The
+# cost is limited to 1, reached at a distance of 0.16. Steeper costs are worse (docs/performance.md, "Soft maps").
 _STEEPNESS = 40.0
-# The same for the first guess, where matches are rougher; farther ways than 0.32 are never needed.
+# The same for the initial guess, where matches are less precise; distances beyond 0.32 are not needed.
 _ROUGH_STEEPNESS = 10.0
-# Weight of descriptor differences relative to the match: in the first guess, and in the end.
+# Weights of the descriptors relative to the match, in the guess and in the result.
 _DESCRIPTORS_IN_GUESS, _DESCRIPTORS = 0.3, 0.1
-# What a painted group counts that covers a point of one surface fully and one of the other not at all.
+# Cost of a painted group that covers a point of one surface fully and one of the other not at all.
 _GROUP = 0.5
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What is known of two surfaces before a soft map between them is solved.
+    """What is known about two surfaces before their soft map is solved.
 
     Attributes
     ----------
     costs : (n0, n1) float32
-        c(x, y) of the soft map: small where x and y go together.
+        c(x, y) of the soft map: small where x and y correspond.
     overlay : Overlay
-        The source laid over the target.
+        The registration of the source to the target.
     """
 
     costs: NDArray[np.float32]
@@ -65,11 +65,11 @@ def comparison(
     Parameters
     ----------
     source, target : MapSide
-        Meshes with some area, in any units. Groups of equal names tell points apart.
+        Meshes with some area, in any units. Groups with equal names distinguish points.
     pairs : (k, 2) int
-        Vertices of the two that belong together; none are allowed.
+        Corresponding vertices, possibly none.
     settings : SoftMapSettings, optional
-        Its group_weight is used.
+        Only its group_weight is used.
 
     Raises
     ------
@@ -99,17 +99,17 @@ def _spectral(source: ShapeDescriptors, target: ShapeDescriptors) -> NDArray[np.
 
 
 def _guess(target: UnitShape, costs: NDArray[np.float32], away: NDArray[np.float32]) -> NDArray[np.int64]:
-    """Return a vertex of the target for each of the source's that looks like it, not far `away` from its match."""
+    """Return for every source vertex a similar target vertex close to its match, given the distances `away`."""
     total = _cost_of_distance(away, _ROUGH_STEEPNESS) + np.float32(_DESCRIPTORS_IN_GUESS) * costs
     total[:, target.areas <= 0] = np.inf
     return total.argmin(axis=1)
 
 
 def _distances_to(images: ClosestPoints, target: UnitShape, between: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return how far every vertex of the target is from the image of each of the source's, (n0, n1).
+    """Return the distance of every target vertex from the image of every source vertex, (n0, n1).
 
-    With shares b of a triangle's corners v, |p - y|^2 = sum b |v - y|^2 - sum b |v - p|^2 in the plane. Distances
-    between vertices, (n1, n1), may end somewhere.
+    For an image p with weights b on a triangle's corners v, |p - y|^2 = sum b |v - y|^2 - sum b |v - p|^2 in the plane.
+    Distances between vertices, (n1, n1), may be clipped.
     """
     corners = target.mesh.faces[images.triangles]
     points = np.einsum("nc,ncd->nd", images.shares, target.vertices[corners])
@@ -125,7 +125,7 @@ def _cost_of_distance(distances: NDArray[np.float32], steepness: float) -> NDArr
 
 
 def _common_groups(source: MapSide, target: MapSide) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the weights of the groups whose names both sides have, (g, n0) and (g, n1)."""
+    """Return the weights of the groups that both sides have, by name, (g, n0) and (g, n1)."""
     names = sorted(set(source.groups) & set(target.groups))
     sides = []
     for side in (source, target):
@@ -135,7 +135,7 @@ def _common_groups(source: MapSide, target: MapSide) -> tuple[NDArray[np.float64
 
 
 def _group_costs(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return what painted groups say, (n0, n1)."""
+    """Return the costs of differences in painted groups, (n0, n1)."""
     costs = np.zeros((source.shape[1], target.shape[1]), np.float32)
     for here, there in zip(source.astype(np.float32), target.astype(np.float32), strict=True):
         costs += np.abs(here[:, None] - there)

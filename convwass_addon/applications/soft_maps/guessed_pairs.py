@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs for pieces that nobody has marked, such as eyes and teeth, from how the map turns what lies around them."""
+"""Guess pairs for components without marked ones, such as eyes and teeth, from the rotation of their surroundings."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from .map_pieces import PieceMatch
 from .map_sides import MapSide
 from .surface_maps import PointMap
 
-# Pairs that a piece gets, and vertices around it that say how it is turned.
+# Number of guessed pairs, and of surrounding vertices that determine the rotation.
 _PAIRS, _AROUND = 8, 300
 
 
 def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: PointMap) -> NDArray[np.int64]:
-    """Return pairs of vertices, (k, 2), for two pieces that belong together.
+    """Return corresponding vertices, (k, 2), of two matched components.
 
-    One is turned as the map turns the nearest vertices that have a point, and laid over the other; vertices far from
-    each other are paired with those that they come to lie on. None where nothing has a point yet.
+    One component is rotated like the nearest vertices with known images, and aligned to the other; a few vertices far
+    from each other are paired with their nearest neighbors. Returns no pairs while nothing is known nearby.
 
     Parameters
     ----------
     source, target : MapSide
-        The whole sides.
+        The whole meshes.
     match : PieceMatch
-        The two pieces.
+        The two components.
     forward : PointMap
-        What is known of the map: points of the target for the source's vertices.
+        The map as far as it is known: points on the target for source vertices.
     """
     known = np.flatnonzero(forward.found)
     if len(known) < 3:
@@ -49,14 +49,14 @@ def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: 
 
 
 def _turn(points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation that takes points to images best (S. Umeyama 1991), (3, 3)."""
+    """Return the rotation, (3, 3), that best maps points to images (S. Umeyama 1991)."""
     left, _, right = np.linalg.svd((images - images.mean(axis=0)).T @ (points - points.mean(axis=0)))
     left[:, 2] *= np.sign(np.linalg.det(left @ right))
     return left @ right
 
 
 def far_apart(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Return the indices of points each of which is as far as possible from those before, (count,)."""
+    """Return the indices of points chosen by farthest-point sampling, (count,)."""
     chosen = [int(np.square(points - points.mean(axis=0)).sum(axis=1).argmax())]
     apart = np.full(len(points), np.inf)
     while len(chosen) < count:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the rows of a soft map between coarse meshes to points for all vertices."""
+"""Extend the rows of a soft map between coarse meshes to images of all vertices."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ from .map_sides import MapSide
 from .settled_maps import settled
 from .surface_maps import CoarseRows, PointMap, SurfaceMap, VertexInterpolation
 
-# Densities below this share of a row's largest are left out of what is kept.
+# Densities below this fraction of a row's largest are not stored.
 _NEXT_TO_NOTHING = 1e-3
 DOUBTFUL = 0.3
-"""Points of less confidence want looking at."""
+"""Points with less confidence should be checked."""
 
-# More of a surface that is doubtful than this share of its area is told of.
+# Largest fraction of a surface's area that may be doubtful without a warning.
 _MUCH = 0.3
-# A point of a sharp map that is spread over so much, or missed by so much on the way back, in sizes of the surface (the
-# square root of its area), has a confidence of 0.6.
+# Spread of a point, or error of the round trip, for which the confidence is 0.6, relative to the size of the surface
+# (the square root of its area).
 _VAGUE = 0.08
 
 
 class Parts:
-    """What couples of pieces contribute to a map, until all have.
+    """Accumulates the contributions of matched components to a map.
 
     Parameters
     ----------
     source, target : MapSide
-        The whole sides.
+        The whole meshes.
     sharpness : float
-        Of the maps, 0 to 1. How wide their rows are tells doubt only as far as the kernel's blur was taken from them.
+        Sharpness of the maps, 0 to 1. Wide rows only indicate doubt as far as the kernel's blur was removed.
     """
 
     def __init__(self, source: MapSide, target: MapSide, sharpness: float) -> None:
@@ -60,7 +60,7 @@ class Parts:
 
     @property
     def forward(self) -> PointMap:
-        """The points of the target that are known so far."""
+        """The points on the target that are known so far."""
         return self._points[0]
 
     def add(
@@ -75,26 +75,26 @@ class Parts:
         notices: tuple[Sentence, ...],
         control: Control = UNINTERRUPTED,
     ) -> None:
-        """Add the map of one couple of pieces.
+        """Add the map between two matched components.
 
         Parameters
         ----------
         match : PieceMatch
-            Which vertices they have.
+            Vertices of the components.
         source, target : CoarseSide
             The coarse meshes.
         solved : SoftMap
-            From the coarse source to the coarse target.
+            Map from the coarse source to the coarse target.
         back : (n1, n0)
-            Densities of the way back, or in proportion to such.
+            Densities of the inverse direction, or proportional to them.
         pairs : (k, 2) int64
-            Coarse vertices that belong together.
+            Corresponding coarse vertices.
         is_mirrored : bool
-            Whether the map turns the surface over, as to a mirror image.
+            Whether the map reverses orientation, as between mirror images.
         notices : tuple of Sentence
-            What the user should look at.
+            Warnings for the user.
         control : Control
-            Ends the work when cancelled.
+            Stops the work when cancelled.
         """
         rows = unit_rows(solved.densities, target.masses)
         ways = (
@@ -131,18 +131,18 @@ class Parts:
         )
 
     def _judge(self, way: int, vertices: NDArray[np.int64], own: CoarseSide, other: CoarseSide) -> None:
-        """Tell confidence by how far points are spread, and by how far from its start the way there and back ends."""
+        """Compute confidence from the spread of the points, and from the error of the round trip."""
         here, there = (self.source, self.target)[way], (self.target, self.source)[way]
         points, back = self._points[way], self._points[1 - way]
         home = back.at(here.mesh, here.mesh.vertices)
         missed = np.linalg.norm(points.at(there.mesh, home) - here.mesh.vertices, axis=1)[vertices]
-        # Rows that keep their blur are wide where their points are right, too; there the way back alone tells.
+        # Rows that keep their blur are wide even where points are accurate; then only the round trip counts.
         wide = self._sharpness * _beyond(points.spread[vertices], other.side.mesh)
         lost = np.square(missed) / own.side.mesh.area
         points.confidence[vertices] = np.exp(-0.5 * (wide + lost) / _VAGUE**2)
 
     def _share(self, vertices: NDArray[np.int64]) -> float:
-        """Return the share of the target's area that some of its vertices have."""
+        """Return the fraction of the target's area around some of its vertices."""
         areas = self.target.mesh.vertex_areas
         return float(areas[vertices].sum() / areas.sum())
 
@@ -162,7 +162,7 @@ class Parts:
 
 
 def _doubts(side: MapSide, points: PointMap) -> Iterator[Sentence]:
-    """Say how many vertices of a side have no point, and how much of it has points of little confidence."""
+    """Warn about vertices without image, and about areas of low confidence."""
     areas = side.mesh.vertex_areas
     lost = ~points.found & (areas > 0)
     if lost.any():
@@ -177,7 +177,7 @@ def _doubts(side: MapSide, points: PointMap) -> Iterator[Sentence]:
 
 
 def joined_map(parts: Parts, record: Mapping[str, object]) -> SurfaceMap:
-    """Return the map of all couples of pieces."""
+    """Return the map of all matched components."""
     if not record.get("pairs"):
         parts.notices.append(
             Sentence("Without pairs left and right cannot be told apart; mark two or three, off the middle.")
@@ -186,7 +186,7 @@ def joined_map(parts: Parts, record: Mapping[str, object]) -> SurfaceMap:
 
 
 def unit_rows(densities: NDArray[np.floating], masses: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Scale rows, (n0, n1), to mass 1 with respect to areas, (n1,); rows of nothing become even."""
+    """Normalize rows, (n0, n1), to mass 1 with respect to areas, (n1,); zero rows become uniform."""
     rows = np.asarray(densities, dtype=np.float64)
     mass = (rows * masses).sum(axis=1, keepdims=True)
     return np.where(mass > 0, rows / np.where(mass > 0, mass, 1.0), 1.0)
@@ -217,7 +217,7 @@ def _extended(
     is_mirrored: bool,
     control: Control,
 ) -> PointMap:
-    """Return points of part of a whole mesh, that of some vertices, for all vertices of a coarse mesh's fine one."""
+    """Return images on part of a whole mesh, given by its vertices, for all vertices of a coarse mesh's fine one."""
     shares = rows * other.masses
     images, normals = shares @ other.centers, shares @ other.normals
     spread = np.sqrt(
@@ -246,16 +246,16 @@ def _extended(
 
 
 def _beyond(lengths: NDArray[np.floating], mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return the squares of lengths in the size of a surface, less that of a coarse mesh's edges."""
+    """Return squared lengths minus the squared edge length of a coarse mesh, relative to its area."""
     edges = np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2).mean()
     return np.maximum(np.square(lengths, dtype=np.float64) - edges**2, 0.0) / mesh.area
 
 
 def _scaled_to_share(rows: NDArray[np.float64], masses: NDArray[np.float64], share: float) -> csr_array:
-    """Make rows densities with respect to an area of which theirs is only a share."""
+    """Normalize rows to densities on an area of which they only cover a fraction."""
     return csr_array(unit_rows(rows, masses) / share)
 
 
 def _blocks(rows: list[csr_array]) -> csr_array:
-    """Put matrices one behind the other along the diagonal."""
+    """Return the block diagonal matrix of matrices."""
     return csr_array(block_diag(rows, format="csr"))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a map between surfaces turns and stretches what it carries, vertex by vertex."""
+"""Rotation and stretch of a map between surfaces at every vertex."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import unit_vectors, vertex_normals
 from .surface_maps import PointMap
 
-# Turns are averaged over this share of the surface's size, the square root of its area.
+# Smoothing length of the rotations, relative to the square root of the surface's area.
 _REACH = 0.02
-# Stretches beyond this are errors of the map.
+# Larger stretches are errors of the map.
 _MOST_STRETCH = 8.0
 
 
 @dataclass(frozen=True)
 class MapFrames:
-    """How what is given turns and stretches on its way to the mesh that receives it.
+    """Rotation and stretch from the giving mesh to the receiving mesh.
 
     Attributes
     ----------
     turns : (m, 3, 3) float64
-        Orthogonal: takes directions at the image of a vertex to directions at the vertex. Reflections where the map
-        turns the surface over, as to a mirror image; the identity where there is no image.
+        Orthogonal matrices that map directions at the image of a vertex to directions at the vertex. Reflections if the
+        map reverses orientation, as between mirror images; the identity for vertices without image.
     stretches : (m,) float64
-        How much longer lengths are at the receiver.
+        Ratio of lengths on the receiver to those on the giver.
     side : float
         Determinant of the turns: -1 for reflections.
     """
@@ -43,16 +43,16 @@ class MapFrames:
 
 
 def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, stiffness: Laplacian) -> MapFrames:
-    """Compare the triangles of the receiver with those that their corners' images span on the giver.
+    """Compare the triangles of the receiver with those spanned by their corners' images on the giver.
 
     Parameters
     ----------
     points : PointMap
-        Of the receiver.
+        Images of the receiver's vertices.
     receiver, giver : TriangleMesh
         The meshes.
     stiffness : Laplacian
-        Of the receiver, by which turns are averaged a little.
+        Laplacian of the receiver, for smoothing the rotations.
     """
     known = points.found[receiver.faces].all(axis=1)
     faces = receiver.faces[known]
@@ -64,12 +64,12 @@ def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, st
     area = np.linalg.norm(up, axis=1)
     facing = unit_vectors(points.at(giver, vertex_normals(giver.vertices, giver.faces))[faces].sum(axis=1))
     spanned = np.cross(theirs[:, 0], theirs[:, 1])
-    # A map that turns the surface over has most images' corners the other way round.
+    # If the map reverses orientation, so do most triangles of images.
     side = 1.0 if np.einsum("nd,nd->", spanned, facing) >= 0 else -1.0
-    # Where images lie folded over each other they tell nothing.
+    # Folded triangles of images carry no information.
     folded = side * np.einsum("nd,nd->n", spanned, facing) <= 0
     their_area = np.linalg.norm(spanned, axis=1)
-    # Edges in all three directions count alike, and the normals as much as they.
+    # All three edges have equal weight, and so does the normal.
     sides = (
         (own[:, 0], theirs[:, 0]),
         (own[:, 1], theirs[:, 1]),
@@ -92,7 +92,7 @@ def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, st
 
 
 def _averaged(sums: NDArray[np.float64], stiffness: Laplacian) -> NDArray[np.float64]:
-    """Spread sums over faces, (k, n), a little along the surface by a step of heat."""
+    """Smooth sums over faces, (k, n), along the surface by one heat step."""
     used = np.flatnonzero(stiffness.areas > 0)
     areas = stiffness.areas[used]
     time = _REACH**2 * areas.sum()
@@ -103,7 +103,7 @@ def _averaged(sums: NDArray[np.float64], stiffness: Laplacian) -> NDArray[np.flo
 
 
 def nearest_turns(spreads: NDArray[np.float64], side: float) -> NDArray[np.float64]:
-    """Return the orthogonal matrices of determinant `side` that are nearest to others, (n, 3, 3); 1 for zeros."""
+    """Return the nearest orthogonal matrices with determinant `side`, (n, 3, 3); the identity for zero matrices."""
     sizes = np.linalg.norm(spreads, axis=(1, 2), keepdims=True)
     left, _, right = np.linalg.svd(spreads / np.where(sizes > 0, sizes, 1.0))
     left[:, :, 2] *= (side * np.sign(np.linalg.det(left @ right)))[:, None]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of vertices that belong together: which of them make no sense."""
+"""Validate pairs of corresponding vertices, and find contradictory ones."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from .map_sides import MapSide
 
-# Pairs whose distances to most others differ by this factor from what is usual, and by so many times more than those of
-# the pair in the middle, are pointed out.
+# A pair is reported if its distances to most others deviate by this factor from the usual ratio, and by this multiple
+# of the median deviation.
 _ODD_FACTOR, _ODD_TIMES = 1.8, 3.0
-# Fewer cannot be judged by each other.
+# With fewer pairs, none can be judged by the others.
 _FEWEST_JUDGED = 4
 
 
 def checked_pairs(pairs: ArrayLike, source: MapSide, target: MapSide) -> NDArray[np.int64]:
-    """Return pairs of vertices, (k, 2), each once.
+    """Return distinct pairs of vertices, (k, 2).
 
     Raises
     ------
     InputError
-        Numbers that are no vertices, vertices that no face uses, or a vertex in several pairs.
+        Invalid indices, vertices without faces, or a vertex in several pairs.
     """
     found = np.asarray(pairs)
     if not found.size:
@@ -71,7 +71,7 @@ def _check_vertices(vertices: NDArray[np.int64], side: MapSide) -> None:
 
 
 def odd_pairs(pairs: NDArray[np.int64], source: TriangleMesh, target: TriangleMesh) -> Iterator[int]:
-    """Yield the places of pairs, (k, 2), that contradict the others: their distances along edges do not fit."""
+    """Yield the indices of pairs, (k, 2), whose distances along edges to the others do not match."""
     if len(pairs) < _FEWEST_JUDGED:
         return
     here, there = (
@@ -95,7 +95,7 @@ def odd_pairs(pairs: NDArray[np.int64], source: TriangleMesh, target: TriangleMe
 def pair_notices(
     pairs: NDArray[np.int64], source: TriangleMesh, target: TriangleMesh, named: NDArray[np.int64]
 ) -> Iterator[Sentence]:
-    """Say what is wrong with pairs, (k, 2), of the vertices of two meshes, named as in `named`, (k, 2)."""
+    """Yield warnings about pairs, (k, 2), of vertices of two meshes, which messages call `named`, (k, 2)."""
     for place in odd_pairs(pairs, source, target):
         values = {"source_vertex": int(named[place, 0]), "target_vertex": int(named[place, 1])}
         yield Sentence(

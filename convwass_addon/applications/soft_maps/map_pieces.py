@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes of several pieces: which piece of one belongs to which of the other."""
+"""Match the connected components of two meshes."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from .map_sides import MapSide
 
-# What counts how much between pieces: the logarithms of how many times larger one is and of how its three extents
-# differ, and how far apart they lie in lengths of the largest.
+# Weights of the differences between components: of the logarithms of their size and of their three extents, and of
+# their distance relative to the largest component.
 _SIZE, _EXTENT, _PLACE = 1.0, 1.0, 1.5
-# Pieces that differ by more have nothing to do with each other.
+# Components with a larger difference are not matched.
 _WORST = 6.0
-# Extents are compared down to this share of the longest.
+# Lower limit of extents, relative to the longest.
 _FLAT = 0.05
 
 
 @dataclass(frozen=True)
 class PieceMatch:
-    """Parts of two meshes that belong together; a map is solved for each such couple by itself.
+    """Matched components of two meshes, between which a map is solved separately.
 
     Attributes
     ----------
     source, target : (k,) int64
-        The vertices of either side.
+        Their vertices on each side.
     pairs : (p, 2) int64
-        The pairs that lie on them, by the whole meshes' vertices.
+        Marked pairs on them, as vertices of the whole meshes.
     is_guessed : bool
-        Whether nobody has marked these pairs.
+        Whether the pairs were guessed rather than marked.
     """
 
     source: NDArray[np.int64]
@@ -46,9 +46,10 @@ class PieceMatch:
 
 
 def matched_pieces(source: MapSide, target: MapSide, pairs: NDArray[np.int64]) -> list[PieceMatch]:
-    """Join the pieces of two meshes: those that pairs, (k, 2), name, and the others where they look alike.
+    """Match the components of two meshes by marked pairs, (k, 2), and the others by similarity.
 
-    Pieces that several pairs tie to several others make one couple. Pieces that are in no couple have no counterpart.
+    Components that pairs connect with several others are matched as one group. Unmatched components have no
+    counterpart.
     """
     labels = [vertex_components(side.mesh) for side in (source, target)]
     counts = [int(own.max()) + 1 for own in labels]
@@ -61,12 +62,12 @@ def matched_pieces(source: MapSide, target: MapSide, pairs: NDArray[np.int64]) -
         )
         for here, there in couples
     ]
-    # What has pairs first, and what is large: it helps with the others.
+    # Solve components with pairs and large ones first, because they help with the others.
     return sorted(matches, key=lambda match: (not len(match.pairs), -len(match.source)))
 
 
 def part_of(side: MapSide, vertices: NDArray[np.int64]) -> MapSide:
-    """Return the part of a side that has just these vertices, (v,), in their order; whole pieces."""
+    """Return the part of a side with exactly these vertices, (v,), in this order; whole components."""
     mesh = side.mesh
     if len(vertices) == len(mesh.vertices):
         return side
@@ -78,7 +79,7 @@ def part_of(side: MapSide, vertices: NDArray[np.int64]) -> MapSide:
 
 
 def faces_of(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the numbers of the triangles that `part_of` keeps, (f,), in its order."""
+    """Return the indices of the triangles that `part_of` keeps, (f,), in order."""
     is_kept = np.zeros(len(mesh.vertices), bool)
     is_kept[vertices] = True
     return np.flatnonzero(is_kept[mesh.faces].all(axis=1))
@@ -87,11 +88,11 @@ def faces_of(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.int6
 def _couples(
     named: list[NDArray[np.int64]], counts: list[int], labels: list[NDArray[np.int64]], sides: tuple[MapSide, MapSide]
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Yield the labels of pieces that belong together."""
+    """Yield the labels of matched components."""
     if counts == [1, 1]:
         yield np.zeros(1, np.int64), np.zeros(1, np.int64)
         return
-    # A graph of the source's pieces and, behind them, the target's.
+    # A bipartite graph of the source's components, followed by the target's.
     total = counts[0] + counts[1]
     ends = (named[0], named[1] + counts[0])
     groups = connected_components(coo_array((np.ones(len(ends[0])), ends), shape=(total, total)), directed=False)[1]
@@ -101,7 +102,7 @@ def _couples(
     free = [np.setdiff1d(np.arange(count), own) for count, own in zip(counts, named, strict=True)]
     if not (len(free[0]) and len(free[1])):
         return
-    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do not need.
     from scipy.optimize import linear_sum_assignment
 
     descriptors = [
@@ -115,7 +116,7 @@ def _couples(
 
 
 def _descriptors(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
-    """Return what tells the pieces of a mesh apart, (count, 7), as lengths that can be subtracted."""
+    """Return descriptors of the components of a mesh, (count, 7), whose differences are distances."""
     areas = np.where(labels >= 0, mesh.vertex_areas, 0.0)
     own = np.maximum(labels, 0)
     sums = np.maximum(np.bincount(own, areas, count), np.finfo(float).tiny)
@@ -123,7 +124,7 @@ def _descriptors(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> N
     used = labels >= 0
     extents = np.stack([_extent(x[used], labels[used], count) for x in mesh.vertices.T], axis=1)
     extents = np.sort(np.maximum(extents, _FLAT * extents.max(axis=1, keepdims=True)), axis=1)
-    # All is measured by the largest piece: small ones may be anywhere.
+    # Everything is relative to the largest component, because small ones may be anywhere.
     largest = int(sums.argmax())
     size = max(float(extents[largest].max()), np.finfo(float).tiny)
     return np.concatenate(
@@ -137,7 +138,7 @@ def _descriptors(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> N
 
 
 def _extent(values: NDArray[np.float64], labels: NDArray[np.int64], count: int) -> NDArray[np.float64]:
-    """Return how far the values of every piece reach, (count,)."""
+    """Return the range of the values on every component, (count,)."""
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, labels, values)
     np.maximum.at(high, labels, values)

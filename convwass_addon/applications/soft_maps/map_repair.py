@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Doubtful regions of a map, filled in from what lies around them."""
+"""Fill in doubtful regions of a map from their surroundings."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from ...sentence import Sentence
 from .map_frames import map_frames, nearest_turns
 from .surface_maps import PointMap, SurfaceMap
 
-# What is filled in and lands so far from the other surface, in its size, has a confidence of 0.6.
+# Distance from the other surface, relative to its size, at which a filled-in point has a confidence of 0.6.
 _FAR = 0.08
 
 
 def repaired_map(found: SurfaceMap, source: TriangleMesh, target: TriangleMesh, threshold: float = 0.3) -> SurfaceMap:
-    """Return a map whose doubtful points, both ways, are filled in; the distributions stay as they are.
+    """Return a map with doubtful points filled in, in both directions; the distributions are not changed.
 
     Parameters
     ----------
@@ -37,12 +37,12 @@ def repaired_map(found: SurfaceMap, source: TriangleMesh, target: TriangleMesh, 
     source, target : TriangleMesh
         Its meshes.
     threshold : float
-        Points of less confidence are doubtful.
+        Points with less confidence are doubtful.
 
     Raises
     ------
     InputError
-        A threshold that is not from 0 to 1, other meshes, or no confident point at all.
+        A threshold outside 0 to 1, meshes that do not match the map, or no confident point at all.
     """
     forward = repaired_points(found.forward, source, target, threshold)
     backward = repaired_points(found.backward, target, source, threshold)
@@ -53,24 +53,24 @@ def repaired_map(found: SurfaceMap, source: TriangleMesh, target: TriangleMesh, 
 
 
 def repaired_points(points: PointMap, own: TriangleMesh, other: TriangleMesh, threshold: float = 0.3) -> PointMap:
-    """Return points of which the doubtful ones are filled in from the confident ones around them.
+    """Return points with doubtful ones filled in from the confident ones around them.
 
-    A doubtful region is laid on the other surface as a patch of its own shape, turned and scaled as the map does around
-    it, held at its rim and then pulled to the surface. Pieces without any confident vertex stay as they are.
+    A doubtful region is mapped to the other surface as a patch of its own shape, rotated and scaled like its
+    surroundings, fixed at its rim, and projected to the surface. Components without confident vertices are not changed.
 
     Parameters
     ----------
     points : PointMap
-        A point of `other` for every vertex of `own`.
+        A point on `other` for every vertex of `own`.
     own, other : TriangleMesh
         The meshes.
     threshold : float
-        Points of less confidence are doubtful.
+        Points with less confidence are doubtful.
 
     Raises
     ------
     InputError
-        A threshold that is not from 0 to 1, other meshes, or no confident point at all.
+        A threshold outside 0 to 1, meshes that do not match the map, or no confident point at all.
     """
     if not 0 <= threshold <= 1:
         raise InputError("The threshold must lie between 0 and 1.")
@@ -80,7 +80,7 @@ def repaired_points(points: PointMap, own: TriangleMesh, other: TriangleMesh, th
     pieces = vertex_components(own)
     has_good = np.zeros(pieces.max() + 2, bool)
     has_good[pieces[good]] = True
-    # The last one stands for vertices that no triangle uses.
+    # The last entry is for vertices that no triangle uses.
     has_good[-1] = False
     doubtful = ~good & has_good[pieces]
     if not good.any():
@@ -101,7 +101,7 @@ def _filled(
     factor, across = factorize(csc_array(inner)), energy.stiffness[unknown][:, known]
 
     def extended(values: NDArray[np.float64], pulls: NDArray[np.float64] | float = 0.0) -> NDArray[np.float64]:
-        """Continue values at confident vertices, (k, d), into the doubtful region."""
+        """Extend values at confident vertices, (k, d), into the doubtful region."""
         return factor.solve(np.ascontiguousarray((pulls - across @ values).T)).T
 
     trusted = replace(points, faces=np.where(good, points.faces, -1).astype(np.int32))
@@ -111,12 +111,12 @@ def _filled(
     turns = frames.turns.copy()
     shrinks[unknown] = extended(shrinks[known, None])[:, 0]
     turns[unknown] = nearest_turns(extended(turns[known].reshape(-1, 9)).reshape(-1, 3, 3), frames.side)
-    # Directions at a vertex to directions at its point.
+    # Map directions at a vertex to directions at its point.
     gradients = np.swapaxes(turns, 1, 2) * np.exp(shrinks)[:, None, None]
     pulls = energy.pulls(gradients[own.faces].mean(axis=1))[unknown]
     places = extended(points.at(other, other.vertices)[known], pulls)
     normals = vertex_normals(own.vertices, own.faces)[unknown]
-    # Both surfaces face outward, whichever way the map turns them.
+    # Both surfaces face outward, even if the map reverses orientation.
     facing = np.einsum("nji,nj->ni", turns[unknown], normals)
     landed = _landed(points, other, known, places, facing)
     figures = np.stack([points.spread, points.entropy, points.confidence], axis=1).astype(np.float64)
@@ -133,7 +133,7 @@ def _landed(
     places: NDArray[np.float64],
     facing: NDArray[np.float64],
 ) -> ClosestPoints:
-    """Pull places to the pieces of the other surface that the confident points lie on."""
+    """Project points to the components of the other surface that contain the confident points."""
     pieces = vertex_components(other)[other.faces[:, 0]]
     faces = np.flatnonzero(np.isin(pieces, pieces[points.faces[known]]))
     finder = FacingPointFinder(replace(other, faces=other.faces[faces]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One of the two meshes that a soft map leads from and to."""
+"""The source or target mesh of a soft map."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ...one_line import one_line
 
 @dataclass(frozen=True)
 class MapSide:
-    """One of the two meshes of a soft map.
+    """The source or target mesh of a soft map.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        In scene units. Vertices that no triangle uses have no image.
+        In scene units. Vertices without triangles have no image.
     name : str
-        What messages call it.
+        Name for messages.
     groups : mapping of str to (n,) float64
-        Painted weights, 0 to 1, that take part: those whose names both sides have.
+        Painted weights, 0 to 1. Only groups that both sides have, by name, are used.
     """
 
     mesh: TriangleMesh

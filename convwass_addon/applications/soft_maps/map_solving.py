@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Soft maps from one mesh to another, from a few pairs of vertices (Solomon et al. 2015, section 7).
 
-Each couple of pieces is solved on coarser meshes of about a thousand vertices and taken to all vertices from there.
+Matched components are solved on coarse meshes of about a thousand vertices and extended to all vertices from there.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from .map_sides import MapSide
 from .soft_map_settings import SoftMapSettings
 from .surface_maps import SurfaceMap
 
-# Small pieces get so many coarse vertices at least.
+# Least number of coarse vertices of small components.
 _FEWEST_VERTICES = 60
-# What the work takes, as shares: reading and simplifying, telling points apart, solving; the rest is the way back.
+# Fractions of the work at which coarsening, comparing and solving end; the rest is the extension to all vertices.
 _COARSE, _TOLD_APART, _SOLVED = 0.25, 0.5, 0.85
 
 
@@ -48,18 +48,18 @@ def soft_map_steps(
     Parameters
     ----------
     source, target : MapSide
-        Of any topology, open or closed, in any number of pieces.
+        Of any topology, open or closed, with any number of connected components.
     pairs : (k, 2) int
-        Vertices of the source and of the target that belong together; none are allowed, and rarely enough.
+        Corresponding vertices of the source and the target; possibly none, but this is rarely enough.
     settings : SoftMapSettings, optional
-        How.
+        Settings of the solve.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Yields
     ------
     Progress
-        Before every part of the work.
+        Before every stage of the work.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def soft_map_steps(
     Raises
     ------
     InputError
-        Meshes or pairs that cannot be used.
+        Invalid meshes or pairs.
     """
     settings = settings or SoftMapSettings()
     begun = time.perf_counter()
@@ -114,7 +114,7 @@ def _matched(
     control: Control,
     parts: Parts,
 ) -> Work[None]:
-    """Solve one couple of pieces and add what is found to the parts of the whole map."""
+    """Solve the map between two matched components and add it to the whole map."""
     sides, places = [], []
     yield Progress(0.0, Sentence("Simplifying the meshes"))
     for side, vertices, column in ((source, match.source, 0), (target, match.target, 1)):
@@ -140,7 +140,7 @@ def _matched(
 
 
 def _vertex_count(side: MapSide, part: MapSide, settings: SoftMapSettings) -> int:
-    """Give a part of a mesh the share of the coarse vertices that it has of the area."""
+    """Return the number of coarse vertices of part of a mesh, in proportion to its area."""
     share = part.mesh.area / side.mesh.area
     return max(_FEWEST_VERTICES, round(settings.vertices * share))
 
@@ -153,7 +153,7 @@ def _solved(
     settings: SoftMapSettings,
     control: Control,
 ) -> tuple[SoftMap, NDArray[np.float32]]:
-    """Return the map of two coarse meshes, and the densities of the way back, (n1, n0)."""
+    """Return the map of two coarse meshes, and the densities of the inverse direction, (n1, n0)."""
     here, there = (Surface(side.side.mesh.vertices, side.side.mesh.faces) for side in (source, target))
     sweeps = SoftMapSweeps(
         tau=settings.tau, sharpness=settings.sharpness, gamma_scale=settings.gamma_scale, fine=settings.sweeps

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The map of a mesh to its own mirror image: what is left goes right, in any pose."""
+"""Maps of meshes to their own mirror images: left to right, in any pose."""
 
 from __future__ import annotations
 
@@ -27,28 +27,28 @@ def mirror_map_steps(
     Parameters
     ----------
     side : MapSide
-        The mesh, symmetric but for its pose. Painted groups take no part.
+        The mesh, symmetric except for its pose. Painted groups are ignored.
     pairs : (k, 2) int
-        Vertices that mirror each other, in either order, and vertices in the middle with themselves.
+        Vertices that mirror each other, in either order, and vertices in the middle paired with themselves.
     settings : SoftMapSettings, optional
-        How.
+        Settings of the solve.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Yields
     ------
     Progress
-        Before every part of the work.
+        Before every stage of the work.
 
     Returns
     -------
     SurfaceMap
-        Both of its point maps are the same.
+        With equal forward and backward maps.
 
     Raises
     ------
     InputError
-        No two vertices that mirror each other, or a mesh or pairs that cannot be used.
+        No pair of different vertices, or an invalid mesh or pairs.
     """
     mirrored = mirrored_pairs(pairs, side)
     reflected = _reflected(side.mesh, mirrored)
@@ -58,12 +58,12 @@ def mirror_map_steps(
 
 
 def mirrored_pairs(pairs: ArrayLike, side: MapSide) -> NDArray[np.int64]:
-    """Return pairs of a mesh's vertices and, of each, the other way around, (k, 2).
+    """Return pairs of a mesh's vertices and their reversals, (k, 2).
 
     Raises
     ------
     InputError
-        No two vertices that mirror each other, numbers that are no vertices, or a vertex in several pairs.
+        No pair of different vertices, invalid indices, or a vertex in several pairs.
     """
     found = np.asarray(pairs)
     if found.size and found.ndim == 2:
@@ -77,21 +77,21 @@ def mirrored_pairs(pairs: ArrayLike, side: MapSide) -> NDArray[np.int64]:
 
 
 def _reflected(mesh: TriangleMesh, pairs: NDArray[np.int64]) -> TriangleMesh:
-    """Reflect a mesh in the plane between mirrored vertices, and turn its faces so that they look outward again.
+    """Reflect a mesh in the plane between mirrored vertices, and flip its faces so that they point outward again.
 
-    With the reflected mesh as the target, left lies where right is, and the map keeps the surface's side.
+    With the reflected mesh as the target, left lies where right is, and the map preserves orientation.
     """
     ends = mesh.vertices[pairs]
     middle = ends.mean(axis=(0, 1))
     across = ends[:, 1] - ends[:, 0]
-    # The axis that most of them run along, in either direction.
+    # The main direction of the vectors between mirrored vertices.
     axis = np.linalg.eigh(across.T @ across)[1][:, -1]
     offset = (mesh.vertices - middle) @ axis
     return TriangleMesh(mesh.vertices - 2.0 * offset[:, None] * axis, np.ascontiguousarray(mesh.faces[:, ::-1]))
 
 
 def _both_ways(found: SurfaceMap) -> SurfaceMap:
-    """Return the map by the corners of the mesh itself, which are those of its reflection in another order."""
+    """Convert barycentric coordinates on the reflection, whose corners are in reverse order, to the mesh itself."""
     forward = PointMap(
         found.forward.faces,
         np.ascontiguousarray(found.forward.barycentric[:, ::-1]),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Laying one surface over another from the best of several starts, the right way round."""
+"""Register one surface to another from the best of several starts, mirrored if necessary."""
 
 from __future__ import annotations
 
@@ -15,27 +15,28 @@ from ...geometry.normals import vertex_normals
 from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
 from ...geometry.unit_shape import UnitShape
 
-# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
-# Pairs that fix how one surface is turned against the other.
+# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# Number of pairs that determine the rotation of one surface relative to the other.
 _ENOUGH = 3
-# Mirrored, the source is laid by pairs only if it misses them by no more than this times as much as it does otherwise.
+# The mirrored source is tried if aligning it by pairs leaves at most this multiple of the unmirrored error.
 _WORTH_TRYING = 1.6
-# A guess is taken for a mirrored one where so much of its area is turned over, for an unmirrored one where less is.
+# A mirrored start is tried if at least this fraction of the guess's area is inverted, an unmirrored one if at least
+# this fraction is not.
 _MOSTLY = 0.3
-# Mirroring must lower the energy to this share: shapes are hardly ever exactly as symmetric as they seem.
+# Mirroring must reduce the energy to this fraction, since shapes are hardly ever as symmetric as they seem.
 _MIRRORING = 0.7
 
 
 @dataclass(frozen=True)
 class Overlay:
-    """The source laid over the target.
+    """The source registered to the target.
 
     Attributes
     ----------
     images : ClosestPoints
-        The point of the target on which each vertex of the source lies, and how far off it is.
+        The target point for every source vertex, and its distance.
     energy : float
-        Strain and distance that are left; about 0.05 for a bent shape, and 0.5 for another animal.
+        Remaining strain and distance; about 0.05 for a bent shape, and 0.5 for a different animal.
     start : str
         "pairs", "guess" or "placed".
     is_mirrored : bool
@@ -57,15 +58,15 @@ class _Start:
 
 
 def overlaid(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64]) -> Overlay:
-    """Lay the source over the target.
+    """Register the source to the target.
 
     Parameters
     ----------
     source, target : UnitShape
     pairs : (k, 2) int64
-        Vertices that belong together.
+        Corresponding vertices.
     guess : (n0,) int64
-        A vertex of the target for each of the source's, possibly far off.
+        A target vertex for every source vertex, possibly wrong.
     """
     shapes = {False: source, True: source.mirrored()}
     best: dict[bool, tuple[float, Registration, str]] = {}
@@ -84,7 +85,7 @@ def overlaid(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], gue
 
 
 def _is_mirrored(best: dict[bool, tuple[float, Registration]]) -> bool:
-    """Tell whether the source is to be mirrored; where that seems so, after a closer look."""
+    """Return whether the source should be mirrored; promising cases are refined before the decision."""
     if True not in best or best[False][0] < best[True][0]:
         return False
     for _, found in best.values():
@@ -95,7 +96,7 @@ def _is_mirrored(best: dict[bool, tuple[float, Registration]]) -> bool:
 def _starts(
     shapes: dict[bool, UnitShape], target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64]
 ) -> Iterator[_Start]:
-    """Name what is worth trying."""
+    """Yield the starts that are worth trying."""
     turned = _turned_share(shapes[False], target, guess)
     mirrored_too = True
     if len(pairs) >= _ENOUGH:
@@ -116,12 +117,12 @@ def _starts(
 
 
 def _turned_share(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]) -> float:
-    """Return the share of the guessed images' area that looks inward."""
+    """Return the fraction of the guessed images' area that faces inward."""
     images = target.vertices[guess]
     a, b, c = (images[source.mesh.faces[:, corner]] for corner in range(3))
     normals = np.cross(b - a, c - a)
     facing = vertex_normals(target.vertices, target.mesh.faces)[guess][source.mesh.faces].sum(axis=1)
-    # Faces that a guess pulls long say the least.
+    # Faces that the guess stretches are the least reliable, so their weight is limited.
     lengths = np.linalg.norm(normals, axis=1)
     weights = np.minimum(lengths, np.median(lengths))
     total = weights.sum()
@@ -130,7 +131,7 @@ def _turned_share(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]
 
 
 def _laid_by_pairs(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Turn and move the source so that its pairs come nearest to their partners (S. Umeyama 1991)."""
+    """Align the source rigidly such that its pairs are closest to their partners (S. Umeyama 1991)."""
     here, there = source.vertices[pairs[:, 0]], target.vertices[pairs[:, 1]]
     left, _, right = np.linalg.svd((there - there.mean(axis=0)).T @ (here - here.mean(axis=0)))
     left[:, 2] *= np.sign(np.linalg.det(left @ right))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The means of a soft map's rows, settled as a skin that resists being squeezed.
+"""Regularize the means of a soft map's rows as an elastic surface.
 
-A mean lies inside of what it is the mean of, so that a map of means shrinks away from the ends of limbs.
+A mean lies inside the points that it averages, so a map of means shrinks away from the ends of limbs.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ def settled(
     pairs: NDArray[np.int64],
     is_mirrored: bool,
 ) -> NDArray[np.float64]:
-    """Return better images of a mesh's vertices, (n, 3), on or near a surface.
+    """Return improved images of a mesh's vertices, (n, 3), on or near a surface.
 
     Parameters
     ----------
     mesh, surface : TriangleMesh
-        Coarse meshes, all of whose vertices are used.
+        Coarse meshes, which use all of their vertices.
     images : (n, 3)
-        Where the map puts the mesh's vertices, in the surface's units.
+        Images of the mesh's vertices, in the surface's units.
     pairs : (k, 2) int64
-        Vertices of the two that belong together.
+        Corresponding vertices.
     is_mirrored : bool
-        Whether the map turns the surface over.
+        Whether the map reverses orientation.
     """
     own, other = UnitShape.of(mesh), UnitShape.of(surface)
     size = np.sqrt(surface.area)

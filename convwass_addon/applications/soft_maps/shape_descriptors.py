@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tells the points of a surface apart: how it vibrates around them, and how far marked points are."""
+"""Descriptors of the points of a surface: wave kernel signatures and distances to marked points."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from ...geometry.unit_shape import UnitShape
 
 _FUNCTIONS = 120
 _ENERGIES = 50
-# Chosen by eye; what they and the other constants of soft maps give is measured in docs/performance.md, "Soft maps".
-# Marked points count three times as much as signatures, and the more the nearer they are: by 1 / (0.1 + d)^2. Distances
-# are compared relative to themselves, those below 0.05 to that.
+# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# Weight of marked points relative to signatures. Marked points are weighted by 1 / (0.1 + d)^2 with the distance d;
+# differences of distances are relative to the distance, or to 0.05 if that is larger.
 _MARKS, _NEARNESS, _SHORT = 3.0, 0.1, 0.05
-# Everything together is scaled by this, its median being one before.
+# Scale of the total, whose parts have a median of one.
 _SCALE = 0.25
-# Of the functions that spectral maps are fitted to: every fifth energy, and bells of these widths around marked points.
+# Functions for fitting spectral maps: every fifth energy, and Gaussians of these widths around marked points, with
+# their weight.
 _EVERY, _WIDTHS, _BELLS = 5, (0.1, 0.2, 0.4), 3.0
-# Wave kernels are sums of squares; below this they are rounding.
+# Wave kernels are sums of squares; values below this are rounding errors.
 _TINY = 1e-9
 
 
@@ -38,9 +39,9 @@ class ShapeDescriptors:
     signature : (n, e) float32
         Wave kernel signature.
     distances : (k, n) float32
-        To the marked points, on the surface of unit area; what cannot be reached is as far as the farthest.
+        Distances to the marked points, on the surface of unit area; unreachable points get the largest distance.
     descriptors : (n, d) float64
-        Functions to fit a spectral map to.
+        Functions for fitting a spectral map.
     """
 
     spectrum: Spectrum
@@ -50,13 +51,13 @@ class ShapeDescriptors:
 
 
 def shape_descriptors(shape: UnitShape, marked: NDArray[np.int64], groups: NDArray[np.float64]) -> ShapeDescriptors:
-    """Describe a surface.
+    """Compute the descriptors of a surface.
 
     Parameters
     ----------
     shape : UnitShape
     marked : (k,) int64
-        Vertices.
+        Marked vertices.
     groups : (g, n) float64
         Painted weights.
     """
@@ -76,7 +77,7 @@ def shape_descriptors(shape: UnitShape, marked: NDArray[np.int64], groups: NDArr
 
 
 def differences(source: ShapeDescriptors, target: ShapeDescriptors) -> NDArray[np.float32]:
-    """Return how differently points look, (n0, n1); marked points know their partners."""
+    """Return the descriptor differences of all pairs of points, (n0, n1)."""
     total = _relative(_signature_differences(source.signature, target.signature))
     if len(source.distances):
         total += np.float32(_MARKS) * _relative(_distance_differences(source.distances, target.distances))
@@ -88,12 +89,12 @@ def _signature(modes: Spectrum) -> NDArray[np.float64]:
     try:
         return wave_kernel_signature(modes, _ENERGIES)
     except ValueError:
-        # Triangles that no heat leaves have nothing to tell.
+        # Disconnected triangles have no information.
         return np.zeros((len(modes.areas), _ENERGIES))
 
 
 def _unit(functions: NDArray[np.float64], areas: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Scale functions, (n, d), so that all together have a mean square of one."""
+    """Scale functions, (n, d), such that their sum has a mean square of one."""
     norms = np.sqrt(areas @ np.square(functions))
     return functions / (np.maximum(norms, _TINY) * np.sqrt(functions.shape[1]))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the soft map from one mesh to another is computed."""
+"""Settings for computing the soft map between two meshes."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from ...schema import Settings, setting
 
 @dataclass(frozen=True)
 class SoftMapSettings(Settings):
-    """How the soft map from one mesh to another is computed."""
+    """Settings for computing the soft map between two meshes."""
 
     vertices: int = setting(
         1000,
         "Vertices",
-        "The map is solved on meshes of about so many vertices, and then taken to all of them",
+        "The map is solved on meshes of about this many vertices, and then extended to all vertices",
         least=50,
         most=4000,
         soft_least=200,
         soft_most=2000,
-        note="Meshes with fewer are taken as they are",
+        note="Meshes with fewer vertices are used directly",
         panel="settings",
     )
     tau: float = setting(
         30.0,
         "Tau",
-        "How much what points look like counts against smoothness of the map",
+        "Weight of the similarity of points relative to the smoothness of the map",
         least=0.0,
         most=1e6,
         soft_most=100.0,
@@ -36,7 +36,7 @@ class SoftMapSettings(Settings):
     sharpness: float = setting(
         1.0,
         "Sharpness",
-        "How much of the blur is taken out of the map; 0 is the map as published",
+        "How much of the blur is removed from the map; 0 is the map as published",
         least=0.0,
         most=1.0,
         subtype="FACTOR",
@@ -45,11 +45,11 @@ class SoftMapSettings(Settings):
     sweeps: int = setting(
         5,
         "Sweeps",
-        "Most times that the image of every vertex is made anew",
+        "Largest number of times that the image of every vertex is updated",
         least=1,
         most=1000,
         soft_most=50,
-        note="Some on coarser meshes come before; more only make the map sharper",
+        note="Sweeps on coarser meshes come before these; more sweeps mainly make the map sharper",
         panel="settings",
     )
     symmetric: bool = setting(
@@ -61,11 +61,11 @@ class SoftMapSettings(Settings):
     group_weight: float = setting(
         1.0,
         "Weight of Groups",
-        "How much painted groups count against all else that tells points apart",
+        "Weight of painted groups relative to everything else that distinguishes points",
         least=0.0,
         most=100.0,
         soft_most=10.0,
-        note="Groups of equal names count; 0 leaves them out",
+        note="Groups with equal names are compared; 0 ignores them",
     )
     gamma_scale: float = setting(
         1.7,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between two surfaces: points for all vertices, both ways, and the distributions that they come from."""
+"""Maps between two surfaces: images of all vertices, in both directions, and the distributions behind them."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ class PointMap:
     Attributes
     ----------
     faces : (n,) int32
-        The triangle of the other mesh in which the point lies; -1 where the vertex has none: it belongs to no
-        triangle, or to a piece without a partner.
+        The triangle of the other mesh that contains the point; -1 for vertices without image: those of no triangle or
+        of an unmatched component.
     barycentric : (n, 3) float32
-        Where in the triangle: not negative, of sum 1; zero where there is no point.
+        Barycentric coordinates in the triangle: nonnegative, of sum 1; zero without a point.
     spread : (n,) float32
-        Standard deviation of what the point is the mean of, in scene units of the other mesh; infinite without a point.
+        Standard deviation of the distribution that the point is the mean of, in scene units of the other mesh; infinite
+        without a point.
     entropy : (n,) float32
-        Of the same, in nats: 0 is spread evenly over all of the other mesh, and sharper ones are below it.
+        Entropy of the same distribution, in nats: 0 if uniform over the other mesh, negative if concentrated.
     confidence : (n,) float32
-        From 0, no point at all, to 1, as sharp as it can be. It says where to look, and is no probability.
+        From 0, no point at all, to 1, as concentrated as possible. It shows where to look; it is not a probability.
     """
 
     faces: NDArray[np.int32]
@@ -44,24 +45,24 @@ class PointMap:
     __repr__ = one_line("faces", "barycentric", "confidence")
 
     def __len__(self) -> int:
-        """How many vertices there are."""
+        """Return the number of vertices."""
         return len(self.faces)
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Which vertices have a point, (n,)."""
+        """Mask of the vertices that have a point, (n,)."""
         return self.faces >= 0
 
     def corners(self, other: TriangleMesh) -> NDArray[np.int64]:
-        """Return the vertices of the other mesh around each point, (n, 3); any where there is none."""
+        """Return the vertices of the other mesh's triangle at each point, (n, 3); arbitrary without a point."""
         return other.faces[np.maximum(self.faces, 0)]
 
     def at(self, other: TriangleMesh, values: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Interpolate values at the other mesh's vertices, (m,) or (m, d), at the points; 0 where there is none."""
+        """Interpolate values at the other mesh's vertices, (m,) or (m, d), at the points; 0 without a point."""
         return np.einsum("nk,nk...->n...", self.barycentric.astype(np.float64), values[self.corners(other)])
 
     def positions(self, other: TriangleMesh) -> NDArray[np.float64]:
-        """Return the points on the other mesh, (n, 3); not a number where there is none."""
+        """Return the points on the other mesh, (n, 3); NaN without a point."""
         points = self.at(other, other.vertices)
         points[~self.found] = np.nan
         return points
@@ -69,40 +70,40 @@ class PointMap:
 
 @dataclass(frozen=True)
 class VertexInterpolation:
-    """Every vertex of a mesh as a mean of up to three vertices of a coarser one.
+    """Every vertex of a mesh as a weighted mean of up to three vertices of a coarser one.
 
     Attributes
     ----------
     columns : (n, 3) int32
         Vertices of the coarser mesh.
     shares : (n, 3) float32
-        How much of each: of sum 1, or 0 where the vertex belongs to nothing.
+        Their weights: of sum 1, or 0 for vertices that belong to nothing.
     """
 
     columns: NDArray[np.int32]
     shares: NDArray[np.float32]
 
     def applied(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Take values at the coarser vertices, (c,) or (c, d), to all vertices, (n,) or (n, d)."""
+        """Interpolate values at the coarser vertices, (c,) or (c, d), at all vertices, (n,) or (n, d)."""
         return np.einsum("nk,nk...->n...", self.shares.astype(np.float64), values[self.columns])
 
 
 @dataclass(frozen=True)
 class CoarseRows:
-    """The soft map on the coarser meshes, without what is next to nothing, and the way to all vertices.
+    """The soft map on the coarse meshes, without negligible densities, and the extension to all vertices.
 
     Attributes
     ----------
     starts : (c + 1,) int64
-        Where each coarse source vertex's row begins in the two arrays below.
+        Start of each coarse source vertex's row in the two arrays below.
     columns : (e,) int32
         Coarse target vertices.
     values : (e,) float32
-        Densities there, so that a row taken to all target vertices has mass 1 with respect to their shares of the area.
+        Densities there, such that a row extended to all target vertices has mass 1 with respect to relative areas.
     source : VertexInterpolation
-        Source vertices as means of coarse ones.
+        Source vertices as weighted means of coarse ones.
     target : VertexInterpolation
-        Target vertices as means of coarse ones.
+        Target vertices as weighted means of coarse ones.
     """
 
     starts: NDArray[np.int64]
@@ -121,20 +122,20 @@ class CoarseRows:
 
 @dataclass(frozen=True)
 class SurfaceMap:
-    """A map between two meshes, both ways.
+    """A map between two meshes, in both directions.
 
     Attributes
     ----------
     forward : PointMap
-        A point of the target for every source vertex.
+        A point on the target for every source vertex.
     backward : PointMap
-        A point of the source for every target vertex.
+        A point on the source for every target vertex.
     coarse : CoarseRows
         The distributions behind it.
     record : mapping
-        How it was solved, ready for JSON.
+        JSON-ready figures of the solve.
     notices : tuple of Sentence
-        What the user should look at.
+        Warnings for the user.
     """
 
     forward: PointMap
@@ -147,9 +148,9 @@ class SurfaceMap:
 
 
 def distribution_of(found: SurfaceMap, source_vertex: int) -> NDArray[np.float64]:
-    """Return the distribution of one source vertex over the target, a density at its vertices, (m,).
+    """Return the distribution of one source vertex over the target, as a density at its vertices, (m,).
 
-    Its mass with respect to the target's areas, scaled to sum 1, is 1; it is zero for a vertex without image.
+    Its mass with respect to the target's areas, normalized to sum 1, is 1; it is zero for a vertex without image.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Weights, colours and other values of one mesh taken to another along a point map."""
+"""Transfer weights, colors and other values to another mesh along a point map."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from .surface_maps import PointMap
 
-# Weights below this are noise of the interpolation, and none.
+# Weights below this are interpolation noise and set to zero.
 _LEAST_WEIGHT = 1e-4
 
 
 def transferred_values(points: PointMap, giver: TriangleMesh, values: ArrayLike) -> NDArray[np.float64]:
-    """Return what values at one mesh's vertices are at another's.
+    """Transfer values from one mesh's vertices to another's.
 
     Parameters
     ----------
     points : PointMap
-        Of the mesh that receives: a point of the giver for each of its vertices.
+        A point on the giver for each vertex of the receiving mesh.
     giver : TriangleMesh
-        The mesh that gives.
+        The mesh that provides the values.
     values : (n,) or (n, d)
-        At its vertices.
+        Values at its vertices.
 
     Returns
     -------
     (m,) or (m, d) float64
-        Zero where there is no point.
+        Zero for vertices without a point.
 
     Raises
     ------
     InputError
-        Not one value for every vertex, or a map that belongs to another mesh.
+        The number of values differs from that of the vertices, or the map belongs to another mesh.
     """
     given = np.asarray(values, dtype=np.float64)
     check_giver(points, giver)
@@ -45,15 +45,15 @@ def transferred_values(points: PointMap, giver: TriangleMesh, values: ArrayLike)
 
 
 def transferred_corner_values(points: PointMap, values: ArrayLike) -> NDArray[np.float64]:
-    """Return what values at the corners of one mesh's triangles, (f, 3, d), are at another mesh's vertices, (m, d).
+    """Transfer values at the corners of one mesh's triangles, (f, 3, d), to another mesh's vertices, (m, d).
 
-    Zero where there is no point. Colours may jump from triangle to triangle of the giver; UVs are another matter, since
-    triangles of the receiver may lie across their seams (:mod:`.transfer_uvs`).
+    Zero for vertices without a point. Colors may jump between the giver's triangles. UVs need more, because triangles
+    of the receiver may cross their seams (:mod:`.transfer_uvs`).
 
     Raises
     ------
     InputError
-        Not three values for every triangle that the map names.
+        Not three values for every triangle of the map.
     """
     given = np.asarray(values, dtype=np.float64)
     if given.ndim != 3 or given.shape[1] != 3 or len(given) <= points.faces.max(initial=-1):
@@ -64,20 +64,20 @@ def transferred_corner_values(points: PointMap, values: ArrayLike) -> NDArray[np
 def transferred_weights(
     points: PointMap, giver: TriangleMesh, weights: ArrayLike, limit: int | None = None, normalize: bool = True
 ) -> NDArray[np.float64]:
-    """Return weights of bones or groups for another mesh.
+    """Transfer weights of bones or groups to another mesh.
 
     Parameters
     ----------
     points : PointMap
-        Of the mesh that receives.
+        A point on the giver for each vertex of the receiving mesh.
     giver : TriangleMesh
-        The mesh that gives.
+        The mesh that provides the weights.
     weights : (g, n)
-        For every group the weight of every vertex, not negative.
+        Nonnegative weights of every vertex in every group.
     limit : int, optional
-        Most groups that a vertex may be in: the largest weights stay, with the sum that all had.
+        Largest number of groups per vertex: the largest weights are kept and rescaled to the original sum.
     normalize : bool
-        Whether the weights of every vertex that has any are to sum to 1, as those that bones deform by should.
+        Whether to normalize the weights of every vertex that has any to sum 1, as bone deformation requires.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def transferred_weights(
     Raises
     ------
     InputError
-        Not one weight for every group and vertex, negative weights, or a limit below 1.
+        Wrong shape, negative weights, or a limit below 1.
     """
     given = np.asarray(weights, dtype=np.float64)
     check_giver(points, giver)
@@ -108,7 +108,7 @@ def transferred_weights(
 
 
 def check_giver(points: PointMap, giver: TriangleMesh) -> None:
-    """Raise where a map names triangles that a mesh does not have.
+    """Raise if a map refers to triangles that a mesh does not have.
 
     Raises
     ------
@@ -120,8 +120,8 @@ def check_giver(points: PointMap, giver: TriangleMesh) -> None:
 
 
 def _limited(weights: NDArray[np.float64], limit: int) -> NDArray[np.float64]:
-    """Keep the largest weights of every vertex, (g, m), and their sum."""
-    # Of equal weights those of the first groups.
+    """Keep the largest weights of every vertex, (g, m), rescaled to the original sum."""
+    # The first groups win ties.
     order = np.argsort(-weights, axis=0, kind="stable")
     kept = weights.copy()
     np.put_along_axis(kept, order[limit:], 0.0, axis=0)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shape keys of one mesh taken to another along a point map, right across pose and proportion.
+"""Transfer shape keys to another mesh along a point map, across differences in pose and proportion.
 
-What is carried over is not by how far vertices move but how triangles deform (R. Sumner and J. Popovic, "Deformation
-Transfer for Triangle Meshes", ACM Transactions on Graphics 23(3), 2004), turned as the map turns the surface there:
-what bends an arm of one figure bends that of the other, wherever it points and however long it is.
+What is transferred are the deformations of triangles rather than the offsets of vertices (R. Sumner and J. Popovic,
+"Deformation Transfer for Triangle Meshes", ACM Transactions on Graphics 23(3), 2004), rotated like the map rotates the
+surface there. A key that bends an arm of one figure bends that of the other, in any direction and of any length.
 """
 
 from __future__ import annotations
@@ -26,31 +26,31 @@ from .map_frames import MapFrames, map_frames, nearest_turns
 from .surface_maps import PointMap
 from .transfer import check_giver
 
-# How strongly vertices are held where the map says they move to, against how triangles should deform, on a surface
-# scaled to unit area: it only says where the whole goes.
+# Weight of the vertex positions predicted by the map relative to the deformations of triangles, on a surface of unit
+# area: just enough to fix the position of the whole.
 _HELD = 0.05
-# An offset below this share of the largest is none.
+# Offsets below this fraction of the largest count as zero.
 _STILL = 1e-6
 
 
 @dataclass(frozen=True)
 class ShapeCarrier:
-    """Takes shape keys from one mesh to another; made once, as most of the work does not depend on the key.
+    """Transfers shape keys between two meshes; built once, because most of the work does not depend on the key.
 
     Attributes
     ----------
     points : PointMap
     giver, receiver : TriangleMesh
     frames : MapFrames
-        How directions turn, at the receiver's vertices.
+        Rotations at the receiver's vertices.
     origins : (f,) int64
-        For each of the receiver's triangles that of the giver which it deforms like.
+        For each of the receiver's triangles, the giver's triangle whose deformation it takes.
     turns : (f, 3, 3) float64
-        How directions turn, at the receiver's triangles; zero where nothing is known.
+        Rotations at the receiver's triangles; zero where unknown.
     inverses : (g, 3, 3) float64
-        Takes vectors to the giver's triangles' own coordinates: two edges and the normal.
+        Maps vectors to the coordinates of the giver's triangles: two edges and the normal.
     energy : EdgeEnergy
-        Of the receiver.
+        Energy of the receiver.
     """
 
     points: PointMap
@@ -64,12 +64,12 @@ class ShapeCarrier:
 
     @classmethod
     def of(cls, points: PointMap, giver: TriangleMesh, receiver: TriangleMesh) -> ShapeCarrier:
-        """Find out how what is carried turns, and which triangle of the giver each of the receiver's deforms like.
+        """Find the rotations, and the giver's triangle for each of the receiver's.
 
         Raises
         ------
         InputError
-            A map of other meshes.
+            The map belongs to other meshes.
         """
         check_giver(points, giver)
         if len(points) != len(receiver.vertices):
@@ -85,12 +85,12 @@ class ShapeCarrier:
         return cls(points, giver, receiver, frames, origins, turns, _inverses(giver), EdgeEnergy.of(receiver))
 
     def carried(self, offsets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the offsets of the receiver, (m, 3), for those of the giver, (n, 3).
+        """Return the receiver's offsets, (m, 3), for the giver's offsets, (n, 3).
 
         Raises
         ------
         InputError
-            Not three numbers for every vertex of the giver.
+            Not three finite numbers for every vertex of the giver.
         """
         if offsets.shape != self.giver.vertices.shape or not np.isfinite(offsets).all():
             raise InputError("A shape key must have three numbers for every vertex.")
@@ -104,7 +104,7 @@ class ShapeCarrier:
         gradients = self.turns @ gradients @ np.swapaxes(self.turns, 1, 2)
         held = _HELD * self._areas
         right = held[:, None] * moved + self.energy.pulls(gradients)
-        # Vertices whose images stay where they are stay too, so that only the others are unknown.
+        # Vertices whose images do not move are fixed, so only the others are unknowns.
         free = np.flatnonzero(moves & (held > 0))
         result = np.zeros_like(moved)
         if len(free):
@@ -114,15 +114,15 @@ class ShapeCarrier:
 
     @cached_property
     def _areas(self) -> NDArray[np.float64]:
-        """Shares of the area that the receiver's vertices have; 0 for unused ones."""
+        """Relative areas of the receiver's vertices; 0 for unused ones."""
         shares = self.receiver.vertex_areas
-        # Vertices of nothing but flat triangles still want to be somewhere.
+        # Vertices of degenerate triangles need a small positive area to be determined.
         used = np.zeros(len(shares), bool)
         used[self.receiver.faces] = True
         return np.where(used, np.maximum(shares / shares.sum(), 1e-12), 0.0)
 
     def _gradients(self, offsets: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How each of the giver's triangles deforms, less the identity, (g, 3, 3)."""
+        """Deformation gradients of the giver's triangles minus the identity, (g, 3, 3)."""
         deformed = _frames_of(self.giver.corners + offsets[self.giver.faces])
         gradients = deformed @ self.inverses - np.eye(3)
         gradients[~self.inverses.any(axis=(1, 2))] = 0.0
@@ -130,7 +130,7 @@ class ShapeCarrier:
 
 
 def _frames_of(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two edges of every triangle and its normal, as long as the root of its area, as columns, (g, 3, 3)."""
+    """Two edges and the normal of every triangle as columns, (g, 3, 3); the normal as long as the root of the area."""
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     up = np.cross(first, second)
     lengths = np.linalg.norm(up, axis=1, keepdims=True)
@@ -138,7 +138,7 @@ def _frames_of(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _inverses(giver: TriangleMesh) -> NDArray[np.float64]:
-    """Inverses of the triangles' frames; zero for those without area."""
+    """Inverses of the triangles' frames; zero for degenerate triangles."""
     frames = _frames_of(giver.corners)
     sizes = np.linalg.norm(frames, axis=(1, 2))
     sound = np.abs(np.linalg.det(frames)) > 1e-9 * np.where(sizes > 0, sizes, 1.0) ** 3

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""UV maps taken to another mesh along a point map, with their seams.
+"""Transfer UV maps to another mesh along a point map, with their seams.
 
-Every face of the receiver lies on one side of every seam: the side where its middle is. Corners whose points are on the
-other side are moved to the nearest place on this one, so that no face reaches across the texture.
+Every face of the receiver belongs to one side of every seam: the side that contains its center. Corners whose points
+lie on the other side are moved to the nearest point on this side, so that no face extends across the texture.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from ...sentence import Sentence
 from .surface_maps import PointMap
 from .transfer import check_giver
 
-# A place in the texture that is farther from the face's middle than so many times what the distance on the surface
-# makes of it lies behind a seam.
+# A point lies beyond a seam if its distance in the texture from the face's center exceeds this multiple of what its
+# distance on the surface predicts.
 _DETOUR = 3.0
-# Triangles near a corner, and places on the way to it from its face's middle, that are tried for it.
+# Number of triangles near a corner, and of points on the line to it from its face's center, that are tried for it.
 _NEAR, _ON_THE_WAY = 32, 8
-# Corners of neighbors that differ by less than this share of the edge between them are one.
+# Corners of adjacent faces are merged if they differ by less than this fraction of their shared edge.
 _WELDED = 0.5
-# With more faces than this share turned over the islands are too small for the receiver's faces.
+# If more than this fraction of the faces is flipped, the islands are too small for the receiver's faces.
 _MOST_FOLDED = 0.1
 
 
@@ -42,11 +42,11 @@ class TransferredUvs:
     Attributes
     ----------
     uvs : (f, 3, 2) float64
-        At the corners of every triangle; equal at all corners of a vertex in one polygon. Zero where there is no point.
+        At the corners of every triangle; equal at all corners of a vertex within a polygon. Zero without a point.
     seams : (s, 2) int64
-        Edges, by their vertices, at whose two sides the UVs differ.
+        Edges, as pairs of vertices, whose UVs differ between the two sides.
     notices : tuple of Sentence
-        What the user should look at.
+        Warnings for the user.
     """
 
     uvs: NDArray[np.float64]
@@ -61,26 +61,26 @@ def transferred_uvs(
     receiver: TriangleMesh,
     polygons: ArrayLike | None = None,
 ) -> TransferredUvs:
-    """Return the UV map of one mesh for another.
+    """Transfer the UV map of one mesh to another.
 
     Parameters
     ----------
     points : PointMap
-        Of the mesh that receives.
+        A point on the giver for each vertex of the receiver.
     giver : TriangleMesh
-        The mesh that gives.
+        The mesh that provides the UV map.
     uvs : (g, 3, 2)
-        At the corners of the giver's triangles.
+        UVs at the corners of the giver's triangles.
     receiver : TriangleMesh
-        The mesh that receives.
+        The mesh that receives the UV map.
     polygons : (f,) int, optional
-        The polygon that each of the receiver's triangles is part of: no seam runs through one. By default each is one.
+        The polygon of each of the receiver's triangles; no seam runs through a polygon. By default all are separate.
 
     Raises
     ------
     InputError
-        Arrays that do not belong to the meshes, a UV map without area, or islands that are too small for the
-        receiver's faces.
+        Arrays that do not match the meshes, a UV map without area, or islands that are too small for the receiver's
+        faces.
     """
     given = np.asarray(uvs, dtype=np.float64)
     check_giver(points, giver)
@@ -92,7 +92,7 @@ def transferred_uvs(
         raise InputError("The UV map has no area; unwrap the mesh that gives it first.")
     owners = np.arange(len(receiver.faces)) if polygons is None else np.asarray(polygons)
     known = points.found[receiver.faces].all(axis=1)
-    # A polygon is known as a whole or not at all.
+    # A polygon is transferred completely or not at all.
     unknown = np.unique(owners[~known])
     known = ~np.isin(owners, unknown)
     if not known.any():
@@ -108,25 +108,25 @@ def transferred_uvs(
     notices = []
     if not known.all():
         values = {"count": int((~known).sum())}
-        notices.append(Sentence("{count} triangles have no counterpart and got no place in the UV map.", values))
+        notices.append(Sentence("{count} triangles have no counterpart and are missing from the UV map.", values))
     return TransferredUvs(welded, _seams(welded, shared, known), tuple(notices))
 
 
 @dataclass(frozen=True)
 class _Sides:
-    """The giver's surface and texture, to find places on one side of all seams.
+    """The giver's surface and texture, for finding points on one side of all seams.
 
     Attributes
     ----------
     mesh : TriangleMesh
     uvs : (g, 3, 2) float64
     charts : (g,) int64
-        Islands.
+        Island of every triangle.
     sizes : (g,) float64
-        How long a unit of length is in the texture.
+        Texture length of a unit of length.
     finder : ClosestPointFinder
     centers : cKDTree
-        Of the triangles' centers.
+        Tree of the triangles' centers.
     """
 
     mesh: TriangleMesh
@@ -145,9 +145,9 @@ class _Sides:
     def corners(
         self, points: PointMap, faces: NDArray[np.int64], owners: NDArray[np.int64]
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]]:
-        """Return the UVs of triangles' corners, (f, 3, 2), which of them are the points' own, and the home triangles.
+        """Return UVs of triangles' corners, (f, 3, 2), whether each is that of its own point, and the home triangles.
 
-        The home of a triangle is where the middle of its polygon lies.
+        The home triangle contains the center of the polygon.
         """
         images = points.at(self.mesh, self.mesh.vertices)[faces]
         rank = np.unique(owners, return_inverse=True)[1]
@@ -157,7 +157,7 @@ class _Sides:
         home = self.finder.find_about(middles)
         middle_uvs = home.interpolated(self.uvs)
         middle_points = home.interpolated(self.mesh.corners)
-        # From here on corner by corner.
+        # Continue with one entry per corner.
         asked = _Asked(
             np.repeat(home.triangles[rank], 3),
             np.repeat(middle_points[rank], 3, axis=0),
@@ -180,14 +180,14 @@ class _Sides:
         uvs: NDArray[np.float64],
         places: NDArray[np.float64],
     ) -> NDArray[np.bool_]:
-        """Tell whether places on triangles are on the side of the seams where the homes are."""
+        """Return whether points on triangles are on the same side of the seams as the homes."""
         size = np.maximum(self.sizes[asked.homes], self.sizes[faces])
         reach = _DETOUR * size * np.linalg.norm(places - asked.middles, axis=1)
         near = np.linalg.norm(uvs - asked.middle_uvs, axis=1) <= reach
         return (near & (self.charts[faces] == self.charts[asked.homes])) | (faces == asked.homes)
 
     def _nearest(self, asked: _Asked) -> NDArray[np.float64]:
-        """Return the UVs of the nearest places on the homes' side of the seams, (n, 2)."""
+        """Return the UVs of the nearest points on the same side of the seams as the homes, (n, 2)."""
         count = len(asked.homes)
         near = self.centers.query(asked.images, min(_NEAR, len(self.mesh.faces)))[1].reshape(count, -1)
         steps = (np.arange(_ON_THE_WAY) / _ON_THE_WAY)[:, None, None]
@@ -207,16 +207,16 @@ class _Sides:
 
 @dataclass(frozen=True)
 class _Asked:
-    """Corners for which places are looked up.
+    """Corners whose UVs are looked up.
 
     Attributes
     ----------
     homes : (n,) int64
-        Triangles of the giver where the middles of their faces lie.
+        Triangles of the giver that contain the centers of the corners' faces.
     middles, middle_uvs : (n, 3), (n, 2) float64
-        These middles, on the surface and in the texture.
+        These centers, on the surface and in the texture.
     images : (n, 3) float64
-        The corners' own points.
+        Points of the corners themselves.
     """
 
     homes: NDArray[np.int64]
@@ -236,7 +236,7 @@ def _welded(
     owners: NDArray[np.int64],
     known: NDArray[np.bool_],
 ) -> NDArray[np.float64]:
-    """Make one of corners of neighbors that are nearly equal: where a point of its own is among them, that."""
+    """Merge nearly equal corners of adjacent faces, preferring corners at their own points."""
     ends = shared.values(uvs)
     lengths = np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2).max(axis=1)
     apart = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=2).max(axis=1)
@@ -246,7 +246,7 @@ def _welded(
     pairs = np.concatenate([corners[:, :, 0], corners[:, :, 1]])
     graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(faces.size,) * 2)
     labels = connected_components(graph, directed=False)[1]
-    # Points of their own count a million times as much as those that were moved to a seam.
+    # Corners at their own points have a million times the weight of those moved to a seam.
     weights = np.where(is_own.ravel(), 1.0, 1e-6)
     sums = np.bincount(labels, weights)
     means = np.stack([np.bincount(labels, weights * part.ravel()) / sums for part in np.moveaxis(uvs, 2, 0)], axis=1)
@@ -260,11 +260,11 @@ def _seams(uvs: NDArray[np.float64], shared: SharedEdges, known: NDArray[np.bool
 
 
 def _check_folds(uvs: NDArray[np.float64], homes: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
-    """Raise where too much of a surface is turned over in its UVs, against the triangles that they come from."""
+    """Raise if too much of a surface is flipped in its UVs relative to the triangles that they come from."""
     a, b, c = np.moveaxis(corners, 1, 0)
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     turns = np.sign(_doubled_areas(uvs)) * np.sign(_doubled_areas(homes))
-    # A map to a mirror image turns all of them over.
+    # A map between mirror images flips all triangles.
     side = 1.0 if (areas * turns).sum() >= 0 else -1.0
     folded = float(areas[side * turns <= 0].sum() / max(areas.sum(), np.finfo(float).tiny))
     if folded > _MOST_FOLDED:
