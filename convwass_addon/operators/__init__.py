@@ -16,6 +16,7 @@ from . import (
     density_paint,
     density_stops,
     density_travel,
+    live_morph,
     morph_bake,
     morph_guides,
     morph_inputs,
@@ -44,6 +45,7 @@ _MODULES = (
     morph_manage,
     morph_output,
     morph_play,
+    live_morph,
     density_paint,
     density_measure,
     density_stops,
@@ -74,6 +76,7 @@ def unregister() -> None:
     """Unregister the operators; running work is cancelled first, and its partial results are removed."""
     try:
         picking.stop_waiting(bpy.context)
+        live_morph.stop_live(bpy.context)
         background.stop_running(bpy.context)
     finally:
         _unregister_classes()

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import bpy
 
+from ..operators.live_morph import CONVWASS_OT_live_morph
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
+from ..properties.live import LiveProperties
 from ..properties.morphs import MorphProperties
 from .sidebar import fill_operator
 
@@ -25,3 +27,6 @@ def _draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.separator()
     operator = menu.layout.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
     fill_operator(operator, context.scene.convwass_morph, MorphProperties)
+    operator = menu.layout.operator(CONVWASS_OT_live_morph.bl_idname, icon="PLAY")
+    fill_operator(operator, context.scene.convwass_morph, MorphProperties)
+    fill_operator(operator, context.scene.convwass_live, LiveProperties)

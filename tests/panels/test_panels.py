@@ -242,8 +242,8 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
 
     monkeypatch.setattr("convwass_addon.applications.morphs.shape_check.check_shape", refuse)
     monkeypatch.setattr("convwass_addon.operators.morph_inputs.triangle_mesh", refuse)
-    for name in ("morph", "aligned", "triangle_mesh"):
-        monkeypatch.setattr(f"convwass_addon.bridge.morphs.job.{name}", refuse)
+    for name in ("job.morph", "shape_reading.aligned_meshes", "shape_reading.triangle_mesh"):
+        monkeypatch.setattr(f"convwass_addon.bridge.morphs.{name}", refuse)
     monkeypatch.setattr("convwass_addon.bridge.morphs.bake.diagnose", refuse)
     for layout in LAYOUTS:
         settings().layout = layout

@@ -73,7 +73,7 @@ class FieldBox:
         return FieldBox.between(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LevelField:
     """The level field of one blend.
 

@@ -156,6 +156,8 @@ class LiveBlends:
         self._rests = False
         self._rest_control: Control | None = None
         self._solved: MorphFrame | None = None
+        self._last_shape: LiveShape | None = None
+        self._last_made_of: tuple[object, ...] = ()
         self._fraction = 0.0
         self.version = 0
 
@@ -203,19 +205,36 @@ class LiveBlends:
             layer.settle(now)
 
     def shown(self) -> LiveShape | None:
-        """Return the blend that is pointed at as well as it is known by now; None before the first one is there."""
+        """Return the blend that is pointed at as well as it is known by now; None before the first one is there.
+
+        While that is the same as at the last call, so is the object that is returned.
+        """
         now, hand, solved = self._clock(), self._hand, self._solved
-        center = np.asarray(hand) @ self._lattice.centers
         if solved is not None and solved.blend.weights == hand:
-            mesh = solved.mesh if solved.mesh is not None else self._shapes.meshes[solved.blend.source]
-            return LiveShape(mesh.moved(-center), center, is_solved=True)
+            return self._remembered((solved,), lambda center: self._solved_shape(solved, center))
         with self._lock:
             fields, shares = self._ingredients(hand, now)
         if not fields:
             return None
+        return self._remembered((hand, *fields, *shares), lambda center: self._mixed_shape(fields, shares, center))
+
+    def _remembered(self, made_of: tuple[object, ...], make: Callable[[NDArray[np.float64]], LiveShape]) -> LiveShape:
+        """Make a shape at its center, unless the last one was made of the same."""
+        if len(made_of) != len(self._last_made_of) or any(
+            own is not other and own != other for own, other in zip(made_of, self._last_made_of, strict=True)
+        ):
+            self._last_shape, self._last_made_of = make(np.asarray(self._hand) @ self._lattice.centers), made_of
+        return self._last_shape
+
+    def _solved_shape(self, solved: MorphFrame, center: NDArray[np.float64]) -> LiveShape:
+        mesh = solved.mesh if solved.mesh is not None else self._shapes.meshes[solved.blend.source]
+        return LiveShape(mesh.moved(-center), center, is_solved=True)
+
+    def _mixed_shape(
+        self, fields: Sequence[LevelField], shares: Sequence[float], center: NDArray[np.float64]
+    ) -> LiveShape:
         mesh = mixed(fields, np.array(shares) / sum(shares)).surface()
-        placed = TriangleMesh(mesh.vertices * self._lattice.spacing + self._lattice.origin, mesh.faces)
-        return LiveShape(placed, center)
+        return LiveShape(TriangleMesh(mesh.vertices * self._lattice.spacing + self._lattice.origin, mesh.faces), center)
 
     def _ingredients(self, hand: Sequence[float], now: float) -> tuple[list[LevelField], list[float]]:
         """Return fields and shares of a blend: of the newest lattice what it covers, and so on, and of the hand's."""

@@ -17,16 +17,14 @@ from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph import morph
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.morph_settings import MorphSettings
-from ...applications.morphs.part_labels import FaceLabels, matched, part_notices
+from ...applications.morphs.part_labels import part_notices
 from ...errors import InputError
-from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..objects import MESHED, labeled_mesh, triangle_mesh
 from .animated_inputs import animation_notices
 from .bake import MorphBake
 from .carrying import Carrying
-from .morph_guides import guides_of_entries, guides_of_shapes
+from .shape_reading import read_shapes
 
 
 class MorphJob:
@@ -69,25 +67,13 @@ class MorphJob:
         if len(inputs) < 2:
             raise InputError("A morph needs at least two shapes; select or name one more.")
         self._records: dict[Blend, dict[str, object]] = {}
-        self._names = [obj.name for obj in inputs]
         self._animated = animation_notices(inputs, scene.frame_current)
-        self._labels: list[FaceLabels] | None = None
-        if settings.parts == "none":
-            self._shapes = [triangle_mesh(obj, depsgraph, MESHED) for obj in inputs]
-        else:
-            read = [labeled_mesh(obj, depsgraph, settings.parts, MESHED) for obj in inputs]
-            self._shapes, self._labels = [one.mesh for one in read], [one.labels for one in read]
-            # Refuse before anything is made.
-            matched(self._labels, self._names)
-        guides = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
-        self._guides = guides_of_shapes(guides, inputs, self._shapes, depsgraph)
-        alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
-        laid = aligned_meshes(self._shapes, alignment, scaling, self._names)
-        self._shapes = laid.meshes
+        read = read_shapes(inputs, depsgraph, settings, options)
+        self._names, self._shapes, self._labels, self._guides = read.names, read.meshes, read.labels, read.guides
         self._blends = blends
         self._settings = settings
         self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
-        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, laid.moves)
+        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
         self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:

@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pad of a live morph: a line, a triangle or a square in the scene with a handle, and names at its corners."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
+from ..handles import Handle
+from ..pad_handles import pad_handle
+
+# Side of a pad and its distance from the shapes, in sizes of the largest one; lengths on it, in sides.
+_SIDE, _GAP = 1.5, 0.3
+_HANDLE, _TEXT = 0.04, 0.06
+
+
+class LivePad:
+    """A pad that has been drawn.
+
+    Parameters
+    ----------
+    home : bpy.types.Collection
+        Where its objects go.
+    names : sequence of str
+        Of the shapes, two to four.
+    bounds : (2, 3) float64
+        Of all shapes together, world space.
+    size : float
+        Of the largest shape.
+    """
+
+    def __init__(
+        self, home: bpy.types.Collection, names: Sequence[str], bounds: NDArray[np.float64], size: float
+    ) -> None:
+        self.count, self.side = len(names), _SIDE * size
+        points = self._local(pad_corners(self.count))
+        self._low, self._high = points.min(axis=0), points.max(axis=0)
+        pad = bpy.data.objects.new("Live Pad", self._outline(points))
+        pad.hide_render = pad.hide_select = True
+        pad.location = self._location(bounds, size)
+        handle = pad_handle("Live Handle", _HANDLE * self.side, points, pad)
+        handle.hide_render = True
+        for obj in (pad, handle, *self._labels(names, points, pad)):
+            home.objects.link(obj)
+        self._pad, self._handle = Handle.of("objects", pad), Handle.of("objects", handle)
+        self.move_to(*pad_middle(self.count))
+
+    @property
+    def handle(self) -> bpy.types.Object | None:
+        """What is dragged; None where it is gone."""
+        return self._handle.find()
+
+    @property
+    def pad(self) -> bpy.types.Object | None:
+        """What it is dragged on; None where it is gone."""
+        return self._pad.find()
+
+    @property
+    def place(self) -> tuple[float, float] | None:
+        """Where the handle is, across and up, 0 to 1; None where it is gone."""
+        handle = self.handle
+        return None if handle is None else self.place_at(handle.location)
+
+    def place_at(self, point: Sequence[float]) -> tuple[float, float]:
+        """Return the place of a point in the local space of the pad, (3,)."""
+        extent = np.maximum(self._high - self._low, 1e-9 * self.side)
+        place = (np.asarray(point, np.float64) - self._low) / extent
+        across, _, up = np.clip(np.nan_to_num(place), 0.0, 1.0)
+        return float(across), float(up) if self.count > 2 else 0.0
+
+    def move_to(self, across: float, up: float) -> None:
+        """Put the handle to a place."""
+        handle = self.handle
+        if handle is not None:
+            (point,) = self._local(np.clip([[across, up]], 0.0, 1.0))
+            handle.location = point
+
+    def _local(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return places in the local space of the pad, whose X and Z are its plane, (n, 3)."""
+        across, up = places.T
+        height = pad_height(self.count)
+        return self.side * np.stack([across - 0.5, np.zeros(len(places)), height * (up - 0.5)], axis=1)
+
+    def _location(self, bounds: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+        """Return where the origin of the pad is: a line is below the shapes, a surface to their left."""
+        middle, (low, _) = bounds.mean(axis=0), bounds
+        if self.count == 2:
+            return np.array([middle[0], middle[1], low[2] - _GAP * size])
+        return np.array([low[0] - _GAP * size - self.side / 2.0, middle[1], low[2] - self._low[2]])
+
+    def _outline(self, points: NDArray[np.float64]) -> bpy.types.Mesh:
+        edges = {2: [(0, 1)], 3: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1), (1, 3), (3, 2), (2, 0)]}[self.count]
+        mesh = bpy.data.meshes.new("Live Pad")
+        mesh.from_pydata(points.tolist(), edges, [])
+        return mesh
+
+    def _labels(
+        self, names: Sequence[str], points: NDArray[np.float64], pad: bpy.types.Object
+    ) -> list[bpy.types.Object]:
+        """Write the names of the shapes beyond their corners."""
+        labels = []
+        for name, point in zip(names, points, strict=True):
+            font = bpy.data.curves.new(name, "FONT")
+            font.body, font.size, font.align_x = name, _TEXT * self.side, "CENTER"
+            shift = 1.1 * _TEXT if point[2] > 0.0 else -1.9 * _TEXT
+            font.offset_x, font.offset_y = point[0], point[2] + shift * self.side
+            label = bpy.data.objects.new(f"Live Label {name}", font)
+            label.parent, label.rotation_euler.x = pad, math.pi / 2.0
+            label.hide_render = label.hide_select = True
+            labels.append(label)
+        return labels

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a live morph puts into the scene, none of which is saved with the file: a shape, and a pad with a handle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..handles import Handle
+from .live_pad import LivePad
+
+if TYPE_CHECKING:
+    from ...applications.live.live_blends import LiveShape
+    from ...geometry.mesh import TriangleMesh
+
+LIVE_KEY = "convwass_live"
+"""Custom property of the collection of a live morph: the names of the inputs that it has hidden, one per line."""
+
+
+class LiveScene:
+    """The objects of a live morph: made, shown, and removed without a trace.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        Where they go.
+    view_layer : bpy.types.ViewLayer
+        Where inputs are hidden and the handle is selected.
+    inputs : sequence of bpy.types.Object
+        The shapes.
+    meshes : sequence of TriangleMesh
+        The same in world space.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        view_layer: bpy.types.ViewLayer,
+        inputs: Sequence[bpy.types.Object],
+        meshes: Sequence[TriangleMesh],
+    ) -> None:
+        home = bpy.data.collections.new("Live Morph")
+        scene.collection.children.link(home)
+        mesh = bpy.data.meshes.new("Live Morph")
+        for slot in inputs[0].material_slots:
+            mesh.materials.append(slot.material)
+        shape = bpy.data.objects.new("Live Morph", mesh)
+        shape.color = inputs[0].color
+        home.objects.link(shape)
+        bounds = np.array([own.bounds for own in meshes])
+        size = float((bounds[:, 1] - bounds[:, 0]).max())
+        whole = np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
+        self.pad = LivePad(home, [obj.name for obj in inputs], whole, size)
+        for block in (home, *home.objects, *(obj.data for obj in home.objects if obj.data)):
+            block.is_runtime_data = True
+        self._home, self._shape = Handle.of("collections", home), Handle.of("objects", shape)
+        self._layer = view_layer.name
+        self._scene = Handle.of("scenes", scene)
+        self._selected = [Handle.of("objects", obj) for obj in inputs if obj.select_get(view_layer=view_layer)]
+        active = view_layer.objects.active
+        self._active = None if active is None else Handle.of("objects", active)
+        visible = [obj for obj in inputs if obj.name in view_layer.objects and not obj.hide_get(view_layer=view_layer)]
+        self._hidden = [Handle.of("objects", obj) for obj in visible]
+        home[LIVE_KEY] = "\n".join(obj.name for obj in visible)
+        self.hide_inputs()
+        if self.pad.handle.name in view_layer.objects:
+            self.pad.handle.select_set(True, view_layer=view_layer)
+            view_layer.objects.active = self.pad.handle
+
+    @property
+    def shape(self) -> bpy.types.Object | None:
+        """The object that shows the blend; None where it is gone."""
+        return self._shape.find()
+
+    @property
+    def is_there(self) -> bool:
+        """Whether undo, or the user, has left its objects."""
+        return self.shape is not None and self.pad.handle is not None and self.pad.pad is not None
+
+    def show(self, blend: LiveShape) -> None:
+        """Show a blend, unless its mesh is being edited."""
+        shape = self.shape
+        if shape is not None and not shape.data.is_editmode:
+            write_triangles(shape.data, blend.mesh)
+            shape.location = blend.center
+
+    def hide_inputs(self) -> None:
+        """Hide the inputs in the viewport; the blend stands in their place."""
+        self._set_hidden(True)
+
+    def show_inputs(self) -> None:
+        """Show those inputs again that were seen before."""
+        self._set_hidden(False)
+
+    def _set_hidden(self, hidden: bool) -> None:
+        layer = self._view_layer()
+        for handle in self._hidden if layer is not None else ():
+            obj = handle.find()
+            if obj is not None and obj.name in layer.objects:
+                obj.hide_set(hidden, view_layer=layer)
+
+    def _view_layer(self) -> bpy.types.ViewLayer | None:
+        scene = self._scene.find()
+        return None if scene is None else scene.view_layers.get(self._layer)
+
+    def remove(self) -> None:
+        """Remove all, show the inputs again, and select what was selected."""
+        self.show_inputs()
+        remove_live_objects(self._home.find())
+        layer = self._view_layer()
+        if layer is None:
+            return
+        for handle in self._selected:
+            obj = handle.find()
+            if obj is not None and obj.name in layer.objects:
+                obj.select_set(True, view_layer=layer)
+        active = None if self._active is None else self._active.find()
+        if active is not None and active.name in layer.objects:
+            layer.objects.active = active
+
+
+def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
+    """Replace the geometry of a mesh as quickly as Blender can take it; its materials stay.
+
+    Attributes take arrays at a third of the time of the lists of vertices and corners (docs/performance.md, "Live
+    blends").
+    """
+    count = len(triangles.faces)
+    mesh.clear_geometry()
+    mesh.vertices.add(len(triangles.vertices))
+    mesh.loops.add(3 * count)
+    mesh.polygons.add(count)
+    positions = np.ascontiguousarray(triangles.vertices, dtype=np.float32)
+    mesh.attributes["position"].data.foreach_set("vector", positions.ravel())
+    corners = np.ascontiguousarray(triangles.faces, dtype=np.int32)
+    mesh.attributes[".corner_vert"].data.foreach_set("value", corners.ravel())
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
+
+
+def remove_leftovers() -> None:
+    """Remove live morphs that undo has brought back after they had ended, and show their inputs."""
+    for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
+        for name in home[LIVE_KEY].split("\n"):
+            obj = bpy.data.objects.get(name)
+            for scene in bpy.data.scenes if obj is not None else ():
+                for layer in scene.view_layers:
+                    if obj.name in layer.objects:
+                        obj.hide_set(False, view_layer=layer)
+        remove_live_objects(home)
+
+
+def remove_live_objects(home: bpy.types.Collection | None) -> None:
+    """Remove the collection of a live morph with all that is in it."""
+    if home is None:
+        return
+    objects = list(home.objects)
+    data = [obj.data for obj in objects if obj.data is not None]
+    bpy.data.batch_remove([*objects, home])
+    bpy.data.batch_remove([block for block in data if block.users == 0])

@@ -1,0 +1,307 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A live morph: reads where the handle is, shows the blend there, and keeps a thread at work that makes it better."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...applications.background import BackgroundJob
+from ...applications.live.live_blends import FADE, LiveBlends, LiveShape, LiveShapes
+from ...applications.live.live_settings import LiveSettings
+from ...applications.live.pad_places import pad_weights
+from ...applications.morphs.morph_settings import MorphSettings
+from ...applications.morphs.part_labels import matched, unparted
+from ...applications.system_errors import error_to_tell
+from ...errors import Cancelled, InputError
+from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
+from ..morphs.shape_reading import ReadShapes, read_shapes
+from ..objects import write_mesh
+from .input_watch import InputWatch
+from .live_scene import LiveScene
+from .running import running_live, set_running
+
+# Seconds that the hand does not move before the blend is solved in full, and that edits must be over before they are
+# read; and between two looks at the inputs.
+_REST, _QUIET, _LOOK = 0.4, 0.3, 0.25
+
+
+@dataclass(frozen=True)
+class LiveRequest:
+    """How a live morph is made.
+
+    Attributes
+    ----------
+    settings : MorphSettings
+        Of the morph.
+    live : LiveSettings
+        Resolution and memory.
+    options : mapping
+        As for :func:`.shape_reading.read_shapes`.
+    """
+
+    settings: MorphSettings
+    live: LiveSettings
+    options: Mapping[str, object]
+
+
+class LiveSession:
+    """A live morph in a scene. Everything belongs on the main thread; a thread of its own computes.
+
+    Parameters
+    ----------
+    context : bpy.types.Context
+        Whose scene and view layer it is in.
+    inputs : sequence of bpy.types.Object
+        Two to four shapes.
+    request : LiveRequest
+        How.
+    clock : callable
+        Seconds.
+
+    Raises
+    ------
+    InputError, ResourceError
+        Another live morph that is running, or inputs or settings that cannot work; nothing is left in the scene.
+    """
+
+    def __init__(
+        self,
+        context: bpy.types.Context,
+        inputs: Sequence[bpy.types.Object],
+        request: LiveRequest,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        if running_live() is not None:
+            raise InputError("Another live morph is running; end it first.")
+        self._request, self._clock = request, clock
+        self._read = read_shapes(inputs, context.evaluated_depsgraph_get(), request.settings, request.options)
+        self._blends = self._blends_of(self._read)
+        self.scene = LiveScene(context.scene, context.view_layer, inputs, self._read.meshes)
+        self.watch = InputWatch(inputs)
+        self.watch.register()
+        self._job = BackgroundJob(self._blends.work)
+        self._message = Sentence("Reading the shapes")
+        self._fraction = 0.0
+        self._frozen = self._ended = False
+        self._place: tuple[float, float] | None = None
+        now = clock()
+        self._moved_at, self._looked_at, self._changed_at = now, now, None
+        self._shown_version, self._changing_until = -1, now
+        self._shown: LiveShape | None = None
+        bpy.app.handlers.save_pre.append(self._before_saving)
+        bpy.app.handlers.save_post.append(self._after_saving)
+        set_running(self)
+
+    def _blends_of(self, read: ReadShapes) -> LiveBlends:
+        matching = unparted(len(read.meshes)) if read.labels is None else matched(read.labels, read.names)
+        shapes = LiveShapes(tuple(read.meshes), tuple(read.names), matching, tuple(read.guides))
+        return LiveBlends(shapes, self._request.settings, self._request.live, clock=self._clock)
+
+    @property
+    def count(self) -> int:
+        """Number of shapes."""
+        return len(self._read.names)
+
+    @property
+    def names(self) -> list[str]:
+        """Of the inputs, as they were when they were read."""
+        return list(self._read.names)
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Of the blend that is pointed at."""
+        return self._blends.hand
+
+    @property
+    def message(self) -> Sentence:
+        """What is going on."""
+        return self._message
+
+    @property
+    def notices(self) -> list[Sentence]:
+        """What the user should know."""
+        return list(self._blends.notices)
+
+    @property
+    def fraction(self) -> float:
+        """Share of the work that is done."""
+        return self._fraction
+
+    @property
+    def is_frozen(self) -> bool:
+        """Whether nothing is computed any more, since an input is gone or the work failed."""
+        return self._frozen
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether the work has failed before anything could be shown; the message says why."""
+        return self._frozen and self._shown is None
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Where the handle is, across and up."""
+        return self.scene.pad.place or (0.0, 0.0)
+
+    def move_to(self, across: float, up: float) -> None:
+        """Put the handle to a place."""
+        self.scene.pad.move_to(across, up)
+
+    def tick(self) -> bool:
+        """Go on: read the handle, show the blend, look after the inputs and the thread.
+
+        Returns
+        -------
+        bool
+            Whether it goes on; False where undo or the user has removed its objects.
+        """
+        if not self.scene.is_there:
+            return False
+        now = self._clock()
+        self._point(now)
+        self._look_after_inputs(now)
+        self._look_after_job(now)
+        self._blends.settle()
+        if not bpy.app.is_job_running("RENDER"):
+            self._show(now)
+        return True
+
+    def _point(self, now: float) -> None:
+        place = self.scene.pad.place
+        if place != self._place:
+            self._place, self._moved_at, self._changing_until = place, now, now + FADE
+            self._blends.point(pad_weights(self.count, *place))
+        if now - self._moved_at >= _REST:
+            self._blends.rest()
+
+    def _show(self, now: float) -> None:
+        """Show the blend unless it is the one that is shown."""
+        if self._blends.version != self._shown_version:
+            self._shown_version, self._changing_until = self._blends.version, now + 1.5 * FADE
+        if now > self._changing_until:
+            return
+        found = self._blends.shown()
+        if found is not None and found is not self._shown:
+            self.scene.show(found)
+            self._shown = found
+
+    def _look_after_job(self, now: float) -> None:
+        """Take the reports of the thread, and begin again where there is more to do."""
+        for report in self._job.poll():
+            self._message, self._fraction = report.message, max(report.fraction, self._fraction)
+        if not self._job.done or self._frozen:
+            return
+        error = self._job.error
+        if error is not None and not isinstance(error, Cancelled):
+            known = error_to_tell(error)
+            if known is None:
+                raise error
+            self._freeze(known.sentence)
+        elif self._blends.has_work:
+            self._job = BackgroundJob(self._blends.work)
+        else:
+            self._message = Sentence("Ready")
+
+    def _freeze(self, message: Sentence) -> None:
+        self._job.cancel(0.0)
+        self._frozen, self._message = True, message
+
+    def _look_after_inputs(self, now: float) -> None:
+        """Fill the lattice anew where an input has been edited; stay with what there is where one has been deleted."""
+        if self._frozen or now - self._looked_at < _LOOK:
+            return
+        self._looked_at = now
+        lost = self.watch.lost
+        if lost:
+            names = ", ".join(lost)
+            self._freeze(Sentence("{names} was deleted; the live morph stays with what was found", {"names": names}))
+        elif self.watch.may_have_changed:
+            self.watch.note()
+            self._changed_at = now
+        elif self._changed_at is not None and now - self._changed_at >= _QUIET:
+            self._changed_at = None
+            self._refill()
+
+    def _refill(self) -> None:
+        """Read the inputs again, and begin anew where they are others."""
+        request = self._request
+        try:
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            read = read_shapes(self.watch.inputs, depsgraph, request.settings, request.options)
+            self.watch.note()
+            if _are_same(read.meshes, self._read.meshes):
+                return
+            blends = self._blends_of(read)
+        except InputError as error:
+            self._freeze(error.sentence)
+            return
+        self._job.cancel(0.0)
+        self._read, self._blends = read, blends
+        self._blends.point(pad_weights(self.count, *self.place))
+        self._job = BackgroundJob(self._blends.work)
+        self._fraction, self._shown_version, self._shown = 0.0, -1, None
+        self._message = Sentence("The shapes have changed; blending anew")
+
+    def kept_shape(self, patience: float) -> bpy.types.Object | None:
+        """Make an object of the blend that is shown, solved in full where that takes no longer than so many seconds.
+
+        Returns
+        -------
+        bpy.types.Object or None
+            In the scene's collection; None where nothing is shown yet.
+        """
+        until = self._clock() + patience
+        self._blends.rest()
+        shown = self._blends.shown()
+        while not self._frozen and self._clock() < until and not (shown is not None and shown.is_solved):
+            self._look_after_job(self._clock())
+            time.sleep(0.01)
+            shown = self._blends.shown()
+        live = self.scene.shape
+        if shown is None or live is None:
+            return None
+        mesh = bpy.data.meshes.new("Blend")
+        write_mesh(mesh, shown.mesh)
+        for material in live.data.materials:
+            mesh.materials.append(material)
+        obj = bpy.data.objects.new("Blend", mesh)
+        obj.location, obj.color = shown.center, live.color
+        live.users_scene[0].collection.objects.link(obj)
+        return obj
+
+    def end(self) -> None:
+        """Stop the thread and leave no trace."""
+        if self._ended:
+            return
+        self._ended = True
+        if running_live() is self:
+            set_running(None)
+        self._job.cancel(0.0)
+        self.watch.unregister()
+        for handlers, own in (
+            (bpy.app.handlers.save_pre, self._before_saving),
+            (bpy.app.handlers.save_post, self._after_saving),
+        ):
+            if own in handlers:
+                handlers.remove(own)
+        self.scene.remove()
+
+    def _before_saving(self, *_: object) -> None:
+        """Let the file have the inputs as they are without the live morph, which is not saved."""
+        self.scene.show_inputs()
+
+    def _after_saving(self, *_: object) -> None:
+        self.scene.hide_inputs()
+
+
+def _are_same(meshes: Sequence[TriangleMesh], others: Sequence[TriangleMesh]) -> bool:
+    return all(
+        np.array_equal(own.vertices, other.vertices) and np.array_equal(own.faces, other.faces)
+        for own, other in zip(meshes, others, strict=True)
+    )

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Read the inputs of a morph from the scene: meshes in world space, parts, guides, and how they are laid on another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ...applications.morphs.morph_settings import MorphSettings
+from ...applications.morphs.part_labels import FaceLabels, matched
+from ...geometry.alignment import RigidMove, aligned_meshes
+from ...geometry.mesh import TriangleMesh
+from ..objects import MESHED, labeled_mesh, triangle_mesh
+from .morph_guides import guides_of_entries, guides_of_shapes
+
+if TYPE_CHECKING:
+    from ...applications.motions.guides import Guide
+
+
+@dataclass(frozen=True)
+class ReadShapes:
+    """The inputs of a morph as arrays.
+
+    Attributes
+    ----------
+    names : list of str
+        Of the objects.
+    meshes : list of TriangleMesh
+        World space, moved onto each other as asked for.
+    labels : list of FaceLabels or None
+        The parts of every mesh; None where there are to be none.
+    guides : list of mappings from int to int
+        Points that belong together.
+    moves : tuple of RigidMove or None
+        How the meshes were moved; None where they were not.
+    """
+
+    names: list[str]
+    meshes: list[TriangleMesh]
+    labels: list[FaceLabels] | None
+    guides: list[Guide]
+    moves: tuple[RigidMove, ...] | None
+
+
+def read_shapes(
+    inputs: Sequence[bpy.types.Object],
+    depsgraph: bpy.types.Depsgraph,
+    settings: MorphSettings,
+    options: Mapping[str, object],
+) -> ReadShapes:
+    """Read the inputs.
+
+    Parameters
+    ----------
+    inputs : sequence of bpy.types.Object
+        In order.
+    depsgraph : bpy.types.Depsgraph
+        For the inputs as modifiers leave them.
+    settings : MorphSettings
+        Whether there are parts, and whether guides are heeded.
+    options : mapping
+        `alignment` and `scaling`, as for :func:`.alignment.aligned`, and `guides`.
+
+    Raises
+    ------
+    InputError
+        Inputs that have no faces, no size, or are no meshes; no part that all of them have, where parts are asked for.
+    """
+    names, labels = [obj.name for obj in inputs], None
+    if settings.parts == "none":
+        meshes = [triangle_mesh(obj, depsgraph, MESHED) for obj in inputs]
+    else:
+        read = [labeled_mesh(obj, depsgraph, settings.parts, MESHED) for obj in inputs]
+        meshes, labels = [one.mesh for one in read], [one.labels for one in read]
+        # Refuse before anything is made.
+        matched(labels, names)
+    entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
+    guides = guides_of_shapes(entries, inputs, meshes, depsgraph)
+    alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
+    laid = aligned_meshes(meshes, alignment, scaling, names)
+    return ReadShapes(names, laid.meshes, labels, guides, laid.moves)

@@ -1,0 +1,221 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live Morph: a shape that follows a handle, until Esc; what it shows can be kept, or baked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..bridge.live.running import running_live
+from ..bridge.morphs.morph_guides import guides_among
+from ..errors import ConvwassError, InputError
+from ..properties.live import LiveProperties
+from ..properties.morphs import MorphProperties
+from ..translations import translated
+from .chosen_inputs import chosen_inputs
+from .live_drag import HandleDrag
+from .morph_manage import is_free_to_bake
+from .reporting import refuse_if_known
+from .windows import clear_status, clear_windows, write_status
+
+if TYPE_CHECKING:
+    from ..bridge.live.live_session import LiveSession
+
+_TIMER_SECONDS = 0.015
+# Most seconds that Keep Shape waits for a full solve.
+_PATIENCE = 6.0
+_TIMERS: list[bpy.types.Timer] = []
+
+
+class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator):
+    """Blend two to four selected shapes at once: drag the handle and the shape follows; Esc ends it without a trace"""
+
+    bl_idname = "convwass.live_morph"
+    bl_label = "Live Morph"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        if running_live() is not None:
+            cls.poll_message_set("A live morph is running; press Esc in the viewport to end it")
+            return False
+        return is_free_to_bake(cls, context)
+
+    def execute(self, context):
+        self.report({"ERROR"}, rpt_("A live morph needs a window; bake a morph instead"))
+        return {"CANCELLED"}
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        started = self.begin(context)
+        if started == {"RUNNING_MODAL"}:
+            context.window_manager.modal_handler_add(self)
+        return started
+
+    def begin(self, context: bpy.types.Context) -> set[str]:
+        """Begin, for an operator that gets a modal handler then."""
+        try:
+            self._session = begun_session(context, self)
+        except (ConvwassError, OSError, MemoryError) as error:
+            return refuse_if_known(self, error)
+        self._drag, self._text = HandleDrag(self._session.scene.pad), ""
+        self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
+        _TIMERS.append(self._timer)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        session = running_live()
+        if session is None or session is not self._session:
+            # It was baked, or ended from elsewhere.
+            return self._ended(context, {"FINISHED"})
+        if event.type == "ESC" and event.value == "PRESS":
+            return self._ended(context, {"CANCELLED"})
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"} if self._drag.takes(context, event) else {"PASS_THROUGH"}
+        try:
+            goes_on = session.tick()
+        except BaseException as error:
+            # Whatever it is, nothing may go on running behind the user's back.
+            self._ended(context, {"CANCELLED"})
+            return refuse_if_known(self, error)
+        if not goes_on:
+            self.report({"INFO"}, rpt_("The live morph has ended, since its objects were removed"))
+            return self._ended(context, {"CANCELLED"})
+        if session.has_failed:
+            self.report({"ERROR"}, translated(session.message))
+            return self._ended(context, {"CANCELLED"})
+        self._show_state(context, session)
+        return {"PASS_THROUGH"}
+
+    def cancel(self, context):
+        self._ended(context, {"CANCELLED"})
+
+    def _show_state(self, context: bpy.types.Context, session: LiveSession) -> None:
+        text = f"{rpt_('Live Morph')}: {translated(session.message)}    Esc: {rpt_('end')}"
+        if text == self._text:
+            return
+        self._text = text
+        write_status(context, text)
+        for area in context.window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
+
+    def _ended(self, context: bpy.types.Context, result: set[str]) -> set[str]:
+        if self._timer in _TIMERS:
+            _TIMERS.remove(self._timer)
+            context.window_manager.event_timer_remove(self._timer)
+        self._session.end()
+        clear_status(context)
+        for area in context.window.screen.areas if context.window else ():
+            area.tag_redraw()
+        return result
+
+
+def begun_session(context: bpy.types.Context, own: CONVWASS_OT_live_morph) -> LiveSession:
+    """Begin a live morph of the chosen shapes; raises InputError, ResourceError where that cannot work."""
+    from ..bridge.flat.choosing import asks_for_flat
+    from ..bridge.live.live_session import LiveRequest, LiveSession
+
+    objects = chosen_inputs(context, own).objects
+    if not 2 <= len(objects) <= 4:
+        raise InputError("A live morph takes two, three or four shapes, not {count}.", count=len(objects))
+    if asks_for_flat(objects, context.evaluated_depsgraph_get(), own.thickness):
+        raise InputError("Flat shapes cannot be morphed live; bake them, or give them thickness.")
+    guides = guides_among(context.scene.convwass_guides.named, [obj.name for obj in objects])
+    options = {**own.request().as_dict(), "guides": [guide.as_dict() for guide in guides]}
+    return LiveSession(context, objects, LiveRequest(own.solver_settings(), own.live_settings(), options))
+
+
+class _OnLiveMorph:
+    @classmethod
+    def poll(cls, context):
+        if running_live() is None:
+            cls.poll_message_set("No live morph is running")
+            return False
+        return True
+
+
+class CONVWASS_OT_keep_live_shape(_OnLiveMorph, bpy.types.Operator):
+    """Make a mesh object of the blend that is shown; the live morph goes on"""
+
+    bl_idname = "convwass.keep_live_shape"
+    bl_label = "Keep Shape"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        try:
+            obj = running_live().kept_shape(_PATIENCE)
+        except (ConvwassError, MemoryError) as error:
+            return refuse_if_known(self, error)
+        if obj is None:
+            self.report({"ERROR"}, rpt_("There is no blend yet; wait a moment"))
+            return {"CANCELLED"}
+        self.report({"INFO"}, rpt_("{:s}: {:d} vertices").format(obj.name, len(obj.data.vertices)))
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_bake_live_morph(_OnLiveMorph, bpy.types.Operator):
+    """End the live morph, and bake a morph of its shapes with the settings of the panel"""
+
+    bl_idname = "convwass.bake_live_morph"
+    bl_label = "Bake"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context):
+        session = running_live()
+        names, weights = "\n".join(session.names), ",".join(f"{weight:.6g}" for weight in session.weights)
+        session.end()
+        settings = context.scene.convwass_morph
+        given = {name: getattr(settings, name) for name in bake_arguments()}
+        if settings.layout == "BLEND":
+            given["weights"] = weights
+        how = "EXEC_DEFAULT" if bpy.app.background else "INVOKE_DEFAULT"
+        try:
+            return bpy.ops.convwass.bake_morph(how, inputs=names, **given)
+        except RuntimeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+
+def bake_arguments() -> list[str]:
+    """Return the names of the settings that Bake Morph takes over from a scene."""
+    from inspect import get_annotations
+
+    return [name for base in MorphProperties.__mro__ for name in get_annotations(base)]
+
+
+class CONVWASS_OT_end_live_morph(_OnLiveMorph, bpy.types.Operator):
+    """End the live morph, as Esc in the viewport does, and leave no trace of it"""
+
+    bl_idname = "convwass.end_live_morph"
+    bl_label = "End"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context):
+        running_live().end()
+        return {"FINISHED"}
+
+
+def stop_live(context: bpy.types.Context) -> None:
+    """End a live morph before the operators are taken away; Blender calls nothing of a class that goes."""
+    session = running_live()
+    if session is not None:
+        session.end()
+    for timer in _TIMERS:
+        context.window_manager.event_timer_remove(timer)
+    if _TIMERS:
+        clear_windows(context)
+    _TIMERS.clear()
+
+
+classes = (
+    CONVWASS_OT_live_morph,
+    CONVWASS_OT_keep_live_shape,
+    CONVWASS_OT_bake_live_morph,
+    CONVWASS_OT_end_live_morph,
+)

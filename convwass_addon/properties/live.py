@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of live morphs in a scene, and where the handle of the one that is running is."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import FloatProperty, PointerProperty
+
+from ..applications.live.live_settings import LiveSettings
+from ..bridge.live.live_scene import remove_leftovers
+from ..bridge.live.running import running_live, set_running
+from .from_schema import values_of, with_properties
+
+
+@with_properties(LiveSettings)
+class LiveProperties:
+    """What a live morph is asked for: mixed into the scene's settings and into the operator."""
+
+    def live_settings(self) -> LiveSettings:
+        """Return the settings."""
+        return LiveSettings(**values_of(self, LiveSettings))
+
+
+class CONVWASS_PG_live(LiveProperties, bpy.types.PropertyGroup):
+    """Settings of live morphs in a scene."""
+
+
+def _across(_own: bpy.types.PropertyGroup) -> float:
+    session = running_live()
+    return 0.0 if session is None else session.place[0]
+
+
+def _up(_own: bpy.types.PropertyGroup) -> float:
+    session = running_live()
+    return 0.0 if session is None else session.place[1]
+
+
+def _set_across(_own: bpy.types.PropertyGroup, value: float) -> None:
+    session = running_live()
+    if session is not None:
+        session.move_to(value, session.place[1])
+
+
+def _set_up(_own: bpy.types.PropertyGroup, value: float) -> None:
+    session = running_live()
+    if session is not None:
+        session.move_to(session.place[0], value)
+
+
+class CONVWASS_PG_live_handle(bpy.types.PropertyGroup):
+    """The handle of the live morph that is running."""
+
+    morph: FloatProperty(
+        name="Morph",
+        description="What is shown: 0 is the first shape, 1 the second",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        get=_across,
+        set=_set_across,
+    )
+    across: FloatProperty(
+        name="Across",
+        description="Where the handle is on the pad, from left to right",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        get=_across,
+        set=_set_across,
+    )
+    up: FloatProperty(
+        name="Up",
+        description="Where the handle is on the pad, from below to above",
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        get=_up,
+        set=_set_up,
+    )
+
+
+_classes = (CONVWASS_PG_live, CONVWASS_PG_live_handle)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_: object) -> None:
+    if running_live() is None:
+        remove_leftovers()
+
+
+_HANDLERS = (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post)
+
+
+def register() -> None:
+    """Add the settings to scenes, and the handle to the window manager."""
+    _register_classes()
+    bpy.types.Scene.convwass_live = PointerProperty(type=CONVWASS_PG_live)
+    bpy.types.WindowManager.convwass_live = PointerProperty(type=CONVWASS_PG_live_handle)
+    for handlers in _HANDLERS:
+        handlers.append(_after_undo)
+
+
+def unregister() -> None:
+    """Take them away."""
+    for handlers in _HANDLERS:
+        handlers.remove(_after_undo)
+    set_running(None)
+    del bpy.types.WindowManager.convwass_live
+    del bpy.types.Scene.convwass_live
+    _unregister_classes()

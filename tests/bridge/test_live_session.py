@@ -1,0 +1,220 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live morphs in a scene: what is shown, what happens to their inputs, and that nothing is left of them."""
+
+from __future__ import annotations
+
+import time
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.live.live_settings import LiveSettings
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.live.live_scene import remove_leftovers, write_triangles
+from convwass_addon.bridge.live.live_session import LiveRequest, LiveSession
+from convwass_addon.bridge.live.running import running_live
+from convwass_addon.errors import InputError
+from tests.shapes import ball
+
+SIZES = (0.6, 1.0, 0.8, 0.9)
+
+
+@pytest.fixture
+def begin(make_object):
+    """Give a function that begins a live morph of selected balls apart; what runs in the end is ended."""
+
+    def begun(count=2, motion="transport", **live):
+        inputs = [obj for obj in bpy.data.objects if obj.name.startswith("Ball")]
+        for place in range(len(inputs), count):
+            mesh = ball(SIZES[place], (3.0 * place, 0.0, 0.0), 200)
+            inputs.append(make_object(f"Ball {place}", mesh.vertices, faces=mesh.faces))
+        for obj in inputs:
+            obj.select_set(not obj.hide_get())
+        bpy.context.view_layer.objects.active = inputs[-1]
+        bpy.context.view_layer.update()
+        request = LiveRequest(MorphSettings(motion=motion), LiveSettings(**{"live_resolution": 24} | live), {})
+        return LiveSession(bpy.context, sorted(inputs, key=lambda obj: obj.name), request)
+
+    yield begun
+    if running_live() is not None:
+        running_live().end()
+
+
+def ticked(session, until, seconds=60.0):
+    """Let a session go on until something is so."""
+    end = time.monotonic() + seconds
+    while not until():
+        assert session.tick()
+        assert time.monotonic() < end, session.message
+        time.sleep(0.005)
+
+
+def ready(session):
+    """Let a session go on until all is done and shown."""
+    ticked(session, lambda: str(session.message) == "Ready" or session.is_frozen)
+    quiet = time.monotonic() + 1.0
+    ticked(session, lambda: time.monotonic() > quiet)
+
+
+def shown_volume(session):
+    mesh = session.scene.shape.data
+    mesh.calc_loop_triangles()
+    points = np.array([v.co for v in mesh.vertices])
+    a, b, c = points[[list(t.vertices) for t in mesh.loop_triangles]].transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+
+def test_the_shape_follows_the_handle(begin):
+    session = begin()
+    ready(session)
+    small, large = (ball(size, points=200).volume for size in SIZES[:2])
+    for across in (0.25, 0.8):
+        session.move_to(across, 0.0)
+        assert session.tick()
+        assert session.place[0] == pytest.approx(across)
+        assert session.weights == pytest.approx((1.0 - across, across), abs=1e-6)
+        assert shown_volume(session) == pytest.approx((1.0 - across) * small + across * large, rel=0.03)
+        np.testing.assert_allclose(session.scene.shape.location, (3.0 * across, 0.0, 0.0), atol=0.02)
+    assert not session.scene.shape.data.validate()
+    # The user drags it, beyond the end of the line.
+    session.scene.pad.handle.location.x = 99.0
+    assert session.tick()
+    assert session.weights == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(("count", "place", "expected"), [(3, (0.5, 1.0), (0, 0, 1)), (4, (1.0, 1.0), (0, 1, 0, 0))])
+def test_pads_of_three_and_four_have_shapes_at_their_corners(begin, count, place, expected):
+    session = begin(count)
+    session.move_to(*place)
+    ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
+    assert session.weights == pytest.approx(expected)
+    middle = {3: (0.5, 1 / 3), 4: (0.5, 0.5)}[count]
+    session.move_to(*middle)
+    assert session.tick()
+    assert session.weights == pytest.approx([1 / count] * count, abs=1e-5)
+
+
+def test_nothing_is_left_when_it_ends(begin, inventory):
+    session = begin(3)
+    session.end()
+    bpy.context.view_layer.update()
+    before, selected = inventory(), {obj.name for obj in bpy.context.selected_objects}
+    handlers = {name: list(getattr(bpy.app.handlers, name)) for name in ("save_pre", "depsgraph_update_post")}
+    session = begin(3)
+    ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
+    assert inventory() != before
+    assert all(obj.hide_get() for obj in bpy.data.objects if obj.name.startswith("Ball"))
+    session.end()
+    session.end()
+    assert inventory() == before
+    assert {obj.name for obj in bpy.context.selected_objects} == selected
+    assert bpy.context.view_layer.objects.active.name == "Ball 2"
+    assert not any(obj.hide_get() for obj in bpy.data.objects)
+    assert {name: list(getattr(bpy.app.handlers, name)) for name in handlers} == handlers
+    assert running_live() is None
+
+
+def test_only_one_runs_at_a_time(begin, inventory):
+    begin()
+    before = inventory()
+    with pytest.raises(InputError, match="Another live morph"):
+        begin()
+    assert inventory() == before
+
+
+def test_edited_inputs_are_blended_anew(begin):
+    session = begin()
+    ready(session)
+    session.move_to(0.0, 0.0)
+    session.tick()
+    before = shown_volume(session)
+    for vertex in bpy.data.objects["Ball 0"].data.vertices:
+        vertex.co *= 1.3
+    bpy.data.objects["Ball 0"].data.update()
+    bpy.context.view_layer.update()
+    ticked(session, lambda: shown_volume(session) > 1.5 * before, 20.0)
+    ready(session)
+    assert shown_volume(session) == pytest.approx(1.3**3 * before, rel=0.05)
+
+
+def test_a_deleted_input_freezes_it(begin):
+    session = begin()
+    ready(session)
+    bpy.data.objects.remove(bpy.data.objects["Ball 1"])
+    ticked(session, lambda: session.is_frozen)
+    assert "Ball 1 was deleted" in str(session.message)
+    # What was found can still be looked at, and kept.
+    session.move_to(0.4, 0.0)
+    assert session.tick()
+    kept = session.kept_shape(1.0)
+    assert len(kept.data.polygons) > 100
+    session.end()
+    assert {obj.name for obj in bpy.data.objects} == {"Ball 0", kept.name}
+
+
+def test_undone_objects_end_it(begin):
+    session = begin()
+    bpy.data.objects.remove(session.scene.pad.handle)
+    assert not session.tick()
+
+
+def test_shapes_that_cannot_be_blended_are_told_of(begin, make_object):
+    for place in range(2):
+        make_object(f"Ball {place}", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)]).select_set(True)
+    session = begin()
+    ticked(session, lambda: session.has_failed)
+    assert "encloses no volume" in str(session.message)
+
+
+def test_files_are_saved_without_it(begin, tmp_path, inventory):
+    session = begin()
+    ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
+    path = str(tmp_path / "live.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    # It goes on after the file has been saved.
+    assert session.tick() and bpy.data.objects["Ball 0"].hide_get()
+    session.end()
+    before = inventory()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert inventory() >= before and not any("Live" in name for _, name in inventory())
+    assert not any(obj.hide_get() for obj in bpy.data.objects)
+
+
+def test_kept_shapes_are_solved_in_full_and_stay(begin):
+    session = begin()
+    session.move_to(0.5, 0.0)
+    ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
+    kept = session.kept_shape(60.0)
+    assert session.scene.shape is not kept
+    session.end()
+    assert kept.name in bpy.context.scene.objects
+    volume = np.mean([ball(size, points=200).volume for size in SIZES[:2]])
+    mesh = kept.data
+    mesh.calc_loop_triangles()
+    points = np.array([v.co for v in mesh.vertices])
+    a, b, c = points[[list(t.vertices) for t in mesh.loop_triangles]].transpose(1, 0, 2)
+    assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0 == pytest.approx(volume, rel=0.02)
+
+
+def test_what_undo_brings_back_is_removed(begin, inventory):
+    session = begin()
+    session.end()
+    before = inventory()
+    session = begin()
+    hidden = [obj for obj in bpy.data.objects if obj.hide_get()]
+    assert len(hidden) == 2
+    remove_leftovers()
+    assert inventory() == before
+    assert not any(obj.hide_get() for obj in hidden)
+
+
+def test_triangles_are_written_as_they_are():
+    mesh = bpy.data.meshes.new("Written")
+    for triangles in (ball(points=50), ball(2.0, points=20)):
+        write_triangles(mesh, triangles)
+        np.testing.assert_allclose([v.co for v in mesh.vertices], triangles.vertices, atol=1e-6)
+        np.testing.assert_array_equal([list(p.vertices) for p in mesh.polygons], triangles.faces)
+        assert len(mesh.edges) == 3 * len(triangles.faces) // 2
+        assert not mesh.validate()
