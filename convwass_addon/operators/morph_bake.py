@@ -276,6 +276,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if name is None or stand_ins(morph):
             return
         options = {"folder": self.folder} if self.output in ("VOLUME", "CACHE") else {}
+        if self.output == "PLAYER":
+            options["between"] = self.between
         if self.output == "CACHE":
             options["kind"] = self.cache_format
         try:

@@ -7,10 +7,12 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.morphs.blend_pad import make_blend_pad, require_sheet
+from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.player import make_player, require_path
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
+from ..properties.from_schema import property_of
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse
 
@@ -57,13 +59,15 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
         ),
     )
 
+    between: property_of(MorphRequest, "between")
+
     def _change(self, morph):
         from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
 
         require_no_drawings(morph)
         require_path(morph)
         turn_into_meshes(morph)
-        return make_player(morph, playback=self.playback, easing=self.easing)
+        return make_player(morph, playback=self.playback, easing=self.easing, between=self.between)
 
 
 class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
@@ -72,13 +76,15 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
     bl_idname = "convwass.make_blend_pad"
     bl_label = "Make Blend Pad"
 
+    between: property_of(MorphRequest, "between")
+
     def _change(self, morph):
         from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
 
         require_no_drawings(morph)
         require_sheet(morph)
         turn_into_meshes(morph)
-        return make_blend_pad(morph).handle
+        return make_blend_pad(morph, between=self.between).handle
 
 
 class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
-from ..bridge.morphs.player import is_player, morph_value, playback
+from ..bridge.morphs.player import interpolation, is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
 from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
 from ..operators.morph_manage import active_morph
@@ -46,6 +46,9 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             column = layout.column(align=True)
             for value, name in ((morph_value(context.object), "Morph"), (playback(context.object), "Playback")):
                 column.prop(value.owner, value.path, text=iface_(name))
+            switch = interpolation(context.object)
+            if switch is not None:
+                column.prop(switch.owner, switch.path, text=iface_("Interpolate"))
         # A volume or cache has replaced the frames, so no other output can be made.
         if not any(ALONE_KEY in obj for obj in morph.objects):
             _draw_outputs(layout, morph)

@@ -234,6 +234,8 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         layout.prop(settings, "output", text="Type")
         if settings.output == "OBJECTS":
             layout.prop(settings, "flat_output")
+        if settings.output == "PLAYER":
+            layout.prop(settings, "between")
         if settings.output == "SHAPE_KEYS":
             layout.prop(settings, "key_error")
         elif settings.output != "VOLUME":

@@ -63,7 +63,7 @@ def test_there_and_back(path):
 
 
 def test_by_arguments(path):
-    bpy.ops.convwass.make_player(playback="LOOP", easing="SMOOTH")
+    bpy.ops.convwass.make_player(playback="LOOP", easing="SMOOTH", between="NEAREST")
     player = bpy.context.object
     sizes = []
     player.animation_data.action = None

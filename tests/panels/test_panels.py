@@ -178,8 +178,9 @@ def test_every_setting_is_somewhere(shapes, layout):
     settings().layout = layout
     settings().start, settings().entropy_limit, settings().output = "CUSTOM", "NUMBER", "CACHE"
     drawn = {name for kind, name in draw_all() if kind == "prop"}
-    settings().output = "SHAPE_KEYS"
-    drawn |= {name for kind, name in draw_all() if kind == "prop"}
+    for output in ("SHAPE_KEYS", "PLAYER"):
+        settings().output = output
+        drawn |= {name for kind, name in draw_all() if kind == "prop"}
     from convwass_addon.properties.morphs import MorphProperties
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}

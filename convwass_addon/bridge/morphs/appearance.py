@@ -13,17 +13,9 @@ from ...applications.morphs.appearance import Appearance, Carried, Paint, Painte
 from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
+from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color
 from .mixed_materials import emission_node
-
-COLOR, VELOCITY = "Color", "velocity"
-"""Point attributes of frames: the mixed color, and scene units per second, which is what renderers expect."""
-
-LOOK, SOURCE_WEIGHT, SOURCE_MATERIAL = "look_{}", "source_weight_{}", "source_material_{}"
-"""Point attributes of frames for every input, counted from 1."""
-
-CUSTOM_NORMAL = "custom_normal"
-"""Blender's own attribute for normals of points or corners."""
 
 # Normals are rounded to as many steps in one.
 _NORMAL_STEPS = np.float32(1024)

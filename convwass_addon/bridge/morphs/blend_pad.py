@@ -15,11 +15,15 @@ import numpy as np
 
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
+from ..node_math import math_node, switch
 from ..pad_handles import pad_handle
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
-from .frame_colors import colored, colored_materials, seen_materials
+from .frame_colors import color_of, colored, colored_materials, seen_materials
+from .mixed_frames import INTERPOLATE
+from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, homes, require_none, set_shown
-from .stored import WEIGHTS_KEY, frame_objects, stored_morph
+from .stored import WEIGHTS_KEY, frame_objects, is_solid, stored_morph
+from .stored_fields import StoredFields, field_cells
 
 SIDE = 1.5
 """Length of a side of the pad, in sizes of the largest shape."""
@@ -80,20 +84,30 @@ class _Sheet:
         return bool(self.points[number, 2] < 0.0)
 
     @property
+    def lattice(self) -> SheetLattice:
+        is_triangle = len(self.names) == 3
+        last = round(max(blend.place[1] for blend in self.blends))
+        rise = math.sqrt(0.75) if is_triangle else 1.0
+        return SheetLattice(self.points[0], self.side / last, rise, last, is_triangle)
+
+    @property
     def weights(self) -> np.ndarray:
         return np.array([blend.weights for blend in self.blends])
 
 
-def make_blend_pad(collection: bpy.types.Collection) -> BlendPad:
+def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> BlendPad:
     """Make a pad of a sheet of four or three shapes, and hide the sheet's own objects.
 
-    The blend that is nearest to the empty is seen, standing where the first shape stands; the pad is to its left,
-    upright like the sheet. Outside of the pad the nearest blend of its rim is seen.
+    The blend at the empty is seen, standing where the first shape stands; the pad is to its left, upright like the
+    sheet. Outside of the pad a blend of its rim is seen.
 
     Parameters
     ----------
     collection : bpy.types.Collection
         A finished sheet in the layout grid or triangle.
+    between : "NEAREST" or "INTERPOLATED"
+        What is seen between blends: the nearest one, or a mixture of the three around the empty, for which the file
+        stores fields. Of flat shapes the nearest one is seen in any case.
 
     Raises
     ------
@@ -113,7 +127,10 @@ def make_blend_pad(collection: bpy.types.Collection) -> BlendPad:
     handle = _linked(home, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
     for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
         _linked(home, drawn)
-    result = _linked(home, _result(sheet, pad, handle))
+    fields = None
+    if between == "INTERPOLATED" and is_solid(collection):
+        fields = _stored(collection, sheet)
+    result = _linked(home, _result(sheet, pad, handle, fields))
     result.location = sheet.feet[0]
     trees = [obj.modifiers[MODIFIER].node_group for obj in home.objects if MODIFIER in obj.modifiers]
     made = [material for tree in trees for material in colored_materials(tree)]
@@ -229,7 +246,8 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
         lifted = sheet.points[corner] + np.array([0.0, 0.0, shift * sheet.side])
         small.inputs["Translation"].default_value = lifted - scale * foot
         tree.links.new(object_info(tree, corners[place]).outputs["Geometry"], small.inputs["Geometry"])
-        shown = colored(tree, small.outputs["Geometry"], number.outputs["Integer"], corners)
+        color = color_of(tree, number.outputs["Integer"], corners)
+        shown = colored(tree, small.outputs["Geometry"], color, corners)
         tree.links.new(shown, join.inputs["Geometry"])
     output(tree, join.outputs["Geometry"], 1)
     return _only_drawn(table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners)), pad)
@@ -243,17 +261,39 @@ def _only_drawn(obj: bpy.types.Object, pad: bpy.types.Object | None = None) -> b
     return obj
 
 
-def _result(sheet: _Sheet, pad: bpy.types.Object, handle: bpy.types.Object) -> bpy.types.Object:
+def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> StoredFields:
+    """Store the fields of the blends."""
+    from .field_sampling import store_fields
+
+    cells = field_cells(stored_morph(collection).settings)
+    columns = sheet_columns(sheet.frames, sheet.weights @ sheet.feet)
+    fields = store_fields(collection.name, sheet.frames, cells, sheet.points, columns)
+    adopt(collection, fields.blocks)
+    return fields
+
+
+def _result(
+    sheet: _Sheet, pad: bpy.types.Object, handle: bpy.types.Object, fields: StoredFields | None
+) -> bpy.types.Object:
     """Make the object that shows the blend at the empty, with its foot at its origin."""
     tree = frame_group("Blend")
     drawn = object_info(tree, pad)
-    index = nearest(tree, drawn.outputs["Geometry"], _place_on(tree, drawn, handle))
+    place = _place_on(tree, drawn, handle)
+    index = nearest(tree, drawn.outputs["Geometry"], place)
     meshes = [object_info(tree, obj).outputs["Geometry"] for obj in sheet.frames]
     moved = tree.nodes.new("GeometryNodeTransform")
     tree.links.new(pick(tree, "GEOMETRY", index, meshes), moved.inputs["Geometry"])
     shifts = [tuple(-foot) for foot in sheet.weights @ sheet.feet]
     tree.links.new(pick(tree, "VECTOR", index, shifts), moved.inputs["Translation"])
-    output(tree, colored(tree, moved.outputs["Geometry"], index, sheet.frames), 1)
+    shown, color = moved.outputs["Geometry"], color_of(tree, index, sheet.frames)
+    if fields is not None:
+        tree.interface.new_socket(INTERPOLATE, in_out="INPUT", socket_type="NodeSocketBool").default_value = True
+        switched = tree.nodes.new("NodeGroupInput").outputs[INTERPOLATE]
+        mixed = mixed_sheet(tree, fields, sheet.frames, sheet.lattice, place)
+        interpolates = math_node(tree, "GREATER_THAN", switched, mixed.is_shape)
+        shown = switch(tree, "GEOMETRY", interpolates, shown, mixed.geometry)
+        color = switch(tree, "RGBA", interpolates, color, mixed.color)
+    output(tree, colored(tree, shown, color, sheet.frames), 1)
     return table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, sheet.frames))
 
 

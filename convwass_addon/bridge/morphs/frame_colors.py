@@ -21,7 +21,7 @@ ORIGINAL_KEY = "convwass_original"
 def colored(
     tree: bpy.types.NodeTree,
     geometry: bpy.types.NodeSocket,
-    index: bpy.types.NodeSocket,
+    color: bpy.types.NodeSocket,
     frames: Sequence[bpy.types.Object],
 ) -> bpy.types.NodeSocket:
     """Let materials that take their base color from the object take it from the frame object instead.
@@ -31,9 +31,9 @@ def colored(
     tree : bpy.types.NodeTree
         Where the nodes go.
     geometry : bpy.types.NodeSocket
-        The mesh of the frame object number `index`.
-    index : bpy.types.NodeSocket
-        A whole number.
+        In materials of the frame objects.
+    color : bpy.types.NodeSocket
+        That of the frame object that is seen, as :func:`color_of` returns it, or a mixture.
     frames : sequence of bpy.types.Object
         All frame objects.
 
@@ -51,7 +51,7 @@ def colored(
     stored.data_type, stored.domain = "FLOAT_COLOR", "POINT"
     stored.inputs["Name"].default_value = COLOR
     tree.links.new(geometry, stored.inputs["Geometry"])
-    tree.links.new(pick(tree, "RGBA", index, [tuple(obj.color) for obj in frames]), stored.inputs["Value"])
+    tree.links.new(color, stored.inputs["Value"])
     result = stored.outputs["Geometry"]
     for material in materials:
         replaced = tree.nodes.new("GeometryNodeReplaceMaterial")
@@ -60,6 +60,13 @@ def colored(
         tree.links.new(result, replaced.inputs["Geometry"])
         result = replaced.outputs["Geometry"]
     return result
+
+
+def color_of(
+    tree: bpy.types.NodeTree, index: bpy.types.NodeSocket, frames: Sequence[bpy.types.Object]
+) -> bpy.types.NodeSocket:
+    """Return the color of the frame object of a number."""
+    return pick(tree, "RGBA", index, [tuple(obj.color) for obj in frames])
 
 
 def colored_materials(tree: bpy.types.NodeTree) -> list[bpy.types.Material]:

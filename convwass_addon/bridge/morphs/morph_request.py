@@ -172,6 +172,20 @@ class MorphRequest(Settings):
         ),
         option=None,
     )
+    between: str = setting(
+        "INTERPOLATED",
+        "In Between",
+        "What a player or a pad shows between two baked blends",
+        choices=(
+            Choice(
+                "INTERPOLATED",
+                "Interpolated",
+                "The exact moment: blends are mixed at any value, in slow motion and on subframes; of flat shapes the "
+                "nearest blend",
+            ),
+            Choice("NEAREST", "Nearest Blend", "The nearer one, exactly as it was baked; plays faster"),
+        ),
+    )
     key_error: float = setting(
         0.5,
         "Key Error",

@@ -18,9 +18,10 @@ from .cache_output import as_cache
 from .disk_output import DiskOutput, filled_folder
 from .player import make_player
 from .removal import remove_frames
+from .stored import stored_settings
 from .volume_output import as_volume
 
-PACKED: dict[str, Callable[[bpy.types.Collection], object] | None] = {
+PACKED: dict[str, Callable[..., object] | None] = {
     "objects": None,
     "player": make_player,
     "pad": make_blend_pad,
@@ -68,7 +69,7 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
     if output in PACKED:
         make = PACKED[output]
         if make is not None:
-            make(collection)
+            make(collection, between=stored_settings(collection).get("between", "NEAREST"))
         return [save_blend(target)]
     # Paths are relative to a file that is there.
     saved = save_blend(target)

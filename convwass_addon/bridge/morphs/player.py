@@ -16,7 +16,7 @@ from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from ...errors import InputError
 from ..keyframes import EASINGS
 from ..node_inputs import NodeInput, node_input
-from ..node_math import math_node
+from ..node_math import math_node, switch
 from ..sequence import (
     MODIFIER,
     along_x,
@@ -29,9 +29,12 @@ from ..sequence import (
     table_object,
     write_table,
 )
-from .frame_colors import colored, colored_materials, seen_materials
+from .frame_colors import color_of, colored, colored_materials, seen_materials
+from .mixed_frames import INTERPOLATE
+from .path_mixture import mixed_path, path_columns
 from .stand_ins import SHOWS_KEY, adopt, homes, require_none, set_shown, stand_ins
-from .stored import INDEX_KEY, WEIGHTS_KEY, frame_objects, stored_morph
+from .stored import INDEX_KEY, WEIGHTS_KEY, frame_objects, is_solid, stored_morph
+from .stored_fields import StoredFields, field_cells
 
 VALUE = "Morph"
 """The modifier's input to animate: 0 is the first shape, 1 the second, and so on."""
@@ -42,18 +45,21 @@ PLAYBACK = "Playback"
 PLAYBACKS = {"ONCE": "Once", "LOOP": "Loop", "PING_PONG": "Ping-Pong"}
 """The items of that menu as the user sees them."""
 
+SPEED = "Speed"
+"""The modifier's input for motion blur: how fast the value changes, as a multiple of the pace of the bake."""
+
 OVERRIDE = "Override Material"
 MATERIAL = "Material"
 
 
 def make_player(
-    collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR"
+    collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
 ) -> bpy.types.Object:
     """Make an object that shows the blends of a path, and hide the objects that were baked.
 
-    Its `VALUE` is keyed over the frames of the bake, so that what is seen is at first what was seen before. Between two
-    blends the nearer one is seen. Under `Once` the ends stay beyond the ends. `Loop` starts again at the first shape
-    past the last one, and `Ping-Pong` goes back and forth; to see either, add keys or extrapolate the curve.
+    Its `VALUE` is keyed over the frames of the bake, so that what is seen is at first what was seen before. Under
+    `Once` the ends stay beyond the ends. `Loop` starts again at the first shape past the last one, and `Ping-Pong` goes
+    back and forth; to see either, add keys or extrapolate the curve.
 
     Parameters
     ----------
@@ -63,6 +69,9 @@ def make_player(
         One of `PLAYBACKS`; to be changed later in the modifier.
     easing : str
         One of `keyframes.EASINGS`.
+    between : "NEAREST" or "INTERPOLATED"
+        What is seen between two blends: the nearer one, or their mixture, for which the file stores fields. Of flat
+        shapes the nearer one is seen in any case.
 
     Returns
     -------
@@ -80,8 +89,10 @@ def make_player(
     shapes = len(frames[0][WEIGHTS_KEY])
     name = f"{collection.name} Player"
     tree = frame_group(name)
-    _add_inputs(tree)
-    _fill(tree, frames, shapes)
+    interpolated = between == "INTERPOLATED" and is_solid(collection)
+    fields = _stored(collection, frames) if interpolated else None
+    _add_inputs(tree, fields is not None)
+    _fill(tree, frames, shapes, fields)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
     modifier = player.modifiers[MODIFIER]
     node_input(modifier, PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
@@ -117,8 +128,9 @@ def refresh_player(collection: bpy.types.Collection) -> None:
         if is_player(player):
             frames = _path_objects(collection)
             tree = player.modifiers[MODIFIER].node_group
+            fields = _stored(collection, frames) if interpolation(player) is not None else None
             tree.nodes.clear()
-            _fill(tree, frames, len(frames[0][WEIGHTS_KEY]))
+            _fill(tree, frames, len(frames[0][WEIGHTS_KEY]), fields)
             adopt(collection, colored_materials(tree))
             write_table(player.data, _table(frames), seen_materials(tree, frames))
 
@@ -137,6 +149,19 @@ def is_player(obj: bpy.types.Object | None) -> bool:
 def morph_value(player: bpy.types.Object) -> NodeInput:
     """Return the value of a player to animate; draw it with ``layout.prop(value.owner, value.path, text="Morph")``."""
     return node_input(player.modifiers[MODIFIER], VALUE)
+
+
+def interpolation(player: bpy.types.Object) -> NodeInput | None:
+    """Return the switch of a player between mixtures and baked blends; None where there are baked blends only."""
+    try:
+        return node_input(player.modifiers[MODIFIER], INTERPOLATE)
+    except InputError:
+        return None
+
+
+def speed(player: bpy.types.Object) -> NodeInput | None:
+    """Return what velocities are multiplied by; None where there are baked blends only."""
+    return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], SPEED)
 
 
 def playback(player: bpy.types.Object) -> NodeInput:
@@ -171,34 +196,69 @@ def _table(frames: Sequence[bpy.types.Object]) -> np.ndarray:
     return np.outer(_values(frames), (1.0, 0.0, 0.0))
 
 
-def _add_inputs(tree: bpy.types.NodeTree) -> None:
+def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
     """Give the node group what the user sets in the modifier."""
+    mixing = (
+        (INTERPOLATE, "NodeSocketBool", "Mix the two baked blends beside the value instead of showing the nearer one"),
+        (
+            SPEED,
+            "NodeSocketFloat",
+            "How fast the value changes, as a multiple of the pace of the bake, for motion blur",
+        ),
+    )
     for name, kind, description in (
         (VALUE, "NodeSocketFloat", "What is seen: 0 is the first shape, 1 the second, and so on"),
         (PLAYBACK, "NodeSocketMenu", "What is seen beyond the last shape and before the first"),
+        *(mixing if interpolates else ()),
         (OVERRIDE, "NodeSocketBool", "Use one material instead of those of the baked meshes"),
         (MATERIAL, "NodeSocketMaterial", "The material to use instead"),
     ):
-        tree.interface.new_socket(name, in_out="INPUT", socket_type=kind).description = description
+        socket = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
+        socket.description = description
+        if name in (INTERPOLATE, SPEED):
+            socket.default_value = True if name == INTERPOLATE else 1.0
 
 
-def _fill(tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object], shapes: int) -> None:
-    """Make the nodes: value, number of the nearest blend, its mesh where its object stands, its material."""
+def _fill(
+    tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object], shapes: int, fields: StoredFields | None
+) -> None:
+    """Make the nodes: value, number of the nearest blend, its mesh where its object stands, its material.
+
+    With fields there is the mixture of the two nearest blends beside it.
+    """
     inputs = tree.nodes.new("NodeGroupInput").outputs
     value = _played(tree, inputs[VALUE], inputs[PLAYBACK], shapes - 1.0)
     index = nearest(tree, own_geometry(tree), along_x(tree, value))
     infos = [object_info(tree, obj) for obj in frames]
+    meshes = [info.outputs["Geometry"] for info in infos]
+    own, color = pick(tree, "GEOMETRY", index, meshes), color_of(tree, index, frames)
+    if fields is not None:
+        mixed = mixed_path(tree, fields, frames, meshes, value, inputs[SPEED])
+        interpolates = math_node(tree, "GREATER_THAN", inputs[INTERPOLATE], mixed.is_shape)
+        own = switch(tree, "GEOMETRY", interpolates, own, mixed.geometry)
+        color = switch(tree, "RGBA", interpolates, color, mixed.color)
     moved = tree.nodes.new("GeometryNodeTransform")
     if "Mode" in moved.inputs:
         moved.inputs["Mode"].default_value = "Matrix"
     else:  # Blender 4.5
         moved.mode = "MATRIX"
-    chosen = pick(tree, "GEOMETRY", index, [info.outputs["Geometry"] for info in infos])
     place = pick(tree, "MATRIX", index, [info.outputs["Transform"] for info in infos])
-    tree.links.new(chosen, moved.inputs["Geometry"])
+    tree.links.new(own, moved.inputs["Geometry"])
     tree.links.new(place, moved.inputs["Transform"])
-    own = colored(tree, moved.outputs["Geometry"], index, frames)
+    own = colored(tree, moved.outputs["Geometry"], color, frames)
     output(tree, _dressed(tree, own, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
+
+
+def _stored(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> StoredFields:
+    """Store the fields of the blends of a path."""
+    from .field_sampling import store_fields
+
+    scene = bpy.context.scene
+    columns = path_columns(frames, scene.render.fps / scene.render.fps_base)
+    cells = field_cells(stored_morph(collection).settings)
+    fields = store_fields(collection.name, frames, cells, _table(frames), columns)
+    adopt(collection, fields.blocks)
+    return fields
 
 
 def _dressed(
@@ -211,12 +271,7 @@ def _dressed(
     other = tree.nodes.new("GeometryNodeSetMaterial")
     tree.links.new(geometry, other.inputs["Geometry"])
     tree.links.new(material, other.inputs["Material"])
-    choice = tree.nodes.new("GeometryNodeSwitch")
-    choice.input_type = "GEOMETRY"
-    tree.links.new(override, choice.inputs["Switch"])
-    tree.links.new(geometry, choice.inputs["False"])
-    tree.links.new(other.outputs["Geometry"], choice.inputs["True"])
-    return choice.outputs["Output"]
+    return switch(tree, "GEOMETRY", override, geometry, other.outputs["Geometry"])
 
 
 def _played(
@@ -233,11 +288,7 @@ def _played(
     tree.links.new(clamped.outputs["Result"], outside.inputs["B"])
     # A value that is neither, the last shape's, is kept: it would wrap to the first shape.
     wrapped = math_node(tree, "WRAP", value, last, 0.0)
-    looped = tree.nodes.new("GeometryNodeSwitch")
-    looped.input_type = "FLOAT"
-    tree.links.new(outside.outputs["Result"], looped.inputs["Switch"])
-    tree.links.new(value, looped.inputs["False"])
-    tree.links.new(wrapped, looped.inputs["True"])
+    looped = switch(tree, "FLOAT", outside.outputs["Result"], value, wrapped)
     menu = tree.nodes.new("GeometryNodeMenuSwitch")
     menu.data_type = "FLOAT"
     # The two items that a new menu has keep their numbers 0 and 1, so those of all are their places.
@@ -247,7 +298,7 @@ def _played(
     for text in texts[len(menu.enum_items) :]:
         menu.enum_items.new(text)
     bounced = math_node(tree, "PINGPONG", value, last)
-    for text, source in zip(texts, (clamped.outputs["Result"], looped.outputs["Output"], bounced), strict=True):
+    for text, source in zip(texts, (clamped.outputs["Result"], looped, bounced), strict=True):
         tree.links.new(source, menu.inputs[text])
     tree.links.new(playback, menu.inputs["Menu"])
     return menu.outputs["Output"]

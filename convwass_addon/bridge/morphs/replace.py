@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import bpy
 
+from ..sequence import MODIFIER
 from .blend_pad import make_blend_pad
 from .changes import SIGNATURES_KEY
 from .disk_output import remove_disk_outputs
-from .player import is_player, refresh_player
+from .player import interpolation, is_player, refresh_player
 from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
 from .stored import DIAGNOSTICS_KEY, MORPH_KEY, frame_objects, hidden_frames
@@ -46,6 +47,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     if any(is_player(obj) for obj in shown_by):
         refresh_player(old)
     elif shown_by:
+        mixed = any(MODIFIER in obj.modifiers and interpolation(obj) for obj in shown_by)
         remove_stand_ins(old)
-        make_blend_pad(old)
+        make_blend_pad(old, between="INTERPOLATED" if mixed else "NEAREST")
     return old

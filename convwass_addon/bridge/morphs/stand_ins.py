@@ -56,8 +56,8 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
     spare += [obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action]
     bpy.data.batch_remove(objects)
     _remove_unused(spare)
-    # In this order: node groups use materials.
-    for blocks in (bpy.data.node_groups, bpy.data.materials):
+    # In this order: node groups use others, and materials.
+    for blocks in (bpy.data.node_groups, bpy.data.node_groups, bpy.data.materials):
         _remove_unused([block for block in blocks if block.get(SHOWS_KEY) == collection])
     for other in [other for other in bpy.data.collections if other.get(SHOWS_KEY) == collection]:
         if not other.objects and not other.children:

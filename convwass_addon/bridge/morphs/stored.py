@@ -117,6 +117,11 @@ def stored_settings(collection: bpy.types.Collection) -> dict[str, object]:
     return stored_morph(collection).settings
 
 
+def is_solid(collection: bpy.types.Collection) -> bool:
+    """Tell whether the blends of a morph enclose volume: not those of flat shapes; raises as `stored_morph`."""
+    return "flat" not in stored_settings(collection)
+
+
 def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the objects that a morph was baked from; they may be hidden.
 

@@ -22,6 +22,7 @@ from ...sentence import Sentence
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
 from ..objects import triangle_mesh
+from ..openvdb_module import openvdb_module
 from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
 from .materials import morph_material
 from .stored import frame_objects, shown_frames, stored_morph
@@ -66,7 +67,11 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     InputError
         A Blender without OpenVDB's Python module (it comes with 4.5), or a collection without frames.
     """
-    openvdb = _openvdb()
+    openvdb = openvdb_module()
+    if openvdb is None:
+        raise InputError(
+            "Volumes need OpenVDB for Python, which this Blender was built without; use another Blender, or Make Cache."
+        )
     frames = frame_objects(collection)
     if not frames:
         raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
@@ -82,18 +87,6 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     # Until Blender 5 Volume to Mesh puts values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
-
-
-def _openvdb() -> ModuleType:
-    if hasattr(bpy.utils, "expose_bundled_modules"):
-        bpy.utils.expose_bundled_modules()
-    try:
-        import openvdb
-    except ImportError as error:
-        raise InputError(
-            "Volumes need OpenVDB for Python, which this Blender was built without; use another Blender, or Make Cache."
-        ) from error
-    return openvdb
 
 
 def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> float:

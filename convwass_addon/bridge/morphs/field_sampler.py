@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A node group that interpolates samples on a grid, and nodes for points of geometries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..node_math import feed, math_node, vector_math_node
+
+
+@dataclass(frozen=True)
+class SampleGrid:
+    """Where samples are.
+
+    Attributes
+    ----------
+    low : (3,) float64
+        The first one.
+    spacing : float
+        Size of a cell.
+    shape : (int, int, int)
+        Samples along the axes; they are numbered in the order of `ravel`.
+    """
+
+    low: NDArray[np.float64]
+    spacing: float
+    shape: tuple[int, int, int]
+
+    @property
+    def high(self) -> NDArray[np.float64]:
+        """The last one, (3,)."""
+        return self.low + self.spacing * (np.array(self.shape) - 1)
+
+    @property
+    def strides(self) -> tuple[float, float, float]:
+        """By how much the number of a sample grows along the axes."""
+        _, ny, nz = self.shape
+        return (float(ny * nz), float(nz), 1.0)
+
+
+def field_sampler(name: str, grid: SampleGrid) -> bpy.types.NodeTree:
+    """Make the node group that interpolates a field of samples between the eight that surround a position."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for label, kind in (("Samples", "Geometry"), ("Field", "Float"), ("Position", "Vector")):
+        tree.interface.new_socket(label, in_out="INPUT", socket_type=f"NodeSocket{kind}")
+    for label, kind in (("Value", "Float"), ("Gradient", "Vector")):
+        tree.interface.new_socket(label, in_out="OUTPUT", socket_type=f"NodeSocket{kind}")
+    geometry, field, position = tree.nodes.new("NodeGroupInput").outputs[:3]
+    place = vector_math_node(tree, "SUBTRACT", position, tuple(grid.low))
+    place = vector_math_node(tree, "SCALE", place, 1.0 / grid.spacing)
+    place = vector_math_node(tree, "MAXIMUM", place, (0.0, 0.0, 0.0))
+    place = vector_math_node(tree, "MINIMUM", place, tuple(float(n) - 1.001 for n in grid.shape))
+    cell = vector_math_node(tree, "FLOOR", place)
+    part = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(vector_math_node(tree, "SUBTRACT", place, cell), part.inputs[0])
+    first = vector_math_node(tree, "DOT_PRODUCT", cell, grid.strides)
+    corners = {}
+    for corner in product((0, 1), repeat=3):
+        shift = sum(c * stride for c, stride in zip(corner, grid.strides, strict=True))
+        corners[corner] = sample_index(tree, geometry, "FLOAT", field, math_node(tree, "ADD", first, shift))
+    value, slopes = _interpolated(tree, corners, list(part.outputs))
+    combined = tree.nodes.new("ShaderNodeCombineXYZ")
+    feed(tree, combined.inputs, slopes)
+    result = tree.nodes.new("NodeGroupOutput")
+    feed(tree, result.inputs, [value, combined.outputs[0]])
+    return tree
+
+
+def _interpolated(
+    tree: bpy.types.NodeTree,
+    corners: dict[tuple[int, ...], bpy.types.NodeSocket],
+    shares: Sequence[bpy.types.NodeSocket],
+) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
+    """Return the trilinear interpolation of values at the corners of a cell, and its derivatives by the shares."""
+    if not shares:
+        return corners[()], []
+    low = {key[1:]: value for key, value in corners.items() if key[0] == 0}
+    high = {key[1:]: value for key, value in corners.items() if key[0] == 1}
+    lower, lower_slopes = _interpolated(tree, low, shares[1:])
+    upper, upper_slopes = _interpolated(tree, high, shares[1:])
+    difference = math_node(tree, "SUBTRACT", upper, lower)
+    value = math_node(tree, "MULTIPLY_ADD", difference, shares[0], lower)
+    slopes = [
+        math_node(tree, "MULTIPLY_ADD", math_node(tree, "SUBTRACT", b, a), shares[0], a)
+        for a, b in zip(lower_slopes, upper_slopes, strict=True)
+    ]
+    return value, [difference, *slopes]
+
+
+def position_node(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+    """Return the field of positions."""
+    return tree.nodes.new("GeometryNodeInputPosition").outputs["Position"]
+
+
+def set_position(
+    tree: bpy.types.NodeTree,
+    geometry: bpy.types.NodeSocket,
+    *,
+    position: bpy.types.NodeSocket | None = None,
+    offset: bpy.types.NodeSocket | None = None,
+) -> bpy.types.NodeSocket:
+    """Return a geometry whose points are moved to positions, or by offsets."""
+    node = tree.nodes.new("GeometryNodeSetPosition")
+    tree.links.new(geometry, node.inputs["Geometry"])
+    for socket, value in (("Position", position), ("Offset", offset)):
+        if value is not None:
+            tree.links.new(value, node.inputs[socket])
+    return node.outputs["Geometry"]
+
+
+def sample_index(
+    tree: bpy.types.NodeTree,
+    geometry: bpy.types.NodeSocket,
+    kind: str,
+    value: bpy.types.NodeSocket,
+    index: bpy.types.NodeSocket,
+    domain: str = "POINT",
+) -> bpy.types.NodeSocket:
+    """Return a value of the point, or face, of a geometry that has a number."""
+    node = tree.nodes.new("GeometryNodeSampleIndex")
+    node.data_type, node.domain = kind, domain
+    for name, source in (("Geometry", geometry), ("Value", value), ("Index", index)):
+        tree.links.new(source, node.inputs[name])
+    return node.outputs["Value"]

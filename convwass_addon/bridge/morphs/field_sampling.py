@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Samples the signed distances of baked blends for :mod:`.stored_fields`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from ...errors import InputError
+from ...geometry.centroid import centroid
+from ...geometry.edges import edge_use, topology
+from ...geometry.isosurface import surface_enclosing
+from ...geometry.mesh import TriangleMesh
+from ...geometry.occupancy import occupancy
+from ...geometry.orientation import orient_outward
+from ...geometry.thicken import shell_occupancy
+from ...geometry.welding import welded
+from ..objects import triangle_mesh
+from ..openvdb_module import openvdb_module
+from .field_sampler import SampleGrid, field_sampler
+from .stored import WEIGHTS_KEY
+from .stored_fields import BAND, COLOR, FIELD, OFFSET, SCALE, VOLUME, Column, StoredFields
+
+_PROPERTIES = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}
+# Samples around all blends.
+_MARGIN = 3
+# As blends are read from a density (applications/morphs/reading.py).
+_READING_BLUR, _LEAST_CELLS, _SHEET_CELLS = 0.7, 20.0, 2.0
+
+
+def store_fields(
+    name: str,
+    frames: Sequence[bpy.types.Object],
+    cells: float,
+    places: NDArray[np.float64],
+    columns: Sequence[Column] = (),
+) -> StoredFields:
+    """Sample the signed distances of blends, and store them.
+
+    Parameters
+    ----------
+    name : str
+        Of the objects.
+    frames : sequence of bpy.types.Object
+        Frame objects of one morph.
+    cells : float
+        How many lie along the longest side of all blends.
+    places : (n, 3)
+        Where the table has its vertices, one per blend.
+    columns : sequence of Column
+        What else the table says of every blend.
+
+    Raises
+    ------
+    InputError
+        A Blender without OpenVDB's Python module.
+    """
+    openvdb = openvdb_module()
+    if openvdb is None:
+        raise InputError(
+            "Interpolation needs OpenVDB for Python, which this Blender was built without; use another Blender, or set "
+            "In Between to Nearest Blend."
+        )
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
+    meshes = [_local_mesh(obj, depsgraph) for obj in frames]
+    offsets = _centers(meshes, weights)
+    bounds = np.array([mesh.bounds - offset for mesh, offset in zip(meshes, offsets, strict=True)])
+    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    spacing = float((high - low).max()) / cells
+    low = low - _MARGIN * spacing
+    shape = tuple(int(n) for n in np.ceil((high - low) / spacing) + _MARGIN + 1)
+    data = bpy.data.meshes.new(f"{name} Fields")
+    data.vertices.add(int(np.prod(shape)))
+    volumes = []
+    for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True)):
+        points = (mesh.vertices - offset - low) / spacing
+        field = signed_distances(openvdb, TriangleMesh(points, mesh.faces), shape, repaired=own.max() == 1.0)
+        steps = np.rint(field * SCALE).astype(np.int32)
+        attribute = data.attributes.new(FIELD.format(number), "INT8", "POINT")
+        attribute.data.foreach_set("value", steps.ravel())
+        volumes.append(counted_volume(steps / SCALE))
+    own = [
+        Column(OFFSET, "FLOAT_VECTOR", offsets),
+        Column(VOLUME, "FLOAT", np.array(volumes)),
+        Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames])),
+    ]
+    table = _table(name, places, [*own, *columns])
+    grid = SampleGrid(low, spacing, shape)
+    samples = bpy.data.objects.new(data.name, data)
+    return StoredFields(samples, table, field_sampler(f"{name} Sampler", grid), grid)
+
+
+def counted_volume(field: NDArray[np.floating]) -> float:
+    """Volume inside a field of signed distances in cells, as the nodes count it: cells at the surface in part."""
+    return float(np.clip(field + 0.5, 0.0, 1.0).sum())
+
+
+def signed_distances(
+    openvdb: ModuleType, mesh: TriangleMesh, shape: tuple[int, int, int], *, repaired: bool = False
+) -> NDArray[np.float32]:
+    """Sample the signed distance of a mesh, (nx, ny, nz), positive inside, as far as `BAND`.
+
+    Parameters
+    ----------
+    openvdb : module
+        See :func:`.openvdb_module.openvdb_module`.
+    mesh : TriangleMesh
+        In cells: sample (i, j, k) is at that point.
+    shape : (int, int, int)
+        Samples along the axes.
+    repaired : bool
+        Whether the mesh may be open, or may intersect or contain itself, as shapes of users do.
+    """
+    closed = _closed(mesh, shape) if repaired else mesh
+    grid = openvdb.FloatGrid.createLevelSetFromPolygons(
+        closed.vertices.astype(np.float32),
+        triangles=closed.faces.astype(np.uint32),
+        transform=openvdb.createLinearTransform(1.0),
+        halfWidth=BAND,
+    )
+    distances = np.empty(shape, np.float32)
+    grid.copyToArray(distances, ijk=(0, 0, 0))
+    return -distances
+
+
+def _closed(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:
+    """Return a mesh that is the boundary of a solid: itself, or the surface that its cells have at this resolution."""
+    whole = welded(mesh)
+    if len(whole.faces) and topology(whole, edge_use(whole.faces)).closed:
+        outward = orient_outward(whole)
+        filled = occupancy(outward.corners + 0.5, shape)
+        if abs(filled.sum() - outward.volume) <= 0.01 * outward.volume:
+            return outward
+    else:
+        outward = orient_outward(mesh)
+        filled = occupancy(outward.corners + 0.5, shape)
+    if filled.sum() < _LEAST_CELLS:
+        filled = shell_occupancy(outward.corners + 0.5, shape, _SHEET_CELLS)
+    surface = surface_enclosing(gaussian_filter(filled, _READING_BLUR), float(filled.sum(dtype=np.float64)))
+    return surface.mesh.moved((-0.5, -0.5, -0.5))
+
+
+def _local_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
+    """Return the mesh of a frame object in its local space."""
+    world = triangle_mesh(obj, depsgraph)
+    inverse = np.array(obj.matrix_world.inverted())
+    return TriangleMesh(world.vertices @ inverse[:3, :3].T + inverse[:3, 3], world.faces)
+
+
+def _centers(meshes: Sequence[TriangleMesh], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the weighted means of the centers of the shapes, (n, 3), as the blends show where those are."""
+    found = np.array([centroid(mesh) for mesh in meshes])
+    return weights @ np.linalg.lstsq(weights, found, rcond=None)[0]
+
+
+def _table(name: str, places: NDArray[np.float64], columns: Sequence[Column]) -> bpy.types.Object:
+    """Make the object that says where the blends are and what they have."""
+    mesh = bpy.data.meshes.new(f"{name} Steps")
+    mesh.vertices.add(len(places))
+    mesh.vertices.foreach_set("co", np.asarray(places, np.float32).ravel())
+    for column in columns:
+        attribute = mesh.attributes.new(column.name, column.kind, "POINT")
+        attribute.data.foreach_set(_PROPERTIES[column.kind], np.asarray(column.values, np.float32).ravel())
+    mesh.update()
+    return bpy.data.objects.new(mesh.name, mesh)

@@ -1,0 +1,327 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Geometry nodes that show any mixture of baked blends: the surface of the mixed fields, laid onto the baked meshes.
+
+The fields know nothing that is smaller than their cells. Every vertex is therefore moved along its normal by what the
+distances to the baked meshes differ from the fields there, so that a mixture of a single blend is that blend; and it
+takes colors, weights and velocities from where it is on the meshes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..node_math import feed, math_node, switch, total, vector_math_node, weighted_sum, weighted_vectors
+from ..sequence import pick
+from .field_nodes import FieldMixture, Term
+from .field_sampler import position_node, sample_index, set_position
+from .frame_attributes import CUSTOM_NORMAL, SOURCE_WEIGHT, VELOCITY
+from .stored import WEIGHTS_KEY
+from .stored_fields import COLOR, OFFSET, Column, StoredFields
+
+INTERPOLATE = "Interpolate"
+"""Input of a modifier: whether blends are mixed; otherwise the nearest baked one is seen."""
+
+# Columns of the table of steps: which blends have an attribute, and which are a shape itself.
+_HAS, _SHAPE = "has {}", "shape"
+# As much of one weight is the blend itself.
+_ALONE = 1.0 - 1e-3
+# A baked mesh that is further away than this, in cells, says nothing; nor one that lies beside a vertex instead of
+# above or below it, by this cosine.
+_FAR, _ASIDE = 1.5, 0.5
+# Distances are corrected by so many cells at the most.
+_MOST_CORRECTED = 1.0
+_KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
+_OWN = ("position", CUSTOM_NORMAL)
+
+
+def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
+    """Return the names of what the meshes of blends carry at their points, and the data types that nodes have for it.
+
+    The shares of the shapes are left out: they are the same at all points.
+    """
+    share = SOURCE_WEIGHT.format("")
+    return {
+        attribute.name: _KINDS[attribute.data_type]
+        for obj in frames
+        for attribute in obj.data.attributes
+        if attribute.domain == "POINT"
+        and attribute.data_type in _KINDS
+        and attribute.name not in _OWN
+        and not attribute.name.startswith((".", share))
+    }
+
+
+def is_shape(frame: bpy.types.Object) -> bool:
+    """Tell whether a frame object shows a shape itself."""
+    return max(frame[WEIGHTS_KEY]) == 1.0
+
+
+def columns_of(frames: Sequence[bpy.types.Object]) -> list[Column]:
+    """Return what the table of steps has to say about blends for :class:`MixedFrames`."""
+    weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
+    shapes = np.array([float(is_shape(obj)) for obj in frames])
+    columns = [Column(SOURCE_WEIGHT.format(number), "FLOAT", own) for number, own in enumerate(weights.T, start=1)]
+    columns.append(Column(_SHAPE, "FLOAT", shapes))
+    for name in carried_attributes(frames):
+        has = [float(name in obj.data.attributes) for obj in frames]
+        columns.append(Column(_HAS.format(name), "FLOAT", np.array(has)))
+    return columns
+
+
+@dataclass(frozen=True)
+class SeenMixture:
+    """What is seen of a mixture.
+
+    Attributes
+    ----------
+    geometry : bpy.types.NodeSocket
+        Its mesh, in the materials of the blends.
+    color : bpy.types.NodeSocket
+        That of the frame objects, mixed.
+    is_shape : bpy.types.NodeSocket
+        1 where it is a shape itself, which has a mesh of its own; else 0.
+    """
+
+    geometry: bpy.types.NodeSocket
+    color: bpy.types.NodeSocket
+    is_shape: bpy.types.NodeSocket
+
+
+@dataclass(frozen=True)
+class MixedFrames:
+    """A mixture of baked blends in a node tree.
+
+    Attributes
+    ----------
+    tree : bpy.types.NodeTree
+        Where the nodes go.
+    fields : StoredFields
+        Of the blends, with the columns of `columns_of`.
+    frames : sequence of bpy.types.Object
+        The blends.
+    meshes : sequence of bpy.types.NodeSocket
+        Their meshes in their local space.
+    mixture : FieldMixture
+        What is mixed.
+    """
+
+    tree: bpy.types.NodeTree
+    fields: StoredFields
+    frames: Sequence[bpy.types.Object]
+    meshes: Sequence[bpy.types.NodeSocket]
+    mixture: FieldMixture
+
+    def geometry(
+        self, velocity: bpy.types.NodeSocket | None, pace: bpy.types.NodeSocket | None
+    ) -> bpy.types.NodeSocket:
+        """Return the mesh about the center of the blends, with what the meshes carry.
+
+        Parameters
+        ----------
+        velocity : bpy.types.NodeSocket or None
+            Of points whose meshes have none.
+        pace : bpy.types.NodeSocket or None
+            What velocities are multiplied by; without it there are none.
+        """
+        laid = _Laid(self, self.mixture.terms)
+        shown = set_position(self.tree, self.mixture.surface(), offset=laid.correction())
+        shown = self._smooth(shown)
+        for number in range(1, len(self.frames[0][WEIGHTS_KEY]) + 1):
+            name = SOURCE_WEIGHT.format(number)
+            own = [self.mixture.of_step("FLOAT", name, term) for term in self.mixture.terms]
+            shown = self.stored(shown, name, "FLOAT", weighted_sum(self.tree, own, self.weights))
+        names = carried_attributes(self.frames)
+        if names:
+            shown, points = laid.with_nearest(shown, "POINT")
+        for name, kind in names.items():
+            if name != VELOCITY:
+                values = laid.at_points(kind, name, points)
+                shown = self.stored(shown, name, kind, self._mixed(kind, values, self._shares(name)))
+        if pace is None:
+            return shown
+        if VELOCITY in names:
+            values = laid.at_points("FLOAT_VECTOR", VELOCITY, points)
+            velocity = self._mixed("FLOAT_VECTOR", values, self._shares(VELOCITY))
+        if velocity is not None:
+            velocity = vector_math_node(self.tree, "SCALE", velocity, pace)
+            shown = self.stored(shown, VELOCITY, "FLOAT_VECTOR", velocity)
+        return shown
+
+    @property
+    def color(self) -> bpy.types.NodeSocket:
+        """That of the frame objects."""
+        return self.mixed_column("FLOAT_COLOR", COLOR)
+
+    @property
+    def is_shape(self) -> bpy.types.NodeSocket:
+        """1 where the whole mixture is a shape itself, else 0."""
+        tree, found = self.tree, []
+        for term in self.mixture.terms:
+            alone = math_node(tree, "GREATER_THAN", term.weight, _ALONE)
+            found.append(math_node(tree, "MULTIPLY", alone, self.mixture.of_step("FLOAT", _SHAPE, term)))
+        return total(tree, found)
+
+    def mixed_column(self, kind: str, name: str) -> bpy.types.NodeSocket:
+        """Return the mean of vectors or colors that the table of steps has."""
+        values = [self.mixture.of_step(kind, name, term) for term in self.mixture.terms]
+        return weighted_vectors(self.tree, values, self.weights)
+
+    def dressed(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return a mesh about the center in the materials of the blends, or of several in that of the nearest face."""
+        blends = [obj for obj in self.frames if not is_shape(obj)] or self.frames
+        worn = dict.fromkeys(slot.material for obj in blends for slot in obj.material_slots if slot.material)
+        if len(worn) < 2:
+            return self._wearing(geometry, next(iter(worn), None))
+        laid = _Laid(self, [self._largest_blend()])
+        geometry, (face,) = laid.with_nearest(geometry, "FACE")
+        for material in worn:
+            geometry = self._wearing(geometry, material, laid.wears(material, face))
+        return geometry
+
+    def _largest_blend(self) -> Term:
+        """Return the term of the largest weight among those that are no shapes."""
+        tree, best = self.tree, None
+        for term in self.mixture.terms:
+            shape = self.mixture.of_step("FLOAT", _SHAPE, term)
+            weight = math_node(tree, "SUBTRACT", term.weight, math_node(tree, "MULTIPLY", shape, 2.0))
+            if best is None:
+                best = Term(term.index, weight)
+                continue
+            more = math_node(tree, "GREATER_THAN", weight, best.weight)
+            index = switch(tree, "FLOAT", more, best.index, term.index)
+            best = Term(index, math_node(tree, "MAXIMUM", weight, best.weight))
+        return best
+
+    def _wearing(
+        self,
+        geometry: bpy.types.NodeSocket,
+        material: bpy.types.Material | None,
+        selection: bpy.types.NodeSocket | None = None,
+    ) -> bpy.types.NodeSocket:
+        node = self.tree.nodes.new("GeometryNodeSetMaterial")
+        node.inputs["Material"].default_value = material
+        self.tree.links.new(geometry, node.inputs["Geometry"])
+        if selection is not None:
+            self.tree.links.new(selection, node.inputs["Selection"])
+        return node.outputs["Geometry"]
+
+    @property
+    def weights(self) -> list[bpy.types.NodeSocket]:
+        """Those of the terms."""
+        return [term.weight for term in self.mixture.terms]
+
+    def stored(
+        self, geometry: bpy.types.NodeSocket, name: str, kind: str, value: bpy.types.NodeSocket
+    ) -> bpy.types.NodeSocket:
+        """Return a geometry with an attribute of its points."""
+        node = self.tree.nodes.new("GeometryNodeStoreNamedAttribute")
+        node.data_type, node.domain = kind, "POINT"
+        node.inputs["Name"].default_value = name
+        feed(self.tree, [node.inputs["Geometry"], node.inputs["Value"]], [geometry, value])
+        return node.outputs["Geometry"]
+
+    def _shares(self, name: str) -> list[bpy.types.NodeSocket]:
+        """Return how much the meshes count for an attribute: those that do not have it count nothing."""
+        tree = self.tree
+        has = [self.mixture.of_step("FLOAT", _HAS.format(name), term) for term in self.mixture.terms]
+        own = [math_node(tree, "MULTIPLY", one, weight) for one, weight in zip(has, self.weights, strict=True)]
+        whole = math_node(tree, "MAXIMUM", total(tree, own), 1e-6)
+        return [math_node(tree, "DIVIDE", one, whole) for one in own]
+
+    def _mixed(
+        self, kind: str, values: Sequence[bpy.types.NodeSocket], shares: Sequence[bpy.types.NodeSocket]
+    ) -> bpy.types.NodeSocket:
+        return (weighted_sum if kind == "FLOAT" else weighted_vectors)(self.tree, values, shares)
+
+    def _smooth(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        node = self.tree.nodes.new("GeometryNodeSetShadeSmooth")
+        self.tree.links.new(geometry, node.inputs["Geometry"])
+        return node.outputs["Geometry"]
+
+
+class _Laid:
+    """Where the elements of a mixture are on the baked meshes of some terms."""
+
+    def __init__(self, mixed: MixedFrames, terms: Sequence[Term]) -> None:
+        self._tree, self._mixed, self._terms = mixed.tree, mixed, terms
+        self._spacing = mixed.fields.grid.spacing
+        self._places: list[bpy.types.NodeSocket] = []
+        self._targets: list[bpy.types.NodeSocket] = []
+        for term in terms:
+            offset = mixed.mixture.of_step("FLOAT_VECTOR", OFFSET, term)
+            self._places.append(vector_math_node(self._tree, "ADD", position_node(self._tree), offset))
+            self._targets.append(pick(self._tree, "GEOMETRY", term.index, mixed.meshes))
+
+    def correction(self) -> bpy.types.NodeSocket:
+        """Return by which vector a vertex is moved so that it has the mixed distance to the meshes themselves."""
+        tree, terms = self._tree, self._terms
+        normal = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
+        own = [self._missing(*each, normal) for each in zip(terms, self._places, self._targets, strict=True)]
+        length = math_node(tree, "MULTIPLY", weighted_sum(tree, own, self._mixed.weights), self._spacing)
+        return vector_math_node(tree, "SCALE", normal, length)
+
+    def with_nearest(
+        self, geometry: bpy.types.NodeSocket, domain: str
+    ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
+        """Return a geometry that knows the number of the nearest point or face of every mesh, and these numbers."""
+        tree, found = self._tree, []
+        capture = tree.nodes.new("GeometryNodeCaptureAttribute")
+        capture.domain = domain
+        tree.links.new(geometry, capture.inputs["Geometry"])
+        for number, (place, target) in enumerate(zip(self._places, self._targets, strict=True)):
+            node = tree.nodes.new("GeometryNodeSampleNearest")
+            node.domain = domain
+            feed(tree, node.inputs, [target, place])
+            name = f"Nearest {number}"
+            capture.capture_items.new("INT", name)
+            tree.links.new(node.outputs["Index"], capture.inputs[name])
+            found.append(capture.outputs[name])
+        return capture.outputs["Geometry"], found
+
+    def wears(self, material: bpy.types.Material, face: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return whether a face of the first mesh, by its number, has a material."""
+        selection = self._tree.nodes.new("GeometryNodeMaterialSelection")
+        selection.inputs["Material"].default_value = material
+        worn = selection.outputs["Selection"]
+        return sample_index(self._tree, self._targets[0], "BOOLEAN", worn, face, domain="FACE")
+
+    def at_points(self, kind: str, name: str, points: Sequence[bpy.types.NodeSocket]) -> list[bpy.types.NodeSocket]:
+        """Return an attribute of the nearest points."""
+        value = self._attribute(kind, name)
+        pairs = zip(self._targets, points, strict=True)
+        return [sample_index(self._tree, target, kind, value, point) for target, point in pairs]
+
+    def _missing(
+        self,
+        term: Term,
+        place: bpy.types.NodeSocket,
+        target: bpy.types.NodeSocket,
+        normal: bpy.types.NodeSocket,
+    ) -> bpy.types.NodeSocket:
+        """Return by how many cells the distance to a mesh is larger than its field says; 0 where it is not known."""
+        tree = self._tree
+        node = tree.nodes.new("GeometryNodeProximity")
+        node.target_element = "FACES"
+        tree.links.new(target, node.inputs[0])
+        tree.links.new(place, node.inputs["Sample Position"])
+        apart = vector_math_node(tree, "SUBTRACT", node.outputs["Position"], place)
+        above = vector_math_node(tree, "DOT_PRODUCT", apart, normal)
+        near = math_node(tree, "LESS_THAN", node.outputs["Distance"], _FAR * self._spacing)
+        least = math_node(tree, "MULTIPLY", node.outputs["Distance"], _ASIDE)
+        straight = math_node(tree, "GREATER_THAN", math_node(tree, "ABSOLUTE", above), least)
+        known = math_node(tree, "MULTIPLY", near, straight)
+        field = self._mixed.mixture.sampled_term(term, position_node(tree))
+        missing = math_node(tree, "SUBTRACT", math_node(tree, "DIVIDE", above, self._spacing), field)
+        missing = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", missing, _MOST_CORRECTED), -_MOST_CORRECTED)
+        return math_node(tree, "MULTIPLY", missing, known)
+
+    def _attribute(self, kind: str, name: str) -> bpy.types.NodeSocket:
+        node = self._tree.nodes.new("GeometryNodeInputNamedAttribute")
+        node.data_type = kind
+        node.inputs["Name"].default_value = name
+        return next(socket for socket in node.outputs if socket.enabled)

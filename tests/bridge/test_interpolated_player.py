@@ -1,0 +1,249 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Players and pads between baked blends, against balls whose every moment is known."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+from skimage.measure import marching_cubes
+
+from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs.bake import MorphBake
+from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.player import interpolation, make_player, morph_value, speed
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.objects import write_mesh
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.shapes import ball
+
+CELLS, FRAMES, FIRST = 24, 5, 10
+STEPS = 10
+"""Frames of the balls that part."""
+
+TRAVEL = 4.0
+"""How far apart the first ball and the second one are, in radii."""
+
+READ = """
+import bpy, numpy as np
+
+def read(obj):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = obj.evaluated_get(depsgraph).data
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    mesh.calc_loop_triangles()
+    faces = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", faces)
+    return points.reshape(-1, 3).astype(float), faces.reshape(-1, 3)
+"""
+"""Defines `read`: the vertices and triangles that an object shows."""
+
+exec(READ)
+
+
+def shown(obj) -> TriangleMesh:
+    bpy.context.view_layer.update()
+    return TriangleMesh.from_arrays(*read(obj))  # noqa: F821
+
+
+def attribute(obj, name, size):
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    values = np.empty(size * len(mesh.vertices), np.float32)
+    mesh.attributes[name].data.foreach_get("vector" if size == 3 else "color", values)
+    return values.reshape(-1, size)
+
+
+def outside_balls(points, away):
+    """Signed distance, positive outside, from two unit balls at -away and away on the X axis."""
+    mirrored = np.concatenate([np.abs(points[..., :1]) - away, points[..., 1:]], axis=-1)
+    return np.linalg.norm(mirrored, axis=-1) - 1.0
+
+
+def two_balls(away) -> TriangleMesh:
+    axes = [np.arange(-end, end, 0.07) for end in (2.6, 1.2, 1.2)]
+    distance = outside_balls(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1), away)
+    vertices, faces, _, _ = marching_cubes(distance, 0.0, spacing=(0.07,) * 3)
+    return TriangleMesh.from_arrays(vertices + [axis[0] for axis in axes], faces[:, ::-1])
+
+
+def bake(scene, make_object, meshes, blends, solved):
+    """Bake shapes, and blends that `solved` makes of weights."""
+    shapes = [make_object(name) for name in "ABCD"[: len(meshes)]]
+    for shape, mesh in zip(shapes, meshes, strict=True):
+        write_mesh(shape.data, mesh)
+    made = MorphBake.begin(scene, shapes, blends, {"resolution": CELLS}, FIRST)
+    for blend in blends:
+        made.add(MorphFrame(blend, None if blend.source is not None else solved(blend.weights), {}))
+    return made.finish(hide_inputs=True)
+
+
+@pytest.fixture
+def moving(bare_scene, make_object):
+    """Bake a ball that moves along X in `FRAMES` frames."""
+
+    def solved(weights):
+        return ball(center=(TRAVEL * weights[1], 0.0, 0.0), points=2500)
+
+    return bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
+
+
+def still_player(collection):
+    """Make a player whose value has no keys."""
+    player = make_player(collection, between="INTERPOLATED")
+    player.animation_data.action = None
+    return player
+
+
+def test_a_moving_ball_is_where_it_is(moving):
+    player, cell = still_player(moving), 2.0 / CELLS
+    for value in (0.04, 0.5, 0.613):
+        morph_value(player).set(value)
+        mesh = shown(player)
+        off = np.linalg.norm(mesh.vertices - (TRAVEL * value, 0, 0), axis=1) - 1.0
+        assert np.abs(off).mean() <= 0.03 * cell
+        assert np.abs(off).max() <= 0.08 * cell
+        assert np.isclose(mesh.volume, 4.0 / 3.0 * np.pi, rtol=5e-3)
+        assert np.allclose(mesh.vertices.mean(axis=0), (TRAVEL * value, 0, 0), atol=0.03 * cell)
+
+
+def test_velocity_is_that_of_the_moment(moving, bare_scene):
+    player = still_player(moving)
+    morph_value(player).set(0.3)
+    shown(player)
+    pace = TRAVEL / FRAMES * bare_scene.render.fps
+    assert np.allclose(attribute(player, "velocity", 3), (pace, 0, 0), atol=0.02 * pace)
+    speed(player).set(0.1)
+    shown(player)
+    assert np.allclose(attribute(player, "velocity", 3), (0.1 * pace, 0, 0), atol=0.002 * pace)
+
+
+def test_a_growing_ball_moves_along_its_normals(bare_scene, make_object):
+    def solved(weights):
+        return ball(radius=weights[0] + 1.5 * weights[1], points=800)
+
+    player = still_player(
+        bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
+    )
+    morph_value(player).set(0.4)
+    mesh = shown(player)
+    radii = np.linalg.norm(mesh.vertices, axis=1)
+    assert np.allclose(radii, 1.2, atol=0.1 * 3.0 / CELLS)
+    pace = 0.5 / FRAMES * bare_scene.render.fps
+    expected = pace * mesh.vertices / radii[:, None]
+    off = np.linalg.norm(attribute(player, "velocity", 3) - expected, axis=1)
+    assert off.mean() <= 0.07 * pace
+    assert off.max() <= 0.15 * pace
+
+
+def test_shapes_themselves_and_the_nearest_blends_are_still_seen(moving):
+    player = still_player(moving)
+    frames = frame_objects(moving)
+    for value, interpolates, expected in ((0.0, True, 0), (1.0, True, FRAMES), (0.53, False, round(0.53 * FRAMES))):
+        morph_value(player).set(value)
+        interpolation(player).set(interpolates)
+        assert len(shown(player).vertices) == len(frames[expected].data.vertices)
+
+
+def test_colors_are_mixed(moving):
+    """Red is the share of the second shape, and green grows upwards."""
+    for number, obj in enumerate(frame_objects(moving)[1:-1], start=1):
+        colors = np.ones((len(obj.data.vertices), 4))
+        colors[:, 0], colors[:, 1] = number / FRAMES, [0.5 + 0.5 * vertex.co.z for vertex in obj.data.vertices]
+        obj.data.attributes.new("Color", "FLOAT_COLOR", "POINT").data.foreach_set("color", colors.ravel())
+    player = still_player(moving)
+    # Next to a shape, which has no such colors, those of the blend are seen.
+    for value, red in ((0.45, 0.45), (0.05, 1.0 / FRAMES)):
+        morph_value(player).set(value)
+        height = shown(player).vertices[:, 2]
+        found = attribute(player, "Color", 4)
+        assert np.allclose(found[:, 0], red, atol=1e-3)
+        assert np.allclose(found[:, 1], 0.5 + 0.5 * height, atol=0.03)
+
+
+def test_faces_have_the_materials_of_the_nearest_blend(moving):
+    materials = [bpy.data.materials.new(name) for name in ("Above", "Below")]
+    for obj in frame_objects(moving)[1:-1]:
+        obj.data.materials.clear()
+        for material in materials:
+            obj.data.materials.append(material)
+        for face in obj.data.polygons:
+            face.material_index = int(face.center.z < 0.0)
+    player = still_player(moving)
+    morph_value(player).set(0.55)
+    bpy.context.view_layer.update()
+    mesh = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    for face in mesh.polygons:
+        if abs(face.center.z) > 0.1:
+            assert mesh.materials[face.material_index].name == ("Above" if face.center.z > 0 else "Below")
+
+
+def test_all_that_was_made_is_removed_again(moving, inventory):
+    before = inventory()
+    make_player(moving, between="INTERPOLATED")
+    remove_stand_ins(moving)
+    assert inventory() == before
+
+
+CHILD = (
+    READ
+    + """
+import json, sys
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+player = next(obj for obj in bpy.data.objects if "Frames" in obj.modifiers and obj.users_scene)
+found = []
+for frame in map(float, sys.argv[2:]):
+    bpy.context.scene.frame_set(int(frame), subframe=frame % 1)
+    found.append(read(player)[0].tolist())
+print("FOUND" + json.dumps(found))
+"""
+)
+
+
+def test_a_file_plays_elsewhere_where_balls_part(bare_scene, make_object, tmp_path):
+    """Two balls come out of one another, in a Blender without the add-on: every moment is that of the balls."""
+
+    def solved(weights):
+        return two_balls(0.5 + 0.9 * weights[1])
+
+    blends = path_blends(2, STEPS)
+    collection = bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
+    make_player(collection, between="INTERPOLATED")
+    file = tmp_path / "played.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    moments = [2.3, 5.9, 7.5]
+    command = [sys.executable, "-I", "-c", CHILD, str(file), *(str(FIRST + moment) for moment in moments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    for moment, points in zip(moments, json.loads(done.stdout.split("FOUND")[1]), strict=True):
+        away = 0.5 + 0.9 * moment / STEPS
+        off = np.abs(outside_balls(np.array(points), away))
+        assert off.mean() <= 0.05 * 4.8 / CELLS
+
+
+@pytest.mark.parametrize("weights", [(0.2, 0.5, 0.3), (0.55, 0.15, 0.3)])
+def test_a_pad_mixes_three_blends(bare_scene, make_object, weights):
+    radii = np.array([1.0, 1.3, 0.7])
+
+    def solved(weights):
+        return ball(radius=float(radii @ weights), points=800)
+
+    corners = [solved(row) for row in np.eye(3)]
+    collection = bake(bare_scene, make_object, corners, triangle_blends(3, 4), solved)
+    pad = make_blend_pad(collection, between="INTERPOLATED")
+    points = np.array([vertex.co for vertex in pad.pad.data.vertices])
+    last = [obj["convwass_weights"] for obj in frame_objects(collection)]
+    ends = [next(i for i, own in enumerate(last) if own[shape] == 1.0) for shape in range(3)]
+    pad.handle.location = np.asarray(weights) @ points[ends]
+    mesh = shown(pad.result)
+    middle = mesh.bounds.mean(axis=0)
+    radius = float(radii @ weights)
+    off = np.linalg.norm(mesh.vertices - middle, axis=1) - radius
+    assert np.abs(off).mean() <= 0.05 * 2.6 / CELLS
+    assert np.isclose(mesh.bounds[0, 2], 0.0, atol=0.1)
