@@ -17,6 +17,7 @@ from . import (
     constants,
     correspondences,
     flat,
+    live,
     meshing,
     midpoints,
     morph,
@@ -32,6 +33,7 @@ from . import (
 
 ALL = (
     "morph",
+    "live",
     "flat",
     "quality",
     "coherence",
@@ -56,6 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
         metavar=" | ".join(ALL),
     )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
+    _add_live(names.add_parser("live", help=live.__doc__))
     _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_coherence(names.add_parser("coherence", help=coherence.__doc__))
@@ -81,6 +84,13 @@ def _add_morph(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
     parser.set_defaults(run=lambda options: morph.main(options.resolutions, options.frames))
+
+
+def _add_live(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--resolutions", type=_numbers, default="48,64,100", help="cells along the longest side (%(default)s)"
+    )
+    parser.set_defaults(run=lambda options: live.main(options.resolutions))
 
 
 def _add_flat(parser: argparse.ArgumentParser) -> None:

@@ -153,7 +153,7 @@ class LiveBlends:
         self._hand_field: _SolvedHand | None = None
         self._hand = tuple(np.full(len(shapes.meshes), 1.0 / len(shapes.meshes)).tolist())
         self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
-        self._rests = False
+        self._rests = self._solved_hand_last = False
         self._rest_control: Control | None = None
         self._solved: MorphFrame | None = None
         self._last_shape: LiveShape | None = None
@@ -193,6 +193,14 @@ class LiveBlends:
     def has_work(self) -> bool:
         """Whether :meth:`work` would find something to do."""
         return self._nodes is None or self._next_task() is not None
+
+    @property
+    def coverage(self) -> float:
+        """Share of the blend that is pointed at that comes from a lattice, 0 to 1."""
+        rest, now = 1.0, self._clock()
+        for layer in self._layers:
+            rest *= layer.mixture(self._hand, now).rest
+        return 1.0 - rest
 
     def settle(self) -> None:
         """Forget what finer levels and newer lattices have taken over from."""
@@ -292,7 +300,8 @@ class LiveBlends:
         if not self._layers or self._layers[-1].mixture(hand, self._clock()).rest >= _LEAST_REST:
             known = self._hand_field is not None and self._hand_field.weights == hand
             is_base_there = bool(self._layers) and self._layers[-1].is_whole(LEVELS[0])
-            return None if known or is_base_there else self._solve_hand
+            # Between two blends at the hand, one for the lattice: the hand may never stand still.
+            return None if known or is_base_there or self._solved_hand_last else self._solve_hand
         waits = self._rests and self._motion_is_known and self._layers[0].is_whole(LEVELS[0])
         known = self._solved is not None and self._solved.blend.weights == hand
         return self._solve_rest if waits and not known else None
@@ -352,6 +361,7 @@ class LiveBlends:
         with self._lock:
             # The box may have grown since.
             self._hand_field = _SolvedHand(hand, field.within(self._box))
+        self._solved_hand_last = True
         self.version += 1
         yield self._report(Sentence("Blending"))
 
@@ -359,6 +369,7 @@ class LiveBlends:
         """Solve the blend at the next node of the newest lattice."""
         layer = self._layers[0]
         wanted = layer.next_wanted(self._hand)
+        self._solved_hand_last = False
         layer.add(wanted.node, self._nodes.field(wanted.weights, control), self._clock())
         self.version += 1
         yield self._report(Sentence("{count} blends", {"count": self.filled}), self._share_of(layer))

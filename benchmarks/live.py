@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live morphs: blends a second while a handle is dragged, the first shape, and how true the mixed blends are."""
+
+from __future__ import annotations
+
+from .processes import measured
+
+_CASES = "benchmarks.live_cases"
+_SHAPES = {2: ("horse", "bird"), 3: ("horse", "bird", "cow")}
+# On finer grids the blend at the handle is solved on so many cells.
+_FINE, _STAND_IN = 64, 48
+
+_HEADING = """
+Live morphs by plain transport, one thread
+
+first      CPU s (and wall s) from the shapes as arrays to the first evaluated mesh
+before     CPU ms from weights to the evaluated mesh while the lattice is not there: the blend is solved
+           (above {fine} cells on {stand_in} cells); in brackets blends a second
+fill       CPU s until the lattice is whole
+blends, MB in the lattice, and their memory
+draw       CPU ms from weights to the evaluated mesh: median, 95th percentile; in brackets blends a second
+distance   between the mixed and the solved surface (to 0.1 %), in cells: mean and worst of 9 blends
+volume     how far it is off, in percent: mean and worst
+"""
+
+_JUMPS = """
+Largest step between two shapes that are shown 1/30 s after each other while the handle goes 1/4 a second, in cells
+"""
+
+
+def main(resolutions: list[int]) -> None:
+    """Run all cases and print two tables.
+
+    Parameters
+    ----------
+    resolutions : list of int
+        Cells along the longest side.
+    """
+    print(_HEADING.format(fine=_FINE, stand_in=_STAND_IN))
+    print(
+        f"{'cells':>5} {'shapes':>6} {'steps':>5} {'first':>13} {'before':>13} {'fill':>6} {'blends':>6} {'MB':>6} "
+        f"{'draw':>19} {'distance':>12} {'volume':>11}"
+    )
+    for cells in resolutions:
+        for names in _shapes_at(cells):
+            solved = cells if cells <= _FINE else _STAND_IN
+            before = measured(_CASES, "hand", names=names, cells=cells, solved=solved)
+            for steps in (0,) if cells > _FINE else (8, 0):
+                found = measured(_CASES, "lattice", names=names, cells=cells, steps=steps)
+                _print_row(cells, len(names), steps, before, found)
+    print(_JUMPS)
+    print(f"{'cells':>5} {'shapes':>6} {'before the lattice':>18} {'while it is filled':>18} {'after':>6}")
+    for cells in [own for own in resolutions if own <= _FINE]:
+        for names in _shapes_at(cells):
+            found = measured(_CASES, "jumps", names=names, cells=cells)
+            stages = f"{found['solving']:18.3f} {found['filling']:18.3f} {found['filled']:6.3f}"
+            print(f"{cells:5} {len(names):6} {stages}", flush=True)
+
+
+def _shapes_at(cells: int) -> list[tuple[str, ...]]:
+    """Return what is blended at a resolution: on fine grids two shapes only, since three take minutes."""
+    return [names for count, names in _SHAPES.items() if count == 2 or cells <= _FINE]
+
+
+def _print_row(cells: int, shapes: int, steps: int, before: dict[str, object], found: dict[str, object]) -> None:
+    first = f"{found['first']:.2f} ({found['first_wall']:.2f})"
+    solved = f"{before['draw']:.1f} ({1e3 / before['draw']:.0f})"
+    draw = f"{found['draw']:.1f} {found['draw_worst']:.1f} ({1e3 / found['draw']:.0f})"
+    distance = f"{found['distance']:.3f} {found['distance_worst']:.3f}"
+    volume = f"{100 * found['volume']:.2f} {100 * found['volume_worst']:.2f}"
+    print(
+        f"{cells:5} {shapes:6} {steps or '12+':>5} {first:>13} {solved:>13} {found['fill']:6.1f} {found['blends']:6} "
+        f"{found['megabytes']:6.1f} {draw:>19} {distance:>12} {volume:>11}",
+        flush=True,
+    )
