@@ -69,6 +69,41 @@ def appended_objects(path: Path, names: Sequence[str] | None) -> dict[str, bpy.t
     return dict(zip(chosen, wanted.objects, strict=True))
 
 
+def appended_instances(path: Path, names: Sequence[str]) -> dict[str, bpy.types.Object]:
+    """Append collections of a file, each instanced by a new Empty that no scene holds yet.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : sequence of str
+        Those that are names of objects, or of nothing, are left out.
+
+    Returns
+    -------
+    dict of str to bpy.types.Object
+        The Empties, by the names of the collections in the file.
+
+    Raises
+    ------
+    InputError
+        Blender cannot read the file.
+    """
+    file = whole_path(path)
+    try:
+        with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
+            found = set(available.collections) - set(available.objects)
+            chosen = [name for name in dict.fromkeys(names) if name in found]
+            wanted.collections = list(chosen)
+    except OSError as error:
+        raise _unreadable(file) from error
+    shown = {}
+    for name, collection in zip(chosen, wanted.collections, strict=True):
+        shown[name] = bpy.data.objects.new(name, None)
+        shown[name].instance_type, shown[name].instance_collection = "COLLECTION", collection
+    return shown
+
+
 def listed_names(names: Iterable[str]) -> str | Sentence:
     """Say which names there are, not without end."""
     known = sorted(names)

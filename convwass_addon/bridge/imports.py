@@ -16,11 +16,13 @@ import bpy
 
 from ..applications.whole_paths import whole_path
 from ..errors import InputError
-from .blend_files import appended_objects, listed_names
+from .blend_files import appended_instances, appended_objects, listed_names
 from .flat.flat_kinds import is_drawn_flat
+from .joined_shapes import joined_shape
 from .objects import frozen_copy
 from .operator_errors import reason
 from .scratch_scene import scratch_scene
+from .shape_sources import shape_source
 
 BLEND = ".blend"
 
@@ -94,8 +96,8 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
     path : Path
         OBJ, PLY, STL, glTF, FBX, USD, Alembic or .blend.
     names : list of str or None
-        Objects of a .blend, each of which becomes one shape. None joins all meshes of the file to a single shape named
-        like the file; of a .blend it takes the only mesh that there is.
+        Objects or collections of a .blend, each of which becomes one shape. None joins all meshes of the file to a
+        single shape named like the file; of a .blend it takes the only mesh that there is.
 
     Returns
     -------
@@ -179,8 +181,10 @@ def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
 
 
 def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
-    """Load objects of a .blend and return each as a shape."""
-    parts = {name: _Part(name, [obj]) for name, obj in appended_objects(file, names).items()}
+    """Load objects and collections of a .blend and return each as a shape."""
+    shown = appended_instances(file, names or ())
+    objects = appended_objects(file, names and [name for name in names if name not in shown])
+    parts = {name: _Part(name, [obj]) for name, obj in {**objects, **shown}.items()}
     if names:
         return [parts[name] for name in names]
     meshes = [part for part in parts.values() if part.objects[0].type == "MESH"]
@@ -210,13 +214,19 @@ def _joined(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> bpy.type
             scene.collection.objects.link(obj)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     solid = [obj for obj in objects if obj.type != "MESH" or obj.data.polygons or obj.modifiers] or objects[:1]
-    copies = [bpy.data.objects.new(obj.name, frozen_copy(obj, depsgraph)) for obj in solid]
+    copies = [bpy.data.objects.new(obj.name, _solid_copy(obj, depsgraph)) for obj in solid]
     if len(copies) > 1:
         for copy in copies:
             scene.collection.objects.link(copy)
         with bpy.context.temp_override(active_object=copies[0], selected_editable_objects=copies):
             bpy.ops.object.join()
     return copies[0]
+
+
+def _solid_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+    """Make a mesh of an object with its instances, or of the collection that it shows."""
+    with joined_shape(shape_source(obj), depsgraph) as joined:
+        return frozen_copy(joined, depsgraph)
 
 
 def _standing(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object:

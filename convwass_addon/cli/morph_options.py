@@ -17,8 +17,8 @@ from .morph_choices import suffixes
 
 MORPH_HELP = """Morph shapes of any topology into each other by optimal transport and save the result as a .blend.
 
-A shape is a file that Blender can import (OBJ, PLY, STL, glTF, FBX, USD, Alembic), or an object in a .blend, written
-file.blend:Object. It may be open, self-intersecting, inside out, or consist of several parts.
+A shape is a file that Blender can import (OBJ, PLY, STL, glTF, FBX, USD, Alembic), or an object or a collection in a
+.blend, written file.blend:NAME. It may be open, self-intersecting, inside out, or consist of several parts.
 
 Shapes can also be flat, if all of them are. A flat shape is text:WORD, an SVG file, an image (PNG, JPEG, TIFF, BMP,
 WebP), whose silhouette is used, or a text, curve, drawing, image Empty or flat mesh in a .blend. The frames are curves.

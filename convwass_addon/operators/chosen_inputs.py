@@ -10,13 +10,9 @@ from dataclasses import dataclass
 import bpy
 
 from ..bridge.active import selected_objects
-from ..bridge.flat.flat_kinds import is_shape
+from ..bridge.shape_sources import shape_roots
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
-
-# Object types that Blender can convert to meshes, and types without a surface.
-_CONVERTIBLE = ("META", "SURFACE", "VOLUME")
-_WITHOUT_THICKNESS = ("CURVES", "POINTCLOUD")
 
 
 @dataclass(frozen=True)
@@ -68,7 +64,7 @@ def chosen_inputs(
         objects, numbers = [item.object for item in listed], [item.weight for item in listed]
     else:
         selected = selected_objects(context)
-        objects = settings.sorted_shapes([obj for obj in selected if is_shape(obj)])
+        objects = settings.sorted_shapes(shape_roots(selected, settings.grouping))
         refuse_others(selected)
         numbers = [1.0] * len(objects)
     if weights.strip():
@@ -86,19 +82,8 @@ def refuse_others(objects: Sequence[bpy.types.Object]) -> None:
     Objects without a shape, such as cameras and lights, are ignored.
     """
     for obj in objects:
-        if obj.type == "EMPTY" and obj.instance_type == "COLLECTION":
-            raise InputError(
-                "{name} is a collection instance: choose Object > Apply > Make Instances Real, and join the parts.",
-                name=obj.name,
-            )
-        if obj.type in _CONVERTIBLE:
+        if obj.type == "VOLUME":
             raise InputError("{name} is not a mesh: choose Object > Convert > Mesh.", name=obj.name)
-        if obj.type in _WITHOUT_THICKNESS:
-            raise InputError(
-                "{name} has no surface: give its points or strands a radius with Geometry Nodes (Curve to Mesh, Points "
-                "to Volume), and choose Object > Convert > Mesh.",
-                name=obj.name,
-            )
 
 
 def split_names(text: str) -> list[str]:

@@ -22,6 +22,7 @@ from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..bridge.operator_errors import reason
+from ..bridge.shape_sources import is_plain, shape_source
 from ..errors import InputError
 from ..preferences import preferences
 from ..progress import Control, Work
@@ -113,7 +114,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         request = self.request(weights)
         blends = request.blends(len(chosen.objects))
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
-        are_flat = asks_for_flat(chosen.objects, depsgraph, self.thickness)
+        are_plain = all(is_plain(shape_source(obj, self.grouping)) for obj in chosen.objects)
+        are_flat = are_plain and asks_for_flat(chosen.objects, depsgraph, self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
         if self.output in ("VOLUME", "CACHE"):
             absolute_folder(self.folder)

@@ -11,8 +11,9 @@ from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
 from bpy.props import IntProperty
 
 from ..bridge.active import selected_objects
-from ..bridge.flat.flat_kinds import is_shape, looks_flat
-from ..bridge.objects import triangle_mesh
+from ..bridge.flat.flat_kinds import is_drawn_flat, looks_flat
+from ..bridge.objects import MESHED, triangle_mesh
+from ..bridge.shape_sources import is_plain, shape_roots, shape_source
 from ..errors import ConvwassError, InputError
 from ..preferences import preferences
 from ..properties.morph_inputs import CONVWASS_PG_input
@@ -54,7 +55,7 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not any(is_shape(obj) for obj in selected_objects(context)):
+        if not shape_roots(selected_objects(context), context.scene.convwass_morph.grouping):
             cls.poll_message_set("Select meshes, texts, curves, drawings or images to add")
             return False
         return True
@@ -64,11 +65,12 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
         if not settings.inputs and is_untouched(settings):
             self._begin_with(preferences(context).default_preset)
         known = {item.object for item in settings.inputs}
-        meshes = [obj for obj in selected_objects(context) if is_shape(obj) and obj not in known]
+        roots = shape_roots(selected_objects(context), settings.grouping)
+        meshes = [obj for obj in roots if obj not in known]
         for obj in settings.sorted_shapes(meshes):
             item = settings.inputs.add()
             item.object = obj
-            check(item, context.evaluated_depsgraph_get())
+            check(item, context.evaluated_depsgraph_get(), settings.grouping)
         settings.active_input = len(settings.inputs) - 1
         if not meshes:
             self.report({"INFO"}, rpt_("All selected shapes are already on the list"))
@@ -158,7 +160,7 @@ class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
             inputs = inputs[self.index : self.index + 1]
         depsgraph = context.evaluated_depsgraph_get()
         for item in inputs:
-            check(item, depsgraph)
+            check(item, depsgraph, context.scene.convwass_morph.grouping)
         faulty = sum(item.warns for item in inputs)
         if faulty:
             self.report({"WARNING"}, rpt_("Shapes with problems: {:d} of {:d}").format(faulty, len(inputs)))
@@ -167,20 +169,23 @@ class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph) -> None:
+def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph, grouping: str) -> None:
     """Check the shape of an input, and store the findings on the item."""
     from ..applications.morphs.shape_check import check_shape
     from ..bridge.flat.flat_objects import flat_objects
+    from ..bridge.joined_shapes import joined_shape
 
     if item.object is None or not item.object.users_scene:
         item.verdict, item.finding = "UNUSABLE", rpt_("The object has been deleted")
         return
     try:
-        if item.object.type != "MESH":
+        source = shape_source(item.object, grouping)
+        if is_plain(source) and is_drawn_flat(item.object):
             flat_objects([item.object], depsgraph)
             item.verdict, item.finding = "SOUND", ""
             return
-        findings = check_shape(triangle_mesh(item.object, depsgraph))
+        with joined_shape(source, depsgraph) as joined:
+            findings = check_shape(triangle_mesh(joined, depsgraph, MESHED))
     except ConvwassError as error:
         item.verdict, item.finding = "UNUSABLE", translated(error.sentence).rstrip(".")
         return

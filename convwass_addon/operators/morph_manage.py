@@ -16,7 +16,15 @@ from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.removal import remove_bake
 from ..bridge.morphs.stand_ins import shown_morph
-from ..bridge.morphs.stored import FRAMES_KEY, MORPH_KEY, refusing_damage, stored_inputs, stored_morph, stored_settings
+from ..bridge.morphs.stored import (
+    FRAMES_KEY,
+    MORPH_KEY,
+    refusing_damage,
+    stored_inputs,
+    stored_morph,
+    stored_parts,
+    stored_settings,
+)
 from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
@@ -85,10 +93,11 @@ class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
                 context.scene.convwass_guides.take(guides_of_entries(stored.get("guides", [])))
         except ConvwassError as error:
             return refuse(self, error)
-        for obj in inputs:
+        parts = stored_parts(morph)
+        for obj in parts:
             obj.hide_set(False)
             obj.hide_render = False
-        select_only(context, inputs)
+        select_only(context, parts)
         return {"FINISHED"}
 
 
@@ -178,7 +187,7 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
         "guides": json.dumps(stored.settings.get("guides", [])),
         "start": "CUSTOM",
         "frame_start": stored.first_frame,
-        "hide_inputs": all(obj.hide_render for obj in inputs),
+        "hide_inputs": all(obj.hide_render for obj in stored_parts(morph)),
         "replaces": morph.name,
     }
 
@@ -192,7 +201,7 @@ class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
     def execute(self, context):
         morph = active_morph(context)
         try:
-            inputs = stored_inputs(morph)
+            inputs = stored_parts(morph)
         except ConvwassError:
             # A morph can be deleted even if its inputs no longer exist.
             inputs = []

@@ -11,8 +11,9 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..applications.memory import available_memory
 from ..applications.morphs.memory_needs import estimated_bytes
 from ..applications.morphs.morph_settings import MorphSettings
-from ..bridge.flat.flat_kinds import is_shape, looks_flat
+from ..bridge.flat.flat_kinds import looks_flat
 from ..bridge.morphs.morph_request import MorphRequest
+from ..bridge.shape_sources import is_part, is_plain, shape_roots, shape_source
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
 from ..operators.morph_inputs import (
     CONVWASS_OT_add_morph_inputs,
@@ -81,11 +82,12 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         settings = context.scene.convwass_morph
         if settings.inputs:
             _draw_list(layout, settings)
+            layout.prop(settings, "grouping")
             shapes = [item.object for item in settings.enabled_inputs]
         else:
             shapes = _draw_selection(layout, context, settings)
         count = len(shapes)
-        flat = bool(shapes) and all(obj is not None and looks_flat(obj) for obj in shapes)
+        flat = bool(shapes) and all(obj is not None and _is_flat(obj, settings.grouping) for obj in shapes)
 
         column = layout.column()
         column.prop(settings, "layout")
@@ -135,23 +137,36 @@ def _draw_selection(
     layout: bpy.types.UILayout, context: bpy.types.Context, settings: CONVWASS_PG_morph
 ) -> list[bpy.types.Object]:
     """Draw the selected shapes, which are morphed if there is no list, and return them."""
-    shapes = settings.sorted_shapes([obj for obj in context.selected_objects if is_shape(obj)])
+    shapes = settings.sorted_shapes(shape_roots(context.selected_objects, settings.grouping))
     box = layout.box().column(align=True)
+    objects = sum(map(is_part, context.selected_objects))
+    if objects > 2 or (shapes and objects != len(shapes)):
+        text = iface_("{:d} selected objects: {:d} shapes").format(objects, len(shapes))
+        box.label(text=text, icon="INFO", translate=False)
     if len(shapes) < 2:
         box.label(text=_hint(settings.layout), icon="INFO", translate=False)
         # After a bake, a frame is selected and the shapes are hidden.
         if active_morph(context) is not None:
             box.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
     for index, obj in enumerate(shapes[:_NAMED]):
-        box.label(text=obj.name, icon=_icon(obj) if index == 0 else "FORWARD", translate=False)
+        box.label(
+            text=shape_source(obj, settings.grouping).name,
+            icon=_icon(obj) if index == 0 else "FORWARD",
+            translate=False,
+        )
     if len(shapes) > _NAMED:
         box.label(text=iface_("and {:d} more").format(len(shapes) - _NAMED), icon="BLANK1", translate=False)
     column = layout.column()
+    column.prop(settings, "grouping")
     row = column.row(align=True)
     row.prop(settings, "order")
     row.prop(settings, "reverse", text="", icon="UV_SYNC_SELECT")
     column.operator(CONVWASS_OT_add_morph_inputs.bl_idname, text="Make a List", icon="PRESET_NEW")
     return shapes
+
+
+def _is_flat(obj: bpy.types.Object, grouping: str) -> bool:
+    return is_plain(shape_source(obj, grouping)) and looks_flat(obj)
 
 
 def _draw_memory(

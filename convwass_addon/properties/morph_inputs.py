@@ -17,7 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..bridge.flat.flat_kinds import is_shape
+from ..bridge.shape_sources import is_part
 from .morphs import MorphProperties
 
 VERDICTS = (
@@ -32,7 +32,7 @@ VERDICTS = (
 
 
 def _is_shape(_item: CONVWASS_PG_input, obj: bpy.types.Object) -> bool:
-    return is_shape(obj)
+    return is_part(obj) or bool(obj.children)
 
 
 class CONVWASS_PG_input(bpy.types.PropertyGroup):

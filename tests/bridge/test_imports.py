@@ -122,6 +122,19 @@ def test_objects_of_a_blend(two_parts, tmp_path, make_object, inventory):
     np.testing.assert_allclose(mesh.bounds.mean(axis=0), [5, 10, 1], atol=1e-5)
 
 
+def test_a_collection_of_a_blend_is_one_shape(two_parts, tmp_path, inventory):
+    collection = bpy.data.collections.new("Both")
+    for name in "AB":
+        collection.objects.link(bpy.data.objects[name])
+    bpy.data.libraries.write(str(tmp_path / "both.blend"), {collection})
+    start_anew()
+    before = inventory()
+    (obj,) = import_objects(tmp_path / "both.blend", ["Both"])
+    assert {kind for kind, _ in inventory() - before} <= {"OBJECT", "MESH", "MATERIAL"}
+    mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    assert mesh.volume == pytest.approx(4 / 3 * 3, rel=1e-4)
+
+
 def test_same_object_twice(two_parts, tmp_path):
     save_blend(tmp_path / "a.blend")
     start_anew()

@@ -284,10 +284,8 @@ def test_parts_of_one_material_travel_together(parts, width):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: bpy.ops.object.metaball_add(), "Object > Convert > Mesh"),
-        (lambda: bpy.ops.surface.primitive_nurbs_surface_sphere_add(), "Object > Convert > Mesh"),
-        (lambda: bpy.ops.object.collection_instance_add(collection=_full_collection()), "Make Instances Real"),
-        (lambda: bpy.ops.object.curves_random_add(), "no surface"),
+        (lambda: bpy.ops.object.volume_add(), "Object > Convert > Mesh"),
+        (lambda: bpy.ops.object.collection_instance_add(collection=_full_collection()), "no faces"),
     ],
 )
 def test_selected_objects_that_are_no_meshes_are_named(make, message):

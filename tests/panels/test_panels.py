@@ -151,6 +151,25 @@ def test_a_list_that_is_too_short_says_why_the_button_is_gray(shapes, layout):
     assert hint in draw_all()
 
 
+def test_objects_of_one_collection_are_offered_as_one_shape(shapes):
+    """Two objects and a third one: three shapes, or two collections."""
+    bpy.ops.mesh.primitive_cube_add(location=(3, 0, 0))
+    other = bpy.data.collections.new("Other")
+    bpy.context.scene.collection.children.link(other)
+    other.objects.link(bpy.context.object)
+    body = bpy.data.collections.new("Body")
+    bpy.context.scene.collection.children.link(body)
+    for obj in bpy.context.scene.objects:
+        obj.select_set(True)
+        if obj.users_collection[0] != other and other not in set(obj.users_collection):
+            body.objects.link(obj)
+    assert ("label", "3 selected objects: 3 shapes") in draw(bpy.types.CONVWASS_PT_morph)
+    settings().grouping = "COLLECTIONS"
+    drawn = draw(bpy.types.CONVWASS_PT_morph)
+    assert ("label", "3 selected objects: 2 shapes") in drawn
+    assert {("label", "Body"), ("label", "Other")} <= set(drawn)
+
+
 def test_much_memory_is_told_before_a_bake(shapes):
     settings().resolution = 1000
     assert settings().resolution == 1000

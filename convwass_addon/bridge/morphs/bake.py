@@ -21,6 +21,7 @@ from ...geometry.polygons import Polygons
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..objects import hide, write_mesh
+from ..shape_sources import OBJECTS, shape_source
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
 from .materials import MATERIAL_NAME, morph_material
@@ -70,7 +71,7 @@ class MorphBake:
         scene : bpy.types.Scene
             The context's scene; the new collection goes to its top level.
         inputs : sequence of bpy.types.Object
-            The shapes; hidden ones too.
+            The shapes; hidden ones too. Of shapes of several objects, what stands for them.
         blends : sequence of Blend
             All frames that may be added.
         settings : dict
@@ -86,7 +87,9 @@ class MorphBake:
             A first frame that Blender does not have, or an input without faces; nothing is left behind then.
         """
         check_first_frame(first_frame)
-        shapes = frozen_inputs(inputs, moves or [None] * len(inputs))
+        grouping = settings.get("grouping", OBJECTS)
+        sources = [shape_source(obj, grouping) for obj in inputs]
+        shapes = frozen_inputs(sources, moves or [None] * len(inputs))
         return cls._opened(scene, inputs, shapes, blends, settings, first_frame)
 
     @classmethod
@@ -103,9 +106,13 @@ class MorphBake:
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
         scene.collection.children.link(collection)
-        bake = cls(scene, collection, shapes, blends, StoredMorph([s.name for s in shapes], settings, first_frame, []))
+        bake = cls(
+            scene, collection, shapes, blends, StoredMorph([obj.name for obj in inputs], settings, first_frame, [])
+        )
         store(collection, bake._stored)
-        store_signatures(collection, [signature(obj) for obj in inputs])
+        store_signatures(
+            collection, [signature(shape_source(obj, settings.get("grouping", OBJECTS))) for obj in inputs]
+        )
         return bake
 
     def __init__(
@@ -126,6 +133,11 @@ class MorphBake:
         self._hidden: list[_Hidden] = []
         self._action: Handle | None = None
         self._brings_material = MATERIAL_NAME not in bpy.data.materials
+
+    @property
+    def inputs(self) -> list[FrozenInput]:
+        """What is kept of the inputs."""
+        return list(self._inputs)
 
     @property
     def frozen(self) -> list[bpy.types.Mesh]:
@@ -190,11 +202,11 @@ class MorphBake:
     def _hide_behind_previews(self) -> None:
         """Hide the inputs in the viewport: they would flicker through previews that stand where they stand."""
         scene = self._living(self._scene)
-        for shape in self._inputs:
-            obj = shape.obj.find()
+        for handle in [own for shape in self._inputs for own in shape.objects]:
+            obj = handle.find()
             for layer in scene.view_layers if obj is not None else ():
                 if obj.name in layer.objects and not obj.hide_get(view_layer=layer):
-                    self._hidden.append(_Hidden(shape.obj, layer.name, obj.select_get(view_layer=layer)))
+                    self._hidden.append(_Hidden(handle, layer.name, obj.select_get(view_layer=layer)))
                     obj.hide_set(True, view_layer=layer)
 
     def _show_inputs(self) -> None:
@@ -274,11 +286,11 @@ class MorphBake:
             index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
         ]
         figures = [self._finished[index].record for index in sorted(frames)]
-        notes = diagnose(figures, self._stored.settings, self._stored.inputs, numbers, dropped)
+        notes = diagnose(figures, self._stored.settings, [shape.name for shape in self._inputs], numbers, dropped)
         store_diagnostics(collection, notes)
         self._drop_unused()
         if hide_inputs:
-            hide(found([shape.obj for shape in self._inputs]), scene)
+            hide(found([own for shape in self._inputs for own in shape.objects]), scene)
         return collection
 
     @property

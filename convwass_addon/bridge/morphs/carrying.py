@@ -30,6 +30,7 @@ from .appearance import (
     write_velocity,
 )
 from .dropped_appearance import dropped_notes, dropped_parts
+from .frozen_inputs import FrozenInput
 from .mixed_materials import MixedMaterials
 
 
@@ -49,7 +50,7 @@ class Carrying:
     ----------
     scene : bpy.types.Scene
         Its frame rate makes velocities of steps.
-    inputs : sequence of bpy.types.Object
+    inputs : sequence of FrozenInput
         The shapes.
     frozen : sequence of bpy.types.Mesh
         Copies of them where the bake has them. Those that have no material and a color attribute get the material of
@@ -66,16 +67,15 @@ class Carrying:
     def __init__(
         self,
         scene: bpy.types.Scene,
-        inputs: Sequence[bpy.types.Object],
+        inputs: Sequence[FrozenInput],
         frozen: Sequence[bpy.types.Mesh],
         blends: Sequence[Blend],
     ) -> None:
         self._appearances = [
-            read_appearance(mesh, tuple(obj.color), [group.name for group in obj.vertex_groups])
-            for obj, mesh in zip(inputs, frozen, strict=True)
+            read_appearance(mesh, own.object_color, own.groups) for own, mesh in zip(inputs, frozen, strict=True)
         ]
         self._shadings = [read_shading(mesh) for mesh in frozen]
-        names = [obj.name for obj in inputs]
+        names = [own.name for own in inputs]
         self.dropped = dropped_notes(
             names, [dropped_parts(*own) for own in zip(frozen, self._appearances, strict=True)]
         )

@@ -10,6 +10,7 @@ import math
 import bpy
 
 from ...errors import ConvwassError
+from ..shape_sources import OBJECTS, ShapeSource, shape_source
 from .stored import is_there, stored_morph
 
 SIGNATURES_KEY = "convwass_signatures"
@@ -25,12 +26,18 @@ def store_signatures(collection: bpy.types.Collection, signatures: list[list[flo
     collection[SIGNATURES_KEY] = json.dumps(finite)
 
 
-def signature(obj: bpy.types.Object) -> list[float]:
-    """Return numbers that change where an object is moved, reshaped or given other modifiers.
+def signature(source: ShapeSource) -> list[float]:
+    """Return numbers that change where a shape is moved, reshaped or given other modifiers.
 
     They are at hand without evaluating anything, so that a panel may compare them: counts of its own mesh, bounds as
     modifiers leave them, and its place. An edit that keeps all of these goes unnoticed.
     """
+    of_parts = [_signature(part) for part in source.parts]
+    # What is moved from one part to another must not cancel out.
+    return [float(sum(place * number for place, number in enumerate(own, 1))) for own in zip(*of_parts, strict=True)]
+
+
+def _signature(obj: bpy.types.Object) -> list[float]:
     counts = _counts(obj)
     bounds = [coordinate for corner in (obj.bound_box[0], obj.bound_box[6]) for coordinate in corner]
     place = [number for row in obj.matrix_world for number in row]
@@ -52,19 +59,24 @@ def changed_inputs(collection: bpy.types.Collection) -> list[str]:
     """Return the names of a morph's inputs that are gone or are no longer as they were; none where nothing is known."""
     try:
         known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
-        names = stored_morph(collection).inputs
+        stored = stored_morph(collection)
+        names, grouping = stored.inputs, stored.settings.get("grouping", OBJECTS)
     except (ValueError, TypeError, RecursionError, ConvwassError):
         # A damaged description is told of where it is used.
         return []
     if not isinstance(known, list) or len(known) != len(names):
         return []
-    return [name for name, before in dict(zip(names, known, strict=True)).items() if not _is_as_before(name, before)]
+    return [
+        name
+        for name, before in dict(zip(names, known, strict=True)).items()
+        if not _is_as_before(name, grouping, before)
+    ]
 
 
-def _is_as_before(name: str, before: object) -> bool:
+def _is_as_before(name: str, grouping: str, before: object) -> bool:
     if not is_there(name):
         return False
-    now = signature(bpy.data.objects[name])
+    now = signature(shape_source(bpy.data.objects[name], grouping))
     if not (isinstance(before, list) and len(before) == len(now)):
         return True
     if not all(isinstance(number, (int, float)) for number in before):

@@ -14,7 +14,9 @@ from mathutils import Matrix
 from ...errors import InputError
 from ...geometry.alignment import RigidMove
 from ..handles import Handle
+from ..joined_shapes import joined_shape
 from ..objects import MESHED, frozen_copy
+from ..shape_sources import ShapeSource
 from .materials import input_color
 
 
@@ -30,35 +32,50 @@ class FrozenInput:
     size: float
     foot: np.ndarray
     """Middle of the underside of its bounds, or of a flat shape, world space, (3,)."""
+    parts: tuple[Handle, ...] = ()
+    """The objects that it is made of, where that is not `obj` alone."""
+    object_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    """That of its object, which parts without a material have."""
+    groups: tuple[str, ...] = ()
+    """Names of its vertex groups, in order."""
+
+    @property
+    def objects(self) -> tuple[Handle, ...]:
+        """What shows the input in the scene."""
+        return self.parts or (self.obj,)
 
 
-def frozen_inputs(inputs: Sequence[bpy.types.Object], moves: Sequence[RigidMove | None]) -> list[FrozenInput]:
-    """Copy the inputs as they are; none where one of them cannot be copied."""
+def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | None]) -> list[FrozenInput]:
+    """Copy the inputs as they are, and move the copies; none where one of them cannot be copied."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shapes, meshes = [], []
     try:
-        for obj, move in zip(inputs, moves, strict=True):
-            meshes.append(frozen_copy(obj, depsgraph, MESHED))
-            if move is not None:
-                meshes[-1].transform(Matrix(move.matrix))
-            shapes.append(_described(obj, meshes[-1]))
+        for source, move in zip(sources, moves, strict=True):
+            with joined_shape(source, depsgraph) as obj:
+                meshes.append(frozen_copy(obj, depsgraph, MESHED))
+                if move is not None:
+                    meshes[-1].transform(Matrix(move.matrix))
+                shapes.append(_described(source, obj, meshes[-1]))
     except InputError:
         bpy.data.batch_remove(meshes)
         raise
     return shapes
 
 
-def _described(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
+def _described(source: ShapeSource, obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
     """Note what a bake needs to know of an input and its world-space copy."""
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", points)
     low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
     middle = (low + high) / 2.0
     return FrozenInput(
-        obj=Handle.of("objects", obj),
-        name=obj.name,
+        obj=Handle.of("objects", source.root),
+        name=source.name,
         color=input_color(obj),
         mesh=Handle.of("meshes", mesh),
         size=float((high - low).max()),
         foot=np.array([middle[0], middle[1], low[2]], dtype=np.float64),
+        parts=tuple(Handle.of("objects", part) for part in source.parts),
+        object_color=tuple(obj.color),
+        groups=tuple(group.name for group in obj.vertex_groups),
     )

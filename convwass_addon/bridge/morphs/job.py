@@ -21,6 +21,7 @@ from ...applications.morphs.part_labels import part_notices
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
+from ..shape_sources import OBJECTS, shape_source
 from .animated_inputs import animation_notices
 from .bake import MorphBake
 from .carrying import Carrying
@@ -43,8 +44,9 @@ class MorphJob:
     settings : MorphSettings
         How.
     options : dict
-        What else to store with the morph, so that it can be repeated: the layout and its numbers. `alignment` and
-        `scaling`, as for :func:`.alignment.aligned`, and `guides` are heeded here.
+        What else to store with the morph, so that it can be repeated: the layout and its numbers. `grouping`, as
+        for :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for :func:`.alignment.aligned`, and
+        `guides` are heeded here.
     first_frame : int
         Scene frame of the first shape in a path.
 
@@ -67,14 +69,15 @@ class MorphJob:
         if len(inputs) < 2:
             raise InputError("A morph needs at least two shapes; select or name one more.")
         self._records: dict[Blend, dict[str, object]] = {}
-        self._animated = animation_notices(inputs, scene.frame_current)
+        sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
+        self._animated = animation_notices([part for one in sources for part in one.parts], scene.frame_current)
         read = read_shapes(inputs, depsgraph, settings, options)
         self._names, self._shapes, self._labels, self._guides = read.names, read.meshes, read.labels, read.guides
         self._blends = blends
         self._settings = settings
         self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
-        self._carrying = Carrying(scene, inputs, self._bake.frozen, blends) if settings.carry else None
+        self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends) if settings.carry else None
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
         """Return the work of computing; it touches nothing of Blender. See :func:`.morph.morph`."""

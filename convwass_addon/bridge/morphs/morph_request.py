@@ -53,6 +53,17 @@ class MorphRequest(Settings):
         ),
         option=None,
     )
+    grouping: str = setting(
+        "OBJECTS",
+        "Shapes",
+        "What makes one shape",
+        choices=(
+            Choice("OBJECTS", "Objects", "Every object is a shape; so is an Empty that shows a collection"),
+            Choice("PARENTS", "Parents", "All that hangs on one parent is a shape"),
+            Choice("COLLECTIONS", "Collections", "All in one collection is a shape"),
+        ),
+        option=None,
+    )
     reverse: bool = setting(False, "Reverse", "Turn the order around", option=None)
     alignment: str = setting(
         "PLACED",

@@ -14,7 +14,9 @@ from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import FaceLabels, matched
 from ...geometry.alignment import RigidMove, aligned_meshes
 from ...geometry.mesh import TriangleMesh
+from ..joined_shapes import joined_shape
 from ..objects import MESHED, labeled_mesh, triangle_mesh
+from ..shape_sources import OBJECTS, shape_source
 from .morph_guides import guides_of_entries, guides_of_shapes
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ class ReadShapes:
     Attributes
     ----------
     names : list of str
-        Of the objects.
+        Of the shapes.
     meshes : list of TriangleMesh
         World space, moved onto each other as asked for.
     labels : list of FaceLabels or None
@@ -57,25 +59,33 @@ def read_shapes(
     Parameters
     ----------
     inputs : sequence of bpy.types.Object
-        In order.
+        In order; of shapes of several objects, what stands for them.
     depsgraph : bpy.types.Depsgraph
         For the inputs as modifiers leave them.
     settings : MorphSettings
         Whether there are parts, and whether guides are heeded.
     options : mapping
-        `alignment` and `scaling`, as for :func:`.alignment.aligned`, and `guides`.
+        `grouping`, as for :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for
+        :func:`.alignment.aligned`, and `guides`.
 
     Raises
     ------
     InputError
         Inputs that have no faces, no size, or are no meshes; no part that all of them have, where parts are asked for.
     """
-    names, labels = [obj.name for obj in inputs], None
+    sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
+    names, labels, meshes = [source.name for source in sources], None, []
     if settings.parts == "none":
-        meshes = [triangle_mesh(obj, depsgraph, MESHED) for obj in inputs]
+        for source in sources:
+            with joined_shape(source, depsgraph) as obj:
+                meshes.append(triangle_mesh(obj, depsgraph, MESHED))
     else:
-        read = [labeled_mesh(obj, depsgraph, settings.parts, MESHED) for obj in inputs]
-        meshes, labels = [one.mesh for one in read], [one.labels for one in read]
+        labels = []
+        for source in sources:
+            with joined_shape(source, depsgraph) as obj:
+                read = labeled_mesh(obj, depsgraph, settings.parts, MESHED)
+            meshes.append(read.mesh)
+            labels.append(read.labels)
         # Refuse before anything is made.
         matched(labels, names)
     entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []

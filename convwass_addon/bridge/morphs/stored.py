@@ -15,6 +15,7 @@ import bpy
 from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames
+from ..shape_sources import OBJECTS, shape_source
 
 SCHEMA = 1
 
@@ -123,7 +124,7 @@ def is_solid(collection: bpy.types.Collection) -> bool:
 
 
 def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects that a morph was baked from; they may be hidden.
+    """Return the objects that a morph was baked from, or that stand for what it was baked from; they may be hidden.
 
     Raises
     ------
@@ -140,6 +141,18 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
             missing=", ".join(missing),
         )
     return [bpy.data.objects[name] for name in names]
+
+
+def stored_parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return all objects whose surfaces a morph was baked from.
+
+    Raises
+    ------
+    InputError
+        As `stored_inputs`.
+    """
+    grouping = stored_settings(collection).get("grouping", OBJECTS)
+    return [part for root in stored_inputs(collection) for part in shape_source(root, grouping).parts]
 
 
 def is_there(name: str) -> bool:

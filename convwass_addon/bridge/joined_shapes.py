@@ -1,0 +1,219 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One mesh object of all that a shape is made of: parts of any type, and instances."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+
+import bpy
+
+from ..errors import InputError
+from .objects import evaluated_object, frozen_copy
+from .sequence import MODIFIER, frame_group
+from .shape_sources import ShapeSource, shows_collection
+
+_MESHED = ("MESH", "FONT", "CURVE", "SURFACE", "META")
+_WITH_RADIUS = ("CURVES", "POINTCLOUD")
+# Collections in collections, and instances of instances, whose mirroring is heeded.
+_DEPTH = 6
+_MIRRORED = "convwass_mirrored"
+_RADIUS = "radius"
+_TUBE_CORNERS, _BALL_SUBDIVISIONS = 8, 2
+
+
+@contextmanager
+def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    """Give an object that has the surface of a whole shape: its only part, or a mesh of all that is removed afterwards.
+
+    All is as modifiers leave it, in world space, with materials, UV maps, vertex groups and attributes; instances are
+    realized. Strands and points become tubes and balls of their radius.
+
+    Parameters
+    ----------
+    source : ShapeSource
+        Its parts may be hidden, or come from a linked library.
+    depsgraph : bpy.types.Depsgraph
+        ``context.evaluated_depsgraph_get()``; brought up to date here.
+
+    Raises
+    ------
+    InputError
+        Parts that have no surface, none at all, strands or points without a radius.
+    """
+    if len(source.parts) == 1 and not needs_joining(source.parts[0], depsgraph):
+        yield source.parts[0]
+        return
+    with ExitStack() as stack:
+        mesh = _joined(source, depsgraph, stack)
+    obj = bpy.data.objects.new(source.name, mesh)
+    obj.color = source.parts[0].color
+    # Linked, so that it is evaluated only once.
+    depsgraph.scene.collection.objects.link(obj)
+    try:
+        yield obj
+    finally:
+        bpy.data.batch_remove([obj, mesh])
+
+
+def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Tell whether an object is more, or something else, than the mesh or the flat shape that it is read as."""
+    if obj.type in ("SURFACE", "META", *_WITH_RADIUS) or shows_collection(obj):
+        return True
+    # Of a mirrored mesh all that is read has to be of one copy, whose faces have been turned over.
+    return obj.type == "MESH" and (obj.matrix_world.determinant() < 0 or _has_instances(obj, depsgraph))
+
+
+def _has_instances(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    if not any(modifier.type == "NODES" for modifier in obj.modifiers):
+        return False
+    with evaluated_object(obj, depsgraph) as evaluated:
+        return evaluated.evaluated_geometry().instances_pointcloud() is not None
+
+
+def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Mesh:
+    """Return a new mesh of all parts; the stack removes what is needed for a while."""
+    tree = frame_group(source.name)
+    stack.callback(bpy.data.node_groups.remove, tree)
+    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    pieces = [_piece(tree, part, depsgraph, stack) for part in source.parts]
+    # What is linked last comes first.
+    for piece in reversed([piece for piece in pieces if piece is not None]):
+        tree.links.new(piece, join.inputs["Geometry"])
+    tree.links.new(join.outputs["Geometry"], tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    probe = _linked(bpy.data.meshes.new(source.name), depsgraph, stack)
+    probe.modifiers.new(MODIFIER, "NODES").node_group = tree
+    depsgraph.update()
+    evaluated = probe.evaluated_get(depsgraph)
+    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    if not len(mesh.polygons):
+        bpy.data.meshes.remove(mesh)
+        raise InputError("{name} has no faces; choose parts with a surface.", name=source.name)
+    mesh.name = source.name
+    return mesh
+
+
+def _piece(
+    tree: bpy.types.NodeTree, part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, stack: ExitStack
+) -> bpy.types.NodeSocket | None:
+    """Return the mesh of one part in world space; None where it is empty."""
+    if part.type in _WITH_RADIUS:
+        _require_radius(part, depsgraph)
+        return _solid_of(tree, part.type, _realized(tree, part))
+    if shows_collection(part) or (part.type == "MESH" and _has_instances(part, depsgraph)):
+        return _realized(tree, part)
+    if part.type not in _MESHED:
+        kind = part.bl_rna.properties["type"].enum_items[part.type].name.lower()
+        raise InputError(
+            "{name} is of type {kind}, which cannot be a part of a solid shape; convert it: Object > Convert > Mesh.",
+            name=part.name,
+            kind=kind,
+        )
+    mesh = _own_mesh(part, depsgraph)
+    return None if mesh is None else _info(tree, _linked(mesh, depsgraph, stack)).outputs["Geometry"]
+
+
+def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh | None:
+    """Return a new mesh of a part; None where it has no faces, as metaballs that belong to another one, and paths."""
+    with evaluated_object(part, depsgraph) as evaluated:
+        is_empty = not len(evaluated.to_mesh().polygons)
+        evaluated.to_mesh_clear()
+    return None if is_empty else frozen_copy(part, depsgraph, _MESHED)
+
+
+def _linked(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Object:
+    """Put a mesh into the scene until the stack is closed."""
+    obj = bpy.data.objects.new(mesh.name, mesh)
+    stack.callback(bpy.data.batch_remove, [obj, mesh])
+    depsgraph.scene.collection.objects.link(obj)
+    return obj
+
+
+def _info(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.Node:
+    info = tree.nodes.new("GeometryNodeObjectInfo")
+    info.transform_space = "RELATIVE"
+    info.inputs["Object"].default_value = obj
+    return info
+
+
+def _realized(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
+    """Return the geometry of a part with its instances, whose faces look outward where they are mirrored, too.
+
+    Nodes that realize instances leave faces as they are. So they are realized level by level, and each takes along
+    whether its transform, which is that of all levels so far, mirrors it.
+    """
+    info = _info(tree, part)
+    info.inputs["As Instance"].default_value = True
+    geometry = info.outputs["Geometry"]
+    for _ in range(_DEPTH):
+        mark = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+        mark.data_type, mark.domain = "BOOLEAN", "INSTANCE"
+        mark.inputs["Name"].default_value = _MIRRORED
+        tree.links.new(geometry, mark.inputs["Geometry"])
+        tree.links.new(_mirrors(tree), mark.inputs["Value"])
+        realize = tree.nodes.new("GeometryNodeRealizeInstances")
+        realize.inputs["Realize All"].default_value, realize.inputs["Depth"].default_value = False, 1
+        tree.links.new(mark.outputs["Geometry"], realize.inputs["Geometry"])
+        geometry = realize.outputs["Geometry"]
+    rest = tree.nodes.new("GeometryNodeRealizeInstances")
+    tree.links.new(geometry, rest.inputs["Geometry"])
+    flip = tree.nodes.new("GeometryNodeFlipFaces")
+    marked = tree.nodes.new("GeometryNodeInputNamedAttribute")
+    marked.data_type = "BOOLEAN"
+    marked.inputs["Name"].default_value = _MIRRORED
+    tree.links.new(rest.outputs["Geometry"], flip.inputs["Mesh"])
+    tree.links.new(marked.outputs["Attribute"], flip.inputs["Selection"])
+    unmark = tree.nodes.new("GeometryNodeRemoveAttribute")
+    unmark.inputs["Name"].default_value = _MIRRORED
+    tree.links.new(flip.outputs["Mesh"], unmark.inputs["Geometry"])
+    return unmark.outputs["Geometry"]
+
+
+def _mirrors(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+    """Return for an instance whether its transform mirrors it."""
+    transform = tree.nodes.new("GeometryNodeInstanceTransform")
+    determinant = tree.nodes.new("FunctionNodeMatrixDeterminant")
+    tree.links.new(transform.outputs["Transform"], determinant.inputs["Matrix"])
+    compare = tree.nodes.new("FunctionNodeCompare")
+    compare.operation = "LESS_THAN"
+    tree.links.new(determinant.outputs["Determinant"], compare.inputs["A"])
+    compare.inputs["B"].default_value = 0.0
+    return compare.outputs["Result"]
+
+
+def _require_radius(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+    with evaluated_object(part, depsgraph) as evaluated:
+        if _RADIUS in evaluated.data.attributes:
+            return
+    raise InputError(
+        "{name} has strands or points without a radius, so there is nothing solid: give them one with Geometry Nodes "
+        "(Set Curve Radius, Set Point Radius).",
+        name=part.name,
+    )
+
+
+def _solid_of(tree: bpy.types.NodeTree, kind: str, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return tubes along strands, or balls at points, of their radius."""
+    radius = tree.nodes.new("GeometryNodeInputRadius").outputs["Radius"]
+    if kind == "CURVES":
+        profile = tree.nodes.new("GeometryNodeCurvePrimitiveCircle")
+        profile.inputs["Resolution"].default_value = _TUBE_CORNERS
+        profile.inputs["Radius"].default_value = 1.0
+        tube = tree.nodes.new("GeometryNodeCurveToMesh")
+        tube.inputs["Fill Caps"].default_value = True
+        tree.links.new(geometry, tube.inputs["Curve"])
+        tree.links.new(profile.outputs["Curve"], tube.inputs["Profile Curve"])
+        if "Scale" in tube.inputs:  # earlier versions of Blender take the radius by themselves
+            tree.links.new(radius, tube.inputs["Scale"])
+        return tube.outputs["Mesh"]
+    ball = tree.nodes.new("GeometryNodeMeshIcoSphere")
+    ball.inputs["Radius"].default_value = 1.0
+    ball.inputs["Subdivisions"].default_value = _BALL_SUBDIVISIONS
+    balls = tree.nodes.new("GeometryNodeInstanceOnPoints")
+    tree.links.new(geometry, balls.inputs["Points"])
+    tree.links.new(ball.outputs["Mesh"], balls.inputs["Instance"])
+    tree.links.new(radius, balls.inputs["Scale"])
+    realize = tree.nodes.new("GeometryNodeRealizeInstances")
+    tree.links.new(balls.outputs["Instances"], realize.inputs["Geometry"])
+    return realize.outputs["Geometry"]

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist calls a shape: an object, all that hangs on a parent, or a collection. Nothing is evaluated here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import bpy
+
+from .flat.flat_kinds import is_shape
+
+OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
+"""What makes objects one shape."""
+
+# Types of objects with a surface, besides those that are shapes by themselves.
+_OTHER_SURFACES = ("SURFACE", "META", "CURVES", "POINTCLOUD")
+# Parts that are drawn so are helpers: cages, cutters, shapes of bones.
+_HELPERS = ("BOUNDS", "WIRE")
+
+
+@dataclass(frozen=True)
+class ShapeSource:
+    """A shape and the objects that it is made of.
+
+    Attributes
+    ----------
+    name : str
+        What to call it.
+    root : bpy.types.Object
+        Stands for the shape: in lists, and in what is stored with a morph.
+    parts : tuple of bpy.types.Object
+        The objects whose surfaces it has; `root` need not be one of them.
+    """
+
+    name: str
+    root: bpy.types.Object
+    parts: tuple[bpy.types.Object, ...]
+
+
+def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
+    """Return the shape that an object belongs to.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        Any object.
+    grouping : str
+        `OBJECTS`: the object alone; an Empty that shows a collection is a shape, too. `PARENTS`: all that hangs on its
+        topmost parent. `COLLECTIONS`: all in its collection and those inside; an object that is in none but the
+        scene's is a shape by itself. Parts that are disabled in viewports, disabled in renders but not hidden, or
+        drawn as wires or bounds are left out, unless they are all there is.
+    """
+    if grouping == PARENTS:
+        root = _topmost(obj)
+        return ShapeSource(root.name, root, _kept([root, *sorted(root.children_recursive, key=_name)]) or (root,))
+    if grouping == COLLECTIONS and (collection := _collection(obj)) is not None:
+        parts = _kept(sorted(_inside(collection), key=_name))
+        if parts:
+            return ShapeSource(collection.name, parts[0], parts)
+    return ShapeSource(obj.name, obj, (obj,))
+
+
+def shape_roots(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[bpy.types.Object]:
+    """Return what stands for the shapes that objects belong to, each once; objects without a surface are left out."""
+    sources = [shape_source(obj, grouping) for obj in objects if grouping != OBJECTS or is_part(obj)]
+    return list(dict.fromkeys(source.root for source in sources if any(map(is_part, source.parts))))
+
+
+def is_plain(source: ShapeSource) -> bool:
+    """Tell whether a shape is one object that is read as it is, flat or solid."""
+    return source.parts == (source.root,) and is_shape(source.root)
+
+
+def is_part(obj: bpy.types.Object) -> bool:
+    """Tell whether an object has a surface, flat or solid, or shows a collection."""
+    return is_shape(obj) or obj.type in _OTHER_SURFACES or shows_collection(obj)
+
+
+def shows_collection(obj: bpy.types.Object) -> bool:
+    """Tell whether an object is an Empty that instances a collection."""
+    return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
+
+
+def _kept(objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
+    parts = [obj for obj in objects if is_part(obj)]
+    return tuple(obj for obj in parts if not _is_helper(obj)) or tuple(parts)
+
+
+def _is_helper(obj: bpy.types.Object) -> bool:
+    # What a bake hides, to show the morph in its place, is hidden in the viewport and disabled in renders.
+    return obj.hide_viewport or obj.display_type in _HELPERS or (obj.hide_render and obj.visible_get())
+
+
+def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
+    while obj.parent is not None:
+        obj = obj.parent
+    return obj
+
+
+def _collection(obj: bpy.types.Object) -> bpy.types.Collection | None:
+    """Return the collection that an object is in, other than that of a scene."""
+    return next((own for own in obj.users_collection if own in set(bpy.data.collections)), None)
+
+
+def _inside(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
+    yield from collection.objects
+    for child in collection.children:
+        if not (child.hide_viewport or child.hide_render):
+            yield from _inside(child)
+
+
+def _name(obj: bpy.types.Object) -> str:
+    return obj.name

@@ -1,0 +1,277 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What artists call a shape is read as one mesh: collections, children, instances and all types of objects."""
+
+from __future__ import annotations
+
+from math import pi
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.joined_shapes import joined_shape
+from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_parts
+from convwass_addon.bridge.objects import MESHED, triangle_mesh
+from convwass_addon.bridge.shape_sources import shape_roots, shape_source
+from convwass_addon.errors import InputError
+from tests.shapes import box
+
+OCTAHEDRON = 4 / 3
+
+
+@pytest.fixture
+def add(make_object):
+    """Give a function that adds an octahedron, of volume 4/3, with a material of the last word of its name."""
+
+    def added(name, location=(0, 0, 0), scale=(1, 1, 1), parent=None, collection=None):
+        obj = make_object(name)
+        obj.location, obj.scale, obj.parent = location, scale, parent
+        own = name.split()[-1]
+        obj.data.materials.append(bpy.data.materials.get(own) or bpy.data.materials.new(own))
+        obj.vertex_groups.new(name="Head").add([0], 0.5, "REPLACE")
+        if collection is not None:
+            bpy.context.scene.collection.objects.unlink(obj)
+            collection.objects.link(obj)
+        return obj
+
+    return added
+
+
+def new_collection(name, inside=None):
+    made = bpy.data.collections.new(name)
+    if inside is not None:
+        inside.children.link(made)
+    return made
+
+
+def instance(name, collection, location=(0, 0, 0), scale=(1, 1, 1), home=None):
+    empty = bpy.data.objects.new(name, None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    empty.location, empty.scale = location, scale
+    (home or bpy.context.scene.collection).objects.link(empty)
+    return empty
+
+
+def read(obj, grouping="OBJECTS"):
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    with joined_shape(shape_source(obj, grouping), depsgraph) as joined:
+        return triangle_mesh(joined, depsgraph, MESHED)
+
+
+def test_all_that_hangs_on_a_parent_is_one_shape(add, inventory):
+    """Mirrored and unevenly scaled parents, and a child of a child; helpers are left out."""
+    root = bpy.data.objects.new("Rig", None)
+    bpy.context.scene.collection.objects.link(root)
+    root.scale = (-2, 1, 1)
+    body = add("Body", (5, 0, 0), parent=root)
+    add("Hat", (0, 0, 3), (1, 1, -0.5), parent=body)
+    add("Cage", (0, 0, 0), (9, 9, 9), parent=root).display_type = "WIRE"
+    add("Other", (50, 0, 0))
+    before = inventory()
+    mesh = read(body, "PARENTS")
+    assert inventory() == before
+    assert mesh.volume == pytest.approx(2 * OCTAHEDRON * 1.5)
+    np.testing.assert_allclose(mesh.bounds, [[-12, -1, -1], [-8, 1, 3.5]], atol=1e-5)
+
+
+def test_a_collection_is_one_shape_with_all_materials_and_groups(bare_scene, add):
+    hero = new_collection("Hero", bare_scene.collection)
+    parts = [add("Body", collection=hero), add("Hat", (0, 0, 3), collection=new_collection("Clothes", hero))]
+    assert shape_roots(parts[:1], "COLLECTIONS") == [parts[0]]
+    source = shape_source(parts[0], "COLLECTIONS")
+    assert (source.name, set(source.parts)) == ("Hero", set(parts))
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    with joined_shape(source, depsgraph) as joined:
+        assert {material.name for material in joined.data.materials} == {"Body", "Hat"}
+        assert joined.vertex_groups.keys() == ["Head"]
+        weights = [vertex.groups[0].weight for vertex in joined.data.vertices if vertex.groups]
+        assert weights == pytest.approx([0.5, 0.5])
+        assert triangle_mesh(joined, depsgraph).volume == pytest.approx(2 * OCTAHEDRON)
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_an_empty_that_shows_a_collection_is_a_shape(add, hidden):
+    """Collections in collections, mirrored twice and once more, and moved by the collection's offset."""
+    inner, outer = new_collection("Inner"), new_collection("Outer")
+    add("Part", (3, 0, 0), (1, 1, -2), collection=inner)
+    inner.instance_offset = (3, 0, 0)
+    instance("Within", inner, (0, 0, 5), (-1, 1, 1), outer)
+    empty = instance("Shown", outer, (0, 7, 0), (1, 1, -1))
+    empty.hide_set(hidden)
+    assert shape_roots([empty]) == [empty]
+    mesh = read(empty)
+    assert mesh.volume == pytest.approx(2 * OCTAHEDRON)
+    np.testing.assert_allclose(mesh.bounds, [[-1, 6, -7], [1, 8, -3]], atol=1e-5)
+
+
+def test_a_linked_collection_is_a_shape(add, tmp_path):
+    hero = new_collection("Hero")
+    add("Body", collection=hero)
+    bpy.data.libraries.write(str(tmp_path / "hero.blend"), {hero})
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "hero.blend"), link=True) as (_, wanted):
+        wanted.collections = ["Hero"]
+    assert read(instance("Linked", wanted.collections[0], (4, 0, 0))).volume == pytest.approx(OCTAHEDRON)
+
+
+def nodes_on(obj):
+    tree = bpy.data.node_groups.new("Nodes", "GeometryNodeTree")
+    tree.is_modifier = True
+    for side in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
+    obj.modifiers.new("Nodes", "NODES").node_group = tree
+    return tree
+
+
+def geometry_nodes_instances(add):
+    obj = add("Points")
+    tree = nodes_on(obj)
+    cube = tree.nodes.new("GeometryNodeMeshCube")
+    copies = tree.nodes.new("GeometryNodeInstanceOnPoints")
+    copies.inputs["Scale"].default_value = (0.1, 0.1, -0.1)
+    tree.links.new(tree.nodes.new("NodeGroupInput").outputs[0], copies.inputs["Points"])
+    tree.links.new(cube.outputs["Mesh"], copies.inputs["Instance"])
+    tree.links.new(copies.outputs["Instances"], tree.nodes.new("NodeGroupOutput").inputs[0])
+    return obj
+
+
+def metaball(_add):
+    bpy.ops.object.metaball_add()
+    bpy.context.object.data.resolution = 0.1
+    return bpy.context.object
+
+
+def nurbs(_add):
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    return bpy.context.object
+
+
+def hair(_add):
+    data = bpy.data.hair_curves.new("Hair")
+    data.add_curves([2, 2])
+    for number, point in enumerate(data.points):
+        point.position = (5 * (number // 2), 0, number % 2)
+    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.1] * 4)
+    return linked("Hair", data)
+
+
+def points(_add):
+    data = bpy.data.pointclouds.new("Points")
+    data.resize(3)
+    data.attributes.new("radius", "FLOAT", "POINT").data.foreach_set("value", [0.5] * 3)
+    data.attributes["position"].data.foreach_set("vector", [0, 0, 0, 5, 0, 0, 9, 0, 0])
+    return linked("Points", data)
+
+
+def linked(name, data):
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+@pytest.mark.parametrize(
+    ("make", "volume", "tolerance"),
+    [
+        (geometry_nodes_instances, 6 * 0.001, 1e-5),
+        (metaball, 6.2, 0.5),  # a ball of radius 1.15, which is where the field of one metaball of radius 2 ends
+        (nurbs, 4 / 3 * pi, 0.2),
+        (hair, 2 * 0.01 * 4 * np.sin(pi / 4), 1e-4),  # prisms of eight corners
+        (points, 3 * 4 / 3 * pi / 8, 0.2),
+    ],
+)
+def test_objects_of_all_types_are_shapes(add, make, volume, tolerance):
+    obj = make(add)
+    assert shape_roots([obj]) == [obj]
+    mesh = read(obj)
+    assert mesh.volume == pytest.approx(volume, abs=tolerance)
+
+
+def test_types_are_mixed_in_one_shape(bare_scene, add):
+    mixed = new_collection("Mixed", bare_scene.collection)
+    add("Body", collection=mixed)
+    bpy.ops.object.text_add(location=(9, 0, 0))
+    text = bpy.context.object
+    text.data.extrude, text.data.body = 0.5, "I"
+    metaball(add).location.x = -9
+    instance("Copy", new_collection("Elsewhere"), (0, 9, 0))
+    add("Far", collection=bpy.data.collections["Elsewhere"])
+    for obj in (text, bpy.data.objects["Mball"], bpy.data.objects["Copy"]):
+        bare_scene.collection.objects.unlink(obj)
+        mixed.objects.link(obj)
+    mesh = read(text, "COLLECTIONS")
+    assert mesh.bounds[0, 0] < -9.5
+    assert mesh.bounds[1, 0] > 9
+    assert mesh.bounds[1, 1] == pytest.approx(10)
+    assert mesh.volume > 2 * OCTAHEDRON + 5
+
+
+def test_what_has_no_radius_is_refused(add):
+    obj = hair(add)
+    obj.data.attributes.remove(obj.data.attributes["radius"])
+    with pytest.raises(InputError, match="Hair has strands or points without a radius"):
+        read(obj)
+
+
+def test_a_collection_without_surfaces_is_refused(bare_scene, inventory):
+    empty = instance("Shown", new_collection("Nothing"))
+    before = inventory()
+    with pytest.raises(InputError, match="Shown has no faces"):
+        read(empty)
+    assert inventory() == before
+
+
+def test_collections_are_morphed_and_stand_as_they_were_in_the_end(bare_scene, add, inventory):
+    """In centimeters; the ends have the parts of the collections, which are hidden and shown as a whole."""
+    bare_scene.unit_settings.scale_length = 0.01
+    for number, name in enumerate(("Hero", "Villain")):
+        collection = new_collection(name, bare_scene.collection)
+        add(f"{name} Body", (4 * number, 0, 0), collection=collection)
+        add(f"{name} Hat", (4 * number, 0, 2), (-1, 1, 0.5), collection=collection)
+    parts = [obj for obj in bare_scene.objects if obj.type == "MESH"]
+    inputs = shape_roots(parts, "COLLECTIONS")
+    assert [obj.name for obj in inputs] == ["Hero Body", "Villain Body"]
+    before = inventory()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    settings = MorphSettings(32, motion="transport", parts="materials")
+    options = {"grouping": "COLLECTIONS"}
+
+    def job():
+        made = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), settings, options, 1)
+        for step in made.steps(how=Computation(workers=1)):
+            made.write(step)
+        return made
+
+    job().discard()
+    assert inventory() == before
+    morph = job().finish(hide_inputs=True)
+    assert morph.name == "Morph Hero to Villain"
+    first, half, _ = (triangle_mesh(obj, depsgraph) for obj in frame_objects(morph))
+    assert first.volume == pytest.approx(1.5 * OCTAHEDRON)
+    assert half.volume == pytest.approx(1.5 * OCTAHEDRON, rel=0.03)
+    assert {own.name for own in frame_objects(morph)[0].data.materials} == {"Body", "Hat"}
+    assert set(stored_parts(morph)) == set(parts)
+    assert all(part.hide_render for part in parts)
+    assert changed_inputs(morph) == []
+    parts[1].location.z += 1
+    bpy.context.view_layer.update()
+    assert changed_inputs(morph) == ["Hero Body"]
+
+
+def test_a_box_that_is_mirrored_has_the_triangles_of_its_copy(make_object):
+    """Colors and normals are looked up by the numbers of triangles."""
+    shape = box((1, 2, 3))
+    obj = make_object("Box", shape.vertices, (), shape.faces)
+    obj.scale.x = -1
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    with joined_shape(shape_source(obj), depsgraph) as joined:
+        assert joined != obj
+        np.testing.assert_array_equal(np.array(joined.matrix_world), np.eye(4))
+        assert triangle_mesh(joined, depsgraph).volume == pytest.approx(6)
