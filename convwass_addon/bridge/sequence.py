@@ -171,6 +171,20 @@ def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str =
     return info
 
 
+def transformed(
+    tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, matrix: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """Return a geometry that a matrix has moved."""
+    node = tree.nodes.new("GeometryNodeTransform")
+    if "Mode" in node.inputs:
+        node.inputs["Mode"].default_value = "Matrix"
+    else:  # Blender 4.5
+        node.mode = "MATRIX"
+    tree.links.new(geometry, node.inputs["Geometry"])
+    tree.links.new(matrix, node.inputs["Transform"])
+    return node.outputs["Geometry"]
+
+
 def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) -> None:
     """End a group with a geometry, as a mesh that keeps the name of the modified object's own.
 

@@ -11,15 +11,17 @@ import sys
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 from skimage.measure import marching_cubes
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
-from convwass_addon.bridge.morphs.player import interpolation, make_player, morph_value, speed
+from convwass_addon.bridge.morphs.player import interpolation, make_player, morph_value, refresh_player, speed
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball
@@ -190,6 +192,28 @@ def test_all_that_was_made_is_removed_again(moving, inventory):
     make_player(moving, between="INTERPOLATED")
     remove_stand_ins(moving)
     assert inventory() == before
+
+
+def test_another_object_shows_the_moment(moving, make_object):
+    """The group of the player is an asset for any modifier stack."""
+    make_player(moving, between="INTERPOLATED")
+    (group,) = [tree for tree in bpy.data.node_groups if tree.asset_data is not None]
+    other = make_object("Other")
+    modifier = other.modifiers.new("Any", "NODES")
+    modifier.node_group = group
+    node_input(modifier, "Morph").set(0.37)
+    assert np.allclose(shown(other).vertices.mean(axis=0), (TRAVEL * 0.37, 0, 0), atol=0.03 * 2.0 / CELLS)
+
+
+def test_a_player_takes_new_frames(moving, inventory):
+    player, before = still_player(moving), inventory()
+    for obj in frame_objects(moving)[1:-1]:
+        obj.data.transform(Matrix.Translation((0.0, 0.0, 3.0)))
+        obj.data.update()
+    refresh_player(moving)
+    morph_value(player).set(0.5)
+    assert np.isclose(shown(player).vertices[:, 2].mean(), 3.0, atol=0.05)
+    assert len(inventory()) == len(before)
 
 
 CHILD = (

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry nodes that show a path of blends at any value: the two baked blends beside it, mixed."""
+"""A node group that shows a path of blends at any value: the two baked blends beside it, mixed."""
 
 from __future__ import annotations
 
@@ -9,13 +9,26 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..node_math import feed, math_node, vector_math_node
-from ..sequence import object_info
+from ..node_math import feed, math_node, switch, vector_math_node
+from ..sequence import object_info, pick, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
-from .mixed_frames import MixedFrames, SeenMixture, columns_of
+from .frame_colors import colored
+from .mixed_frames import MixedFrames, columns_of
 from .stored import INDEX_KEY
 from .stored_fields import OFFSET, Column, StoredFields
+
+VALUE = "Morph"
+"""Input: 0 is the first shape, 1 the second, and so on."""
+
+SPEED = "Speed"
+"""Input for motion blur: how fast the value changes, as a multiple of the pace of the bake."""
+
+MOMENT = (
+    (VALUE, 0.0, "What is seen: 0 is the first shape, 1 the second, and so on"),
+    (SPEED, 1.0, "How fast the value changes, as a multiple of the pace of the bake, for motion blur"),
+)
+"""Inputs of the group that shows a moment: names, first values and descriptions."""
 
 PACE = "pace"
 """Column of the table of steps: how many steps the bake makes in a second, from every blend to the next."""
@@ -28,37 +41,43 @@ def path_columns(frames: Sequence[bpy.types.Object], per_second: float) -> list[
     return [*columns_of(frames), Column(PACE, "FLOAT", per_second / steps)]
 
 
-def mixed_path(
-    tree: bpy.types.NodeTree,
-    fields: StoredFields,
-    frames: Sequence[bpy.types.Object],
-    meshes: Sequence[bpy.types.NodeSocket],
-    value: bpy.types.NodeSocket,
-    speed: bpy.types.NodeSocket,
-) -> SeenMixture:
-    """Return what is seen of a path at a value, in the local space of the frames.
+def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Object]) -> bpy.types.NodeTree:
+    """Make a node group that shows a path at any value; it needs no modifier of its own, and is marked as an asset.
+
+    Its inputs are `VALUE` and `SPEED`, its output is a mesh where the frame objects stand. A shape itself is seen with
+    its own mesh.
 
     Parameters
     ----------
-    tree : bpy.types.NodeTree
-        Where they go.
+    name : str
+        Of the group.
     fields : StoredFields
         Of the blends, with `path_columns` and its vertices at the values on the X axis.
     frames : sequence of bpy.types.Object
         The blends.
-    meshes : sequence of bpy.types.NodeSocket
-        Their meshes in their local space.
-    value : bpy.types.NodeSocket
-        Between the first and the last value.
-    speed : bpy.types.NodeSocket
-        How fast the path is played, as a multiple of the pace of the bake.
     """
-    before, after = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], value, len(frames))
-    mixture = FieldMixture(tree, fields, [before, after])
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    tree.is_modifier = True
+    for label, start, description in MOMENT:
+        socket = tree.interface.new_socket(label, in_out="INPUT", socket_type="NodeSocketFloat")
+        socket.default_value, socket.description = start, description
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    inputs = tree.nodes.new("NodeGroupInput").outputs
+    infos = [object_info(tree, obj) for obj in frames]
+    meshes = [info.outputs["Geometry"] for info in infos]
+    terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(frames))
+    mixture = FieldMixture(tree, fields, terms)
     mixed = MixedFrames(tree, fields, frames, meshes, mixture)
-    shown = mixed.dressed(mixed.geometry(_velocity(tree, mixture, fields.grid.spacing), speed))
+    shown = mixed.dressed(mixed.geometry(_velocity(tree, mixture, fields.grid.spacing), inputs[SPEED]))
     shown = set_position(tree, shown, offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
-    return SeenMixture(shown, mixed.color, mixed.is_shape)
+    is_later = math_node(tree, "GREATER_THAN", terms[1].weight, 0.5)
+    nearer = switch(tree, "FLOAT", is_later, terms[0].index, terms[1].index)
+    shown = switch(tree, "GEOMETRY", mixed.is_shape, shown, pick(tree, "GEOMETRY", nearer, meshes))
+    shown = transformed(tree, shown, pick(tree, "MATRIX", nearer, [info.outputs["Transform"] for info in infos]))
+    shown = colored(tree, shown, mixed.color, frames)
+    tree.links.new(shown, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    tree.asset_mark()
+    return tree
 
 
 def _neighbors(

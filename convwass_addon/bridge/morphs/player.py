@@ -16,7 +16,7 @@ from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from ...errors import InputError
 from ..keyframes import EASINGS
 from ..node_inputs import NodeInput, node_input
-from ..node_math import math_node, switch
+from ..node_math import feed, math_node, switch
 from ..sequence import (
     MODIFIER,
     along_x,
@@ -27,26 +27,21 @@ from ..sequence import (
     own_geometry,
     pick,
     table_object,
+    transformed,
     write_table,
 )
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import INTERPOLATE
-from .path_mixture import mixed_path, path_columns
-from .stand_ins import SHOWS_KEY, adopt, homes, require_none, set_shown, stand_ins
+from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
+from .stand_ins import SHOWS_KEY, adopt, homes, remove_unused, require_none, set_shown, stand_ins
 from .stored import INDEX_KEY, WEIGHTS_KEY, frame_objects, is_solid, stored_morph
-from .stored_fields import StoredFields, field_cells
-
-VALUE = "Morph"
-"""The modifier's input to animate: 0 is the first shape, 1 the second, and so on."""
+from .stored_fields import field_cells
 
 PLAYBACK = "Playback"
 """The modifier's input that says what is beyond the last shape and before the first: one of `PLAYBACKS`."""
 
 PLAYBACKS = {"ONCE": "Once", "LOOP": "Loop", "PING_PONG": "Ping-Pong"}
 """The items of that menu as the user sees them."""
-
-SPEED = "Speed"
-"""The modifier's input for motion blur: how fast the value changes, as a multiple of the pace of the bake."""
 
 OVERRIDE = "Override Material"
 MATERIAL = "Material"
@@ -90,9 +85,9 @@ def make_player(
     name = f"{collection.name} Player"
     tree = frame_group(name)
     interpolated = between == "INTERPOLATED" and is_solid(collection)
-    fields = _stored(collection, frames) if interpolated else None
-    _add_inputs(tree, fields is not None)
-    _fill(tree, frames, shapes, fields)
+    moment = _moment(collection, frames) if interpolated else None
+    _add_inputs(tree, interpolated)
+    _fill(tree, frames, shapes, moment)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
     modifier = player.modifiers[MODIFIER]
     node_input(modifier, PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
@@ -124,15 +119,15 @@ def refresh_player(collection: bpy.types.Collection) -> None:
     InputError
         As `make_player`, where the morph is no longer a path.
     """
-    for player in stand_ins(collection):
-        if is_player(player):
-            frames = _path_objects(collection)
-            tree = player.modifiers[MODIFIER].node_group
-            fields = _stored(collection, frames) if interpolation(player) is not None else None
-            tree.nodes.clear()
-            _fill(tree, frames, len(frames[0][WEIGHTS_KEY]), fields)
-            adopt(collection, colored_materials(tree))
-            write_table(player.data, _table(frames), seen_materials(tree, frames))
+    for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
+        frames = _path_objects(collection)
+        tree = player.modifiers[MODIFIER].node_group
+        moment = _moment(collection, frames) if interpolation(player) is not None else None
+        tree.nodes.clear()
+        _fill(tree, frames, len(frames[0][WEIGHTS_KEY]), moment)
+        adopt(collection, colored_materials(tree))
+        write_table(player.data, _table(frames), seen_materials(tree, frames))
+    remove_unused(collection)
 
 
 def is_player(obj: bpy.types.Object | None) -> bool:
@@ -198,16 +193,13 @@ def _table(frames: Sequence[bpy.types.Object]) -> np.ndarray:
 
 def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
     """Give the node group what the user sets in the modifier."""
+    value, speed = (description for _, _, description in MOMENT)
     mixing = (
         (INTERPOLATE, "NodeSocketBool", "Mix the two baked blends beside the value instead of showing the nearer one"),
-        (
-            SPEED,
-            "NodeSocketFloat",
-            "How fast the value changes, as a multiple of the pace of the bake, for motion blur",
-        ),
+        (SPEED, "NodeSocketFloat", speed),
     )
     for name, kind, description in (
-        (VALUE, "NodeSocketFloat", "What is seen: 0 is the first shape, 1 the second, and so on"),
+        (VALUE, "NodeSocketFloat", value),
         (PLAYBACK, "NodeSocketMenu", "What is seen beyond the last shape and before the first"),
         *(mixing if interpolates else ()),
         (OVERRIDE, "NodeSocketBool", "Use one material instead of those of the baked meshes"),
@@ -220,45 +212,41 @@ def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
 
 
 def _fill(
-    tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object], shapes: int, fields: StoredFields | None
+    tree: bpy.types.NodeTree,
+    frames: Sequence[bpy.types.Object],
+    shapes: int,
+    moment: bpy.types.NodeTree | None,
 ) -> None:
     """Make the nodes: value, number of the nearest blend, its mesh where its object stands, its material.
 
-    With fields there is the mixture of the two nearest blends beside it.
+    With a group that shows a moment, that is seen instead as long as the user wants it.
     """
     inputs = tree.nodes.new("NodeGroupInput").outputs
     value = _played(tree, inputs[VALUE], inputs[PLAYBACK], shapes - 1.0)
     index = nearest(tree, own_geometry(tree), along_x(tree, value))
     infos = [object_info(tree, obj) for obj in frames]
-    meshes = [info.outputs["Geometry"] for info in infos]
-    own, color = pick(tree, "GEOMETRY", index, meshes), color_of(tree, index, frames)
-    if fields is not None:
-        mixed = mixed_path(tree, fields, frames, meshes, value, inputs[SPEED])
-        interpolates = math_node(tree, "GREATER_THAN", inputs[INTERPOLATE], mixed.is_shape)
-        own = switch(tree, "GEOMETRY", interpolates, own, mixed.geometry)
-        color = switch(tree, "RGBA", interpolates, color, mixed.color)
-    moved = tree.nodes.new("GeometryNodeTransform")
-    if "Mode" in moved.inputs:
-        moved.inputs["Mode"].default_value = "Matrix"
-    else:  # Blender 4.5
-        moved.mode = "MATRIX"
-    place = pick(tree, "MATRIX", index, [info.outputs["Transform"] for info in infos])
-    tree.links.new(own, moved.inputs["Geometry"])
-    tree.links.new(place, moved.inputs["Transform"])
-    own = colored(tree, moved.outputs["Geometry"], color, frames)
-    output(tree, _dressed(tree, own, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
+    shown = pick(tree, "GEOMETRY", index, [info.outputs["Geometry"] for info in infos])
+    shown = transformed(tree, shown, pick(tree, "MATRIX", index, [info.outputs["Transform"] for info in infos]))
+    shown = colored(tree, shown, color_of(tree, index, frames), frames)
+    if moment is not None:
+        node = tree.nodes.new("GeometryNodeGroup")
+        node.node_tree = moment
+        feed(tree, [node.inputs[VALUE], node.inputs[SPEED]], [value, inputs[SPEED]])
+        shown = switch(tree, "GEOMETRY", inputs[INTERPOLATE], shown, node.outputs["Geometry"])
+    output(tree, _dressed(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 
 
-def _stored(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> StoredFields:
-    """Store the fields of the blends of a path."""
+def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> bpy.types.NodeTree:
+    """Store the fields of the blends of a path, and make the group that shows it at any value."""
     from .field_sampling import store_fields
 
     scene = bpy.context.scene
     columns = path_columns(frames, scene.render.fps / scene.render.fps_base)
     cells = field_cells(stored_morph(collection).settings)
     fields = store_fields(collection.name, frames, cells, _table(frames), columns)
-    adopt(collection, fields.blocks)
-    return fields
+    moment = moment_group(f"{collection.name} Moment", fields, frames)
+    adopt(collection, [*fields.blocks, moment, *colored_materials(moment)])
+    return moment
 
 
 def _dressed(

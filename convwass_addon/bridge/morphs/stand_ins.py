@@ -56,13 +56,28 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
     spare += [obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action]
     bpy.data.batch_remove(objects)
     _remove_unused(spare)
-    # In this order: node groups use others, and materials.
-    for blocks in (bpy.data.node_groups, bpy.data.node_groups, bpy.data.materials):
-        _remove_unused([block for block in blocks if block.get(SHOWS_KEY) == collection])
+    remove_unused(collection)
     for other in [other for other in bpy.data.collections if other.get(SHOWS_KEY) == collection]:
         if not other.objects and not other.children:
             bpy.data.collections.remove(other)
     set_shown(collection, True)
+
+
+def remove_unused(collection: bpy.types.Collection) -> None:
+    """Remove node groups, objects that only they use, and materials that were made to show a morph and do not now."""
+    # Groups use other groups, objects and materials; a group that others use goes after them.
+    for _ in range(3):
+        groups = [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]
+        for group in groups:
+            # An asset counts as used once.
+            if group.asset_data is not None and group.users == 1:
+                group.asset_clear()
+        _remove_unused(groups)
+    spare = [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not obj.users]
+    meshes = [obj.data for obj in spare if obj.data]
+    bpy.data.batch_remove(spare)
+    _remove_unused(meshes)
+    _remove_unused([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])
 
 
 def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
