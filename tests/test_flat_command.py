@@ -74,7 +74,7 @@ def test_a_drawing_is_one_shape(files):
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ("text:", "has no letters; write them after the colon"),
+        ("text:", "needs some letters after the colon"),
         ("{files}/broken.svg", "broken.svg could not be read"),
         ("{files}/empty.svg", "empty.svg holds no curve"),
         ("{files}/broken.png", "could not be read"),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of Blender: opened without their scripts, and objects out of them."""
+"""Open .blend files without their scripts, and append objects from them."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from ..errors import InputError
 from ..sentence import Sentence
 
 NAMES_SHOWN = 20
-"""How many names of what there is a message lists."""
+"""Longest list of names in a message."""
 
 
 def open_blend(path: Path) -> None:
-    """Open a file as it is, without running what scripts it may hold.
+    """Open a file unchanged, without running its scripts.
 
     Raises
     ------
     InputError
-        Blender cannot read it.
+        Blender cannot read the file.
     """
     file = whole_path(path)
     try:
@@ -33,30 +33,30 @@ def open_blend(path: Path) -> None:
 
 
 def appended_objects(path: Path, names: Sequence[str] | None) -> dict[str, bpy.types.Object]:
-    """Append objects of a file with all that they need; no scene holds them yet.
+    """Append objects of a file with their dependencies, without linking them to a scene.
 
     Parameters
     ----------
     path : Path
         The file.
     names : sequence of str or None
-        Which; all where there are none.
+        Names of the objects; None for all.
 
     Returns
     -------
     dict of str to bpy.types.Object
-        By their names in the file, each once; here they may have others.
+        Keys are the names in the file; the names here may differ.
 
     Raises
     ------
     InputError
-        Blender cannot read the file, or it has no object of such a name.
+        Blender cannot read the file, or an object does not exist.
     """
     file = whole_path(path)
     try:
         with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
             missing = [name for name in names or () if name not in available.objects]
-            # Each one once: Blender crashes on a name that comes twice.
+            # Remove duplicates: Blender crashes on repeated names.
             chosen = [] if missing else list(dict.fromkeys(names or available.objects))
             wanted.objects = list(chosen)
             listed = listed_names(available.objects)
@@ -105,7 +105,7 @@ def appended_instances(path: Path, names: Sequence[str]) -> dict[str, bpy.types.
 
 
 def listed_names(names: Iterable[str]) -> str | Sentence:
-    """Say which names there are, not without end."""
+    """Join names for a message, shortened to a few."""
     known = sorted(names)
     if not known:
         return Sentence("no objects")
@@ -115,4 +115,4 @@ def listed_names(names: Iterable[str]) -> str | Sentence:
 
 
 def _unreadable(file: Path) -> InputError:
-    return InputError("{file} could not be read; it is damaged, or not a file of Blender.", file=file.name)
+    return InputError("{file} could not be read; it is damaged, or not a Blender file.", file=file.name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color attributes as arrays, one color per vertex, and arrays as color attributes."""
+"""Convert color attributes to arrays and back."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
 
 
 def color_names(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the color attributes of a mesh object, in their order."""
+    """Return the names of the color attributes of a mesh object in order."""
     return [attribute.name for attribute in obj.data.color_attributes]
 
 
 def read_colors(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
-    """Return a color attribute as scene linear RGBA, one per vertex, (n, 4), or one per face corner, (l, 4)."""
+    """Return a color attribute as scene linear RGBA, per vertex, (n, 4), or per face corner, (l, 4)."""
     attribute = obj.data.color_attributes[name]
     colors = np.empty(4 * len(attribute.data), np.float32)
     attribute.data.foreach_get("color", colors)
@@ -27,7 +27,7 @@ def read_colors(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
 
 
 def is_per_corner(obj: bpy.types.Object, name: str) -> bool:
-    """Tell whether a color attribute has one color per face corner."""
+    """Return whether a color attribute has one color per face corner."""
     return obj.data.color_attributes[name].domain == "CORNER"
 
 
@@ -37,40 +37,40 @@ def color_kind(obj: bpy.types.Object, name: str) -> str:
 
 
 def require_color_name(obj: bpy.types.Object, name: str) -> None:
-    """Refuse the name of something that is no color attribute.
+    """Check that a name is free or belongs to a color attribute.
 
     Raises
     ------
     InputError
-        It asks for another name.
+        The name belongs to something else.
     """
     attribute = obj.data.attributes.get(name)
     if name in obj.vertex_groups or (attribute is not None and attribute.data_type not in _KINDS):
         raise InputError(
-            "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another name.",
+            "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
             object=obj.name,
             name=name,
         )
 
 
 def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str = "BYTE_COLOR") -> None:
-    """Write one color per vertex, (n, 4), scene linear RGBA, to a color attribute of any domain; made if missing.
+    """Write one scene linear RGBA color per vertex, (n, 4), to a color attribute of any domain; created if missing.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object in any mode but Edit Mode.
+        A mesh object, not in Edit Mode.
     name : str
-        Of the attribute.
+        Name of the attribute.
     colors : (n, 4) array_like
-        One for each vertex.
+        One color per vertex.
     kind : str
-        Data type of an attribute that is made: BYTE_COLOR or FLOAT_COLOR.
+        Data type of a new attribute: BYTE_COLOR or FLOAT_COLOR.
 
     Raises
     ------
     InputError
-        Something else has the name.
+        The name belongs to something else.
     """
     require_color_name(obj, name)
     mesh = obj.data
@@ -80,8 +80,7 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
         if attribute.name != name:
             mesh.color_attributes.remove(attribute)
             raise InputError(
-                "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another "
-                "name.",
+                "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
                 object=obj.name,
                 name=name,
             )
@@ -93,7 +92,7 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
 
 
 def show_colors(obj: bpy.types.Object, name: str) -> None:
-    """Make a color attribute the one that viewports show."""
+    """Make a color attribute the active one, which viewports show."""
     obj.data.color_attributes.active_color_name = name
 
 

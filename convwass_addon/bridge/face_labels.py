@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""To which part the triangles of an object belong, by its vertex groups or its materials."""
+"""Assign the triangles of an object to parts by vertex groups or materials."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ..applications.morphs.part_labels import FaceLabels
 
 
 def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
-    """Label triangles with the vertex group that weighs most on their corners.
+    """Label triangles with the vertex group of the largest weight on their corners.
 
-    What the weights of a vertex lack to one counts for no group.
+    If the weights of a vertex sum to less than one, the remainder counts as unlabeled.
 
     Parameters
     ----------
     evaluated : bpy.types.Object
-        Has the names of the groups.
+        Provides the names of the groups.
     mesh : bpy.types.Mesh
         Its mesh, with all data layers and calculated triangles.
     """
@@ -55,8 +55,8 @@ def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> Fa
 def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
     """Label triangles with the material of their slot.
 
-    Blender numbers materials that would have the same name, so "Head.001" of one object matches "Head" of another. It
-    does not where an object has both.
+    Blender numbers duplicate material names, so "Head.001" of one object matches "Head" of another, unless an object
+    has both.
 
     Parameters
     ----------
@@ -71,12 +71,12 @@ def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLa
     places = {name: index for index, name in enumerate(called)}
     table = np.array([*(places.get(name, -1) for name in slots), -1])
     index = _triangles(mesh, "material_index", 1)
-    # A face may name a slot that is not there; Blender shows the last one.
+    # A face may have an invalid slot index; Blender then uses the last slot.
     return FaceLabels(names, table[np.minimum(index, max(len(slots) - 1, 0))])
 
 
 LABELS = {"vertex-groups": vertex_group_labels, "materials": material_labels}
-"""How triangles are labeled, by what the user calls it."""
+"""The labeling functions, by the name of the option."""
 
 
 def _triangles(mesh: bpy.types.Mesh, name: str, size: int) -> np.ndarray:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where files go: folders that must be there, and .blend files that are written whole or not at all."""
+"""Check output paths, and save .blend files atomically."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from ..errors import InputError
 
 
 def checked_target(path: Path) -> Path:
-    """Return the absolute path of a file to be written.
+    """Return the absolute path of an output file.
 
     Raises
     ------
     InputError
-        Its folder does not exist or cannot be written to, or the path is a folder.
+        The folder does not exist or cannot be written, or the path is a folder.
     """
     target = whole_path(path)
     if target.is_dir():
         raise InputError("{target} is a folder; add a file name to it.", target=str(target))
     if not target.parent.is_dir():
         raise InputError(
-            "The folder {folder} does not exist; make it first, or choose another one.", folder=str(target.parent)
+            "The folder {folder} does not exist; create it first, or choose another one.", folder=str(target.parent)
         )
     if not os.access(target.parent, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target.parent))
@@ -35,21 +35,23 @@ def checked_target(path: Path) -> Path:
 
 
 def absolute_folder(folder: str | Path) -> Path:
-    """Return the absolute path of a folder that files go to; it need not exist.
+    """Return the absolute path of an output folder, which need not exist.
 
     Parameters
     ----------
     folder : str or Path
-        A path that starts with two slashes goes from the saved file.
+        // stands for the folder of the .blend file.
 
     Raises
     ------
     InputError
-        It goes from a file that has not been saved, or is a file itself.
+        The path is relative to an unsaved file, or is a file.
     """
     text = str(folder)
     if text.startswith("//") and not bpy.data.filepath:
-        raise InputError("Save the file first: {folder} is relative to it. Or choose a whole path.", folder=text)
+        raise InputError(
+            "Save the file first, since {folder} is relative to it, or choose an absolute path.", folder=text
+        )
     target = whole_path(bpy.path.abspath(text))
     if target.exists() and not target.is_dir():
         raise InputError("{folder} is a file; choose a folder.", folder=str(target))
@@ -57,12 +59,12 @@ def absolute_folder(folder: str | Path) -> Path:
 
 
 def checked_folder(folder: str | Path) -> Path:
-    """Return the absolute path of a folder that files will go to, which need not be there yet.
+    """Return the absolute path of an output folder, which need not exist but must be creatable.
 
     Raises
     ------
     InputError
-        As `absolute_folder`, or it cannot be made or written to.
+        As for `absolute_folder`, or the folder cannot be created or written.
     """
     target = absolute_folder(folder)
     checked_target(target / "x" if target.is_dir() else target)
@@ -70,31 +72,31 @@ def checked_folder(folder: str | Path) -> Path:
 
 
 def made_folder(folder: str | Path) -> Path:
-    """Return the absolute path of a folder that files go to; its last part is made if missing.
+    """Return the absolute path of an output folder; its last part is created if missing.
 
     Raises
     ------
     InputError
-        As `absolute_folder`, or it cannot be made or written to.
+        As for `absolute_folder`, or the folder cannot be created or written.
     """
     target = absolute_folder(folder)
     if not target.parent.is_dir():
         raise InputError(
-            "The folder {folder} does not exist; make it first, or choose another one.", folder=str(target.parent)
+            "The folder {folder} does not exist; create it first, or choose another one.", folder=str(target.parent)
         )
     try:
         target.mkdir(exist_ok=True)
     except OSError as error:
-        raise InputError("The folder {folder} cannot be made; choose another one.", folder=str(target)) from error
+        raise InputError("The folder {folder} cannot be created; choose another one.", folder=str(target)) from error
     if not os.access(target, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target))
     return target
 
 
 def save_blend(path: Path) -> Path:
-    """Save the open file as a compressed .blend with relative paths; which file is open stays as it is.
+    """Save the open file as a compressed .blend with relative paths, without changing which file is open.
 
-    An existing file is replaced only when the new one is complete.
+    An existing file is only replaced once the new one is complete.
 
     Returns
     -------
@@ -104,7 +106,7 @@ def save_blend(path: Path) -> Path:
     Raises
     ------
     InputError
-        As `checked_target`, or the name does not end in .blend.
+        As for `checked_target`, or the name does not end in .blend.
     ConvwassError
         Blender or the system could not write the file.
     """

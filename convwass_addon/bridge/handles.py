@@ -11,14 +11,14 @@ import bpy
 
 @dataclass(frozen=True)
 class Handle:
-    """Stands for a data-block; after undo Python's own references may point to freed memory.
+    """Refers to a data-block by its session id; Python references may become invalid after undo.
 
     Attributes
     ----------
     kind : str
-        Name of the list in `bpy.data`, such as "objects".
+        Name of the collection in `bpy.data`, such as "objects".
     uid : int
-        Blender's number of the data-block in this session.
+        Session id of the data-block.
     """
 
     kind: str
@@ -30,7 +30,7 @@ class Handle:
         return cls(kind, block.session_uid)
 
     def find(self) -> bpy.types.ID | None:
-        """Return the data-block, or None where it is gone."""
+        """Return the data-block, or None if it was deleted."""
         return next((block for block in getattr(bpy.data, self.kind) if block.session_uid == self.uid), None)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colors of heat maps, for materials, color attributes and nodes alike."""
+"""The colors of heat maps, for materials, color attributes and nodes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Dark to bright evenly for the eye, so that nothing stands out but what is larger; sRGB.
+# Perceptually uniform from dark to bright; sRGB.
 _STOPS = ("1a1423", "3b1f52", "6b2569", "a32d63", "d5474b", "f0752f", "f8b13e", "fbf2b5")
 
 
@@ -20,14 +20,14 @@ def heat_stops() -> NDArray[np.float64]:
 
 
 def heat_colors(values: ArrayLike) -> NDArray[np.float64]:
-    """Return the colors of values from 0 to 1, (n,), as scene linear RGBA, (n, 4); others have those of the ends."""
+    """Return the heat map colors of values, (n,), as scene linear RGBA, (n, 4); values are clamped to 0 ... 1."""
     stops = heat_stops()
     places = np.linspace(0.0, 1.0, len(stops))
     return np.stack([np.interp(values, places, channel) for channel in stops.T], axis=1)
 
 
 def fill_ramp(ramp: bpy.types.ColorRamp) -> None:
-    """Give a color ramp the colors of `heat_colors`."""
+    """Set a color ramp to the colors of `heat_colors`."""
     stops = heat_stops()
     ramp.interpolation = "LINEAR"
     # A new ramp has two elements, at its ends.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image files: opened for a moment, and written whole or not at all."""
+"""Load image files temporarily, and write them atomically."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from ..drafts import written_whole
 from ..errors import InputError
 from .operator_errors import reason
 
-# Per cent, of JPEG.
+# JPEG quality in percent.
 _QUALITY = 95
 
 
 @dataclass(frozen=True)
 class ImageFormat:
-    """How an image is written.
+    """Format of an image file.
 
     Attributes
     ----------
     file_format : str
-        Blender's name of it, such as "PNG" or "OPEN_EXR".
+        Blender's name of the format, such as "PNG" or "OPEN_EXR".
     color_mode : str
         Blender's name of the channels: "BW", "RGB" or "RGBA".
     color_depth : str
-        Bits of a channel: "8", "16" or "32"; one that the format has.
+        Bits per channel that the format supports: "8", "16" or "32".
     """
 
     file_format: str
@@ -42,7 +42,7 @@ class ImageFormat:
 
 
 def loaded_image(file: Path) -> bpy.types.Image:
-    """Load an image that is there, for good; raises InputError where Blender cannot read it."""
+    """Load an image; raises InputError if Blender cannot read it."""
     try:
         return bpy.data.images.load(str(file))
     except RuntimeError as error:
@@ -53,12 +53,12 @@ def loaded_image(file: Path) -> bpy.types.Image:
 
 @contextmanager
 def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
-    """Load an image, and remove it afterwards.
+    """Load an image temporarily.
 
     Raises
     ------
     InputError
-        No such file, or none that Blender reads.
+        The file does not exist, or Blender cannot read it.
     """
     file = whole_path(path)
     if not file.is_file():
@@ -74,17 +74,17 @@ def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
 def drawn_image(
     pixels: NDArray[np.float32], colorspace: str | None = None, *, is_float: bool = True
 ) -> Iterator[bpy.types.Image]:
-    """Make an image of pixels, and remove it afterwards.
+    """Create a temporary image from pixels.
 
     Parameters
     ----------
     pixels : (height, width, 4) float32
-        Red, green, blue and alpha, the lowest row first.
+        RGBA, lowest row first.
     colorspace : str, optional
-        Blender's name of the color space that the values are in, "Non-Color" for those that no view transform is to
-        touch; by default that of new images.
+        Blender's name of the color space of the values; "Non-Color" for values without a view transform. By default
+        that of new images.
     is_float : bool
-        Whether it holds floats, or else bytes.
+        Store floats rather than bytes.
     """
     height, width = pixels.shape[:2]
     image = bpy.data.images.new("Convwass", width, height, alpha=True, float_buffer=is_float)
@@ -98,9 +98,9 @@ def drawn_image(
 
 
 def write_image(image: bpy.types.Image, path: Path, how: ImageFormat) -> None:
-    """Write an image with its values as they are; the file is there as a whole or not at all.
+    """Write an image with unchanged values; the file is complete or not written at all.
 
-    Image.save would encode floats for a screen, whatever their color space.
+    Image.save would apply sRGB encoding to floats, whatever their color space.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def write_image(image: bpy.types.Image, path: Path, how: ImageFormat) -> None:
 
 @contextmanager
 def _format_scene(how: ImageFormat) -> Iterator[bpy.types.Scene]:
-    """Give a scene whose render settings say how to write an image."""
+    """Provide a scene whose render settings define the image format."""
     scene = bpy.data.scenes.new("Convwass")
     try:
         settings = scene.render.image_settings

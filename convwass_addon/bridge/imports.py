@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the files that Blender reads, as one mesh object per shape."""
+"""Import files as one mesh object per shape."""
 
 from __future__ import annotations
 
@@ -30,30 +30,30 @@ READERS: dict[str, Callable[[str], set[str]]] = {
     ".obj": lambda file: bpy.ops.wm.obj_import(filepath=file),
     ".ply": lambda file: bpy.ops.wm.ply_import(filepath=file),
     ".stl": lambda file: bpy.ops.wm.stl_import(filepath=file),
-    # Otherwise the importer adds a sphere to draw the bones with.
+    # Without this option, the importer adds a sphere for drawing bones.
     ".gltf": lambda file: bpy.ops.import_scene.gltf(filepath=file, disable_bone_shape=True),
     ".glb": lambda file: bpy.ops.import_scene.gltf(filepath=file, disable_bone_shape=True),
     ".fbx": lambda file: bpy.ops.wm.fbx_import(filepath=file),
-    # Instances would come as empties, without a mesh of their own.
+    # Instances would be imported as Empties without meshes.
     ".usd": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
     ".usda": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
     ".usdc": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
     ".usdz": lambda file: bpy.ops.wm.usd_import(filepath=file, support_scene_instancing=False),
     ".abc": lambda file: bpy.ops.wm.alembic_import(filepath=file),
 }
-"""Blender's importer for each ending, besides .blend."""
+"""Blender's importer for each extension, besides .blend."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """A shape as it is named on a command line.
+    """A shape named on the command line.
 
     Attributes
     ----------
     path : Path
         The file.
     object_name : str or None
-        The object meant, in a .blend.
+        Name of an object in a .blend.
     """
 
     path: Path
@@ -62,34 +62,34 @@ class Source:
 
 @dataclass(frozen=True)
 class _Part:
-    """What becomes one shape."""
+    """The objects of one shape."""
 
     name: str
     objects: list[bpy.types.Object]
 
 
 def parse_source(text: str) -> Source:
-    """Take ``file.blend:Object`` apart; any other text is a path as it is, drive letters and colons included.
+    """Split ``file.blend:Object``; any other text is a path, including drive letters and colons.
 
     Raises
     ------
     InputError
-        Nothing follows the colon.
+        There is no name after the colon.
     """
     if os.path.isfile(text):
         return Source(Path(text), None)
-    # File and object may both have ".blend:" in their names; the shortest path that exists is meant.
+    # Paths and object names may both contain ".blend:"; use the shortest existing path.
     splits = [(text[: found.end()], text[found.end() + 1 :]) for found in re.finditer(r"(?i)\.blend(?=:)", text)]
     if not splits:
         return Source(Path(text), None)
     path, name = next((split for split in splits if os.path.isfile(split[0])), splits[0])
     if not name:
-        raise InputError("{text}: name an object after the colon, or leave the colon out.", text=text)
+        raise InputError("{text}: name an object after the colon, or leave out the colon.", text=text)
     return Source(Path(path), name)
 
 
 def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object]:
-    """Read shapes from a file into the current scene.
+    """Import shapes from a file into the current scene.
 
     Parameters
     ----------
@@ -102,28 +102,28 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
     Returns
     -------
     list of bpy.types.Object
-        New mesh objects at the top level of the scene, with the modifiers, parents and transforms of the file applied.
-        Their materials stay; nothing else of the file does.
+        New mesh objects at the top level of the scene, with modifiers, parents and transforms applied. Only their
+        materials are imported with them.
 
     Raises
     ------
     InputError
-        The file is missing, a folder, unreadable, damaged, of an unknown format, without a mesh, or without an object
-        of that name; the scene is as before then.
+        The file is missing, a folder, unreadable, damaged, of an unknown format, or has no mesh or no object of that
+        name; the scene is not changed then.
     """
     file = checked_file(path, names, (*READERS, BLEND))
     with only_kept_data() as kept, scratch_scene() as scene:
         parts = _blend_parts(file, names) if file.suffix.lower() == BLEND else _file_parts(file, scene)
         kept.extend(_joined(part.objects, scene) for part in parts)
     for part, obj in zip(parts, kept, strict=True):
-        # Only now has the name been given back by what else the file brought.
+        # The name is only free again after the other imported data was removed.
         obj.name = obj.data.name = part.name
         bpy.context.scene.collection.objects.link(obj)
     return kept
 
 
 def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) -> Path:
-    """Return the absolute path of a file that can be tried; raises InputError otherwise."""
+    """Return the absolute path of a file; raises InputError if it cannot be imported."""
     file = whole_path(path)
     suffix = file.suffix.lower()
     if file.is_dir():
@@ -132,13 +132,13 @@ def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) ->
         raise InputError("{file} does not exist; check the spelling and the folder.", file=str(file))
     if suffix not in endings:
         raise InputError(
-            "{file} is of an unknown format; these can be read: {formats}.",
+            "{file} is of an unknown format; supported formats: {formats}.",
             file=file.name,
             formats=" ".join(endings),
         )
     if names and suffix != BLEND:
         raise InputError(
-            "{file}: objects can be named in {suffix} files only; leave the name out.", file=file.name, suffix=BLEND
+            "{file}: only {suffix} files support object names; leave out the name.", file=file.name, suffix=BLEND
         )
     try:
         with file.open("rb") as stream:
@@ -151,12 +151,12 @@ def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) ->
 
 
 def run_importer(importer: Callable[[str], set[str]], file: Path) -> None:
-    """Let one of Blender's importers read a file into the context's scene.
+    """Run one of Blender's importers in the current scene.
 
     Raises
     ------
     InputError
-        It could not.
+        The importer failed.
     """
     try:
         finished = "FINISHED" in importer(str(file))
@@ -165,18 +165,20 @@ def run_importer(importer: Callable[[str], set[str]], file: Path) -> None:
             "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)
         ) from error
     if not finished:
-        raise InputError("{file} could not be read; it is damaged, or not what its name says.", file=file.name)
+        raise InputError("{file} could not be read; it is damaged, or its extension is wrong.", file=file.name)
 
 
 def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
     """Import a file and return its meshes as the parts of one shape."""
     run_importer(READERS[file.suffix.lower()], file)
-    # An STL of nonsense is read as a mesh of nothing.
+    # An invalid STL is imported as an empty mesh.
     objects = [obj for obj in scene.collection.all_objects if obj.type != "MESH" or obj.data.vertices or obj.modifiers]
     meshes = [obj for obj in objects if obj.type == "MESH"]
     if not meshes:
         kinds = _kinds(file, objects)
-        raise InputError("{file} holds no mesh, only {kinds}; export the shape as a mesh.", file=file.name, kinds=kinds)
+        raise InputError(
+            "{file} contains no mesh, only {kinds}; export the shape as a mesh.", file=file.name, kinds=kinds
+        )
     return [_Part(file.stem, meshes)]
 
 
@@ -192,7 +194,7 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
     if not meshes:
         kinds = _kinds(file, [part.objects[0] for part in parts.values()])
         raise InputError(
-            "{file} holds no mesh, only {kinds}; convert: Object > Convert > Mesh.", file=file.name, kinds=kinds
+            "{file} contains no mesh, only {kinds}; convert them: Object > Convert > Mesh.", file=file.name, kinds=kinds
         )
     if len(meshes) > 1:
         available = listed_names(part.name for part in meshes)
@@ -206,7 +208,7 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
 
 
 def _joined(objects: list[bpy.types.Object], scene: bpy.types.Scene) -> bpy.types.Object:
-    """Make one object of several, in world space; one that is flat by its nature stays what it is."""
+    """Join several objects in world space; a single flat object keeps its type."""
     if len(objects) == 1 and is_drawn_flat(objects[0]):
         return _standing(objects[0], scene)
     for obj in objects:
@@ -230,7 +232,7 @@ def _solid_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.ty
 
 
 def _standing(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object:
-    """Free an object of what it hangs on, where it stands."""
+    """Remove parent, constraints and animation of an object, keeping its position."""
     if obj not in set(scene.objects):
         scene.collection.objects.link(obj)
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -245,7 +247,7 @@ def _standing(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object
 
 @contextmanager
 def only_kept_data() -> Iterator[list[bpy.types.Object]]:
-    """Remove all data-blocks made meanwhile, except the objects put on the list and what they use."""
+    """Remove all new data-blocks, except the objects on the list and their dependencies."""
     before = {block.session_uid for block in bpy.data.user_map()}
     kept: list[bpy.types.Object] = []
     try:
@@ -260,7 +262,7 @@ def only_kept_data() -> Iterator[list[bpy.types.Object]]:
 
 
 def _with_dependencies(objects: list[bpy.types.Object]) -> set[bpy.types.ID]:
-    """Return objects and all that they use, directly or not."""
+    """Return objects with their direct and indirect dependencies."""
     users = bpy.data.user_map()
     needed = set(objects)
     while added := {block for block in users.keys() - needed if users[block] & needed}:
@@ -269,11 +271,11 @@ def _with_dependencies(objects: list[bpy.types.Object]) -> set[bpy.types.ID]:
 
 
 def _kinds(file: Path, objects: list[bpy.types.Object]) -> str:
-    """Say what objects a file holds; raises InputError where there are none."""
+    """Describe the objects of a file; raises InputError if there are none."""
     counts = Counter(obj.type.lower().replace("_", " ") for obj in objects)
     if not counts:
         raise InputError(
-            "{file} holds no mesh, and nothing else that Blender could read; export the shape as a mesh.",
+            "{file} contains no mesh, and nothing else that Blender can read; export the shape as a mesh.",
             file=file.name,
         )
     return ", ".join(f"{kind} ({count})" for kind, count in sorted(counts.items()))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keyframes: in which frames an object is shown, and how values go from key to key."""
+"""Keyframes: visibility of objects, and interpolation of values."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from bpy_extras.anim_utils import action_get_channelbag_for_slot
 VISIBILITY_PATHS = ("hide_viewport", "hide_render")
 
 EASINGS = {"LINEAR": "LINEAR", "SMOOTH": "SINE"}
-"""How a value goes from key to key, and Blender's word for it."""
+"""Blender's interpolation for each kind of easing."""
 
 
 @dataclass(frozen=True)
 class FrameRange:
-    """Scene frames from `first` to `last`, both included; None stands for "ever before" and "ever after"."""
+    """Scene frames from `first` to `last`, both included; None for unlimited."""
 
     first: int | None
     last: int | None
 
 
 def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Sequence[FrameRange]) -> None:
-    """Show an object in viewport and render exactly in the given frames.
+    """Show an object in viewport and render only in the given frames.
 
-    Keys are set only where something changes, and hold until the next one. Visibility keys that the object has already
-    are replaced.
+    Keys are set where visibility changes, and hold until the next one. Existing visibility keys of the object are
+    replaced.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        What to show.
+        The object to show.
     action : bpy.types.Action
-        Takes the keys, in a slot of the object's own, so that one action can serve a whole morph.
+        Receives the keys in a slot of the object, so that a whole morph can share one action.
     shown : sequence of FrameRange
-        In ascending order, with at least one frame between them.
+        Ascending, with gaps of at least one frame.
     """
     bag = _channels(obj, action)
     keys = _keys(shown)
@@ -71,7 +71,7 @@ def key_steps(
 
 
 def is_shown(obj: bpy.types.Object, frame: int) -> bool:
-    """Tell whether an object is rendered at a scene frame, by its own keys or else as it is set now."""
+    """Return whether an object is rendered at a scene frame, by its keys or else by its current setting."""
     data = obj.animation_data
     if data and data.action and data.action_slot:
         bag = action_get_channelbag_for_slot(data.action, data.action_slot)
@@ -82,7 +82,7 @@ def is_shown(obj: bpy.types.Object, frame: int) -> bool:
 
 
 def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
-    """Return the scene frames from the first to the last key of the visibility of some objects; empty without keys."""
+    """Return the scene frames from the first to the last visibility key of some objects; empty without keys."""
     curves = [curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS]
     spans = [curve.range() for curve in curves if len(curve.keyframe_points)]
     if not spans:
@@ -98,14 +98,14 @@ def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:
 
 
 def make_linear(block: bpy.types.ID) -> None:
-    """Let all that is keyed go evenly from key to key, whatever the user prefers for new ones."""
+    """Set linear interpolation for all keys, regardless of the user's default."""
     for curve in curves_of(block):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
 
 
 def _channels(obj: bpy.types.Object, action: bpy.types.Action) -> bpy.types.ActionChannelbag:
-    """Return the channels of the object in the action, assigned and made as needed."""
+    """Return the object's channels in the action, assigned and created as needed."""
     data = obj.animation_data or obj.animation_data_create()
     if data.action != action or data.action_slot is None:
         data.action = action
@@ -116,11 +116,11 @@ def _channels(obj: bpy.types.Object, action: bpy.types.Action) -> bpy.types.Acti
 
 
 def _keys(shown: Sequence[FrameRange]) -> list[tuple[float, float]]:
-    """Return frames and values (1 is hidden); before the first key its value holds, after each one that key's."""
+    """Return frames and values (1 is hidden); each value holds until the next key."""
     keys = []
     for span in shown:
         if span.first is not None:
-            # Only a key of its own hides what is before: the first key's value holds back to the beginning of time.
+            # The first key's value also holds before it, so hiding earlier frames needs an extra key.
             if not keys:
                 keys.append((span.first - 1, 1.0))
             keys.append((span.first, 0.0))
@@ -132,7 +132,7 @@ def _keys(shown: Sequence[FrameRange]) -> list[tuple[float, float]]:
 
 
 def _write(curve: bpy.types.FCurve, keys: list[tuple[float, float]]) -> None:
-    """Set the keys of an empty curve, each held until the next."""
+    """Set the keys of an empty curve, with constant interpolation."""
     points = curve.keyframe_points
     points.add(len(keys))
     points.foreach_set("co", np.array(keys, dtype=np.float32).ravel())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked of an object before its mesh is read or written."""
+"""Checks before the mesh of an object is read or written."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ..errors import InputError
 
 
 def readable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """Return the mesh of an object, brought up to date where it is being edited.
+    """Return the mesh of an object, including changes in Edit Mode.
 
     Raises
     ------
     InputError
-        Not a mesh.
+        The object is not a mesh.
     """
     if obj.type != "MESH":
         kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
@@ -30,17 +30,17 @@ def readable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
 
 
 def other_vertices(obj: bpy.types.Object) -> InputError:
-    """Return what is raised where a mesh has changed too much while there was work on it."""
-    return InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+    """Return the error for a mesh that has changed too much during some work."""
+    return InputError("The vertices of {object} have changed since the start; start again.", object=obj.name)
 
 
 def writable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """Return the mesh of an object to which something is to be written.
+    """Return the mesh of an object for writing.
 
     Raises
     ------
     InputError
-        Not a mesh, in Edit Mode (which would overwrite it), or linked from another file.
+        The object is not a mesh, is in Edit Mode (which would overwrite the changes), or is linked from another file.
     """
     mesh = readable_mesh(obj)
     linked = next((block for block in (obj, mesh) if not block.is_editable), None)

@@ -129,7 +129,7 @@ def test_no_bones_and_bones_without_length():
 
 def test_a_name_that_is_no_joint():
     rig = armature_graph(chain(2))
-    with pytest.raises(InputError, match=r"There is no joint Z.head; joints are called after bones, such as A.head"):
+    with pytest.raises(InputError, match=r"There is no joint Z.head; joints are named after bones, such as A.head"):
         rig.joint("Z.head")
 
 
@@ -242,7 +242,7 @@ def test_other_bones_than_before_are_refused():
     obj = chain(3)
     rig = armature_graph(obj)
     obj.data.bones["A"].name = "Spine"
-    with pytest.raises(InputError, match="Rig has other bones than when the work on it began"):
+    with pytest.raises(InputError, match="The bones of Rig have changed since the start"):
         move_armature_joints(obj, rig, rig.graph.positions)
     assert obj.mode == "OBJECT"
 

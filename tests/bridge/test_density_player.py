@@ -182,7 +182,7 @@ def test_removed_without_a_trace(obj, densities, inventory):
     assert list(obj.modifiers) == []
     assert obj.animation_data is None or obj.animation_data.action is None
     assert DENSITIES_KEY not in obj
-    with pytest.raises(InputError, match="A plays no density Density"):
+    with pytest.raises(InputError, match="A does not play a density Density"):
         remove_density(obj)
 
 
@@ -248,7 +248,7 @@ def test_names_that_are_taken(obj, densities, name, inventory):
 
 @pytest.mark.parametrize("name", ["density", "velocity", "heat", "N"])
 def test_names_that_renderers_take(obj, densities, name):
-    with pytest.raises(InputError, match=f"Renderers mean something else by {name}"):
+    with pytest.raises(InputError, match=f"Renderers use {name} for something else"):
         animate_density(obj, densities, TIMES, name)
 
 
@@ -386,7 +386,7 @@ def test_linked_objects_are_refused(obj, densities, tmp_path):
 
 def test_no_modifier_of_another_kind_is_taken(obj, densities):
     obj.modifiers.new("Play Density", "NODES")
-    with pytest.raises(InputError, match="plays no density"):
+    with pytest.raises(InputError, match="does not play a density"):
         density_modifier(obj)
     animate_density(obj, densities, TIMES)
     assert len(obj.modifiers) == 2

@@ -84,7 +84,7 @@ def test_what_is_no_skeleton_is_refused():
 def test_other_vertices_than_before_are_refused(path):
     rig = edge_graph(path)
     path.data.vertices.add(1)
-    with pytest.raises(InputError, match="Lines has other vertices than when the work on it began"):
+    with pytest.raises(InputError, match="The vertices of Lines have changed since the start"):
         move_joints(path, rig, rig.graph.positions)
 
 

@@ -122,9 +122,9 @@ def test_open_splines_beside_closed_ones_are_left_out_with_a_notice():
         (lambda: text(""), "is empty; type something"),
         (lambda: text("  \n "), "is empty; type something"),
         (lambda: text("A\ue001"), "has no \ue001; choose another font"),
-        (lambda: polygon(SQUARE, cyclic=False), "open splines only, which fill nothing; close them"),
+        (lambda: polygon(SQUARE, cyclic=False), "only has open splines, which fill no area; close them"),
         (lambda: linked("None", bpy.data.curves.new("None", "CURVE")), "no splines"),
-        (lambda: polygon([(0, 0, 0), (1, 0, 0), (2, 0, 0)]), "squashed to a line"),
+        (lambda: polygon([(0, 0, 0), (1, 0, 0), (2, 0, 0)]), "flattened to a line"),
         (lambda: polygon([*SQUARE[:3], (-1, 1, 1)], dimensions="3D"), "does not lie in one plane"),
     ],
 )
@@ -203,7 +203,7 @@ def test_silhouettes_of_images_are_read(how):
 
 
 def test_images_without_a_figure_are_refused():
-    with pytest.raises(InputError, match="all of one tone"):
+    with pytest.raises(InputError, match="is uniform"):
         read(painted(np.ones((8, 8))))
     with pytest.raises(InputError, match="could not be read"):
         silhouette_of(_missing())

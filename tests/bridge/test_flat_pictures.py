@@ -202,7 +202,7 @@ def test_what_is_noted_about_files_is_not_trusted(noted, tmp_path):
     ("change", "options", "message"),
     [
         (lambda obj: setattr(obj, "scale", (1, 2, 1)), {}, "scaled unevenly"),
-        (lambda obj: obj.data.pixels.foreach_set(np.ones(4 * 64 * 64, np.float32)), {}, "all of one tone"),
+        (lambda obj: obj.data.pixels.foreach_set(np.ones(4 * 64 * 64, np.float32)), {}, "is uniform"),
         (lambda obj: bpy.ops.object.text_add(), {"layout": "TRIANGLE", "inputs": "First,Last,Text"}, "another layout"),
         (lambda obj: None, {"folder": "//convwass"}, "save that first"),
         (lambda obj: None, {"words": "LETTERS"}, "has no letters"),
@@ -219,7 +219,7 @@ def test_what_cannot_become_pictures_is_told_and_leaves_nothing(tmp_path, change
 
 
 def test_an_image_of_one_tone_is_refused():
-    with pytest.raises(InputError, match="all of one tone"):
+    with pytest.raises(InputError, match="is uniform"):
         gray_inputs([picture("Gray", np.full((8, 8, 4), 0.5))], bpy.context.evaluated_depsgraph_get())
 
 

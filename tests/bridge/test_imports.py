@@ -185,8 +185,8 @@ def test_no_mesh_inside(tmp_path):
     save_blend(tmp_path / "a.blend")
     WRITERS[".usdc"](str(tmp_path / "a.usdc"))
     start_anew()
-    refused(tmp_path / "a.blend", None, r"a\.blend holds no mesh, only light \(1\)")
-    refused(tmp_path / "a.usdc", None, r"a\.usdc holds no mesh, only .*light \(1\)")
+    refused(tmp_path / "a.blend", None, r"a\.blend contains no mesh, only light \(1\)")
+    refused(tmp_path / "a.usdc", None, r"a\.usdc contains no mesh, only .*light \(1\)")
 
 
 def test_mesh_without_faces(tmp_path):
@@ -217,7 +217,7 @@ def test_folder(tmp_path):
 
 def test_unknown_format(tmp_path):
     (tmp_path / "a.docx").write_text("x")
-    refused(tmp_path / "a.docx", None, r"a\.docx is of an unknown format; these can be read: \.obj .*\.blend")
+    refused(tmp_path / "a.docx", None, r"a\.docx is of an unknown format; supported formats: \.obj .*\.blend")
 
 
 def test_name_in_another_format(tmp_path):

@@ -210,7 +210,7 @@ def test_animation_can_be_stopped(path_morph, tmp_path):
     [(render_contact_sheet, "sheet.png"), (render_animation, "morph.mp4")],
 )
 def test_output_is_checked_before_rendering(path_morph, tmp_path, render, name):
-    with pytest.raises(InputError, match="does not exist; make it first"):
+    with pytest.raises(InputError, match="does not exist; create it first"):
         drained(render(path_morph, tmp_path / "missing" / name))
     with pytest.raises(InputError, match="file name that ends with"):
         drained(render(path_morph, tmp_path / "picture.xyz"))

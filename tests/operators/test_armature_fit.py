@@ -264,7 +264,7 @@ def test_what_should_be_known_is_told(rig, monkeypatch, capfd):
     said = capfd.readouterr().out
     assert "Warning" in said
     assert "Pins were moved" in said
-    assert "These bones came out without length and are tiny now: B" in said
+    assert "These bones lost their length and are tiny now: B" in said
 
 
 # What stands in the way.
@@ -458,4 +458,4 @@ def test_bones_that_are_added_meanwhile_are_told(window, rig):
     rig.data.edit_bones.new("New").tail = (0, 0, 1)
     bpy.ops.object.mode_set(mode="OBJECT")
     assert until(pressed, window) == {"CANCELLED"}
-    assert "Rig has other bones than when the work on it began" in pressed.reports[-1][1]
+    assert "The bones of Rig have changed since the start" in pressed.reports[-1][1]

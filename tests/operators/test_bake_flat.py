@@ -162,7 +162,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     ("change", "message"),
     [
         (lambda obj: setattr(obj.data, "body", " "), "is empty; type something"),
-        (lambda obj: setattr(obj, "scale", (0, 1, 1)), "squashed to a line"),
+        (lambda obj: setattr(obj, "scale", (0, 1, 1)), "flattened to a line"),
         (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small beside the others.*Equal Volume"),
     ],
 )

@@ -148,7 +148,7 @@ def test_a_cache_that_cannot_be_read_back_is_removed(morph, tmp_path, monkeypatc
     from convwass_addon.bridge.morphs import cache_output
 
     monkeypatch.setattr(cache_output, "export_frames", lambda _, file, kind: file.write_bytes(b"no archive"))
-    with pytest.raises(RuntimeError, match="would hold no mesh"):
+    with pytest.raises(RuntimeError, match="would contain no animated mesh"):
         bpy.ops.convwass.make_cache(folder=str(tmp_path))
     assert list(tmp_path.iterdir()) == []
     assert sum("convwass_weights" in obj for obj in morph.objects) == 4

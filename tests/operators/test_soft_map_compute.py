@@ -317,7 +317,7 @@ def test_meshes_that_change_meanwhile_get_no_map(pair, asked, monkeypatch):
     pressed, context = start(monkeypatch)
     pair[1].data.vertices.add(1)
     assert until(pressed, context) == {"CANCELLED"}
-    assert "Horse has other vertices than when the work on it began" in pressed.reports[-1][1]
+    assert "The vertices of Horse have changed since the start" in pressed.reports[-1][1]
     assert not has_soft_map(*pair)
     pressed, context = start(monkeypatch)
     bpy.data.objects.remove(pair[1])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Armatures as joints and the lines between them."""
+"""Convert armatures to graphs of joints."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .rig_graphs import RigGraph, world_matrix
 
 
 def armature_graph(obj: bpy.types.Object, only_deforming: bool = True) -> RigGraph:
-    """Return the joints of an armature as it stands in the scene, at rest.
+    """Return the joint graph of an armature in rest position.
 
     Parameters
     ----------
     obj : bpy.types.Object
         An armature, in any mode.
     only_deforming : bool
-        Leave out bones that deform no mesh, such as handles of controls, if there are others.
+        Skip bones that do not deform meshes, such as control handles, if there are others.
 
     Raises
     ------
     InputError
-        No bones, bones without length, or a scale of zero.
+        The armature has no bones, a bone has no length, or a scale is zero.
     """
     bones = bone_ends(obj)
     if not bones:
@@ -60,7 +60,7 @@ def armature_graph(obj: bpy.types.Object, only_deforming: bool = True) -> RigGra
 def _clashes(
     state: Mapping[str, RigBone], ends: Sequence[Sequence[str]], tolerance: float
 ) -> Iterator[tuple[str, str]]:
-    """Yield pinned ends in one joint that were apart before joints were moved."""
+    """Yield pairs of pinned ends in one joint that were apart before joints were moved."""
     for own in ends:
         noted = [
             (end, state[end].rest[SIDES.index(end.rpartition(".")[2])])
@@ -77,7 +77,7 @@ def _flag(state: Mapping[str, RigBone], end: str, kind: str) -> bool:
 
 
 def _require_length(layout: JointLayout, kept: NDArray[np.int64]) -> None:
-    """Refuse bones that are points; raises InputError."""
+    """Raise InputError if a bone has no length."""
     short = [layout.bones[place].name for place in kept if layout.joints[place, 0] == layout.joints[place, 1]]
     if short:
         raise InputError(
@@ -86,7 +86,7 @@ def _require_length(layout: JointLayout, kept: NDArray[np.int64]) -> None:
 
 
 def _links(layout: JointLayout, kept: NDArray[np.int64], new: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """Yield a line from each bone that is not connected to the nearer end of the nearest ancestor that is kept."""
+    """Yield an edge from the head of each unconnected bone to the nearer end of its nearest kept ancestor."""
     is_kept = set(kept.tolist())
     for place in kept:
         bone = layout.bones[place]
@@ -105,7 +105,7 @@ def _links(layout: JointLayout, kept: NDArray[np.int64], new: NDArray[np.int64])
 def _ends_of_joints(
     layout: JointLayout, kept: NDArray[np.int64], new: NDArray[np.int64], count: int
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the ends of bones in each joint, tails first: a joint is called after the bone that ends there."""
+    """Return the bone ends at each joint, tails first: a joint is named after a bone that ends there."""
     found: list[list[str]] = [[] for _ in range(count)]
     for side in (1, 0):
         for place, bone in enumerate(layout.bones):
@@ -113,5 +113,5 @@ def _ends_of_joints(
             if joint >= 0:
                 found[joint].append(f"{bone.name}.{SIDES[side]}")
     is_kept = {layout.bones[place].name for place in kept}
-    # Those of bones that are left out move along, but give no names.
+    # Ends of skipped bones move with the joint but do not name it.
     return tuple(tuple(sorted(own, key=lambda end: end.rpartition(".")[0] not in is_kept)) for own in found)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bind a body to an armature with the automatic weights of Blender's own operator."""
+"""Bind a body to an armature with Blender's automatic weights."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..operator_errors import reason
 def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
     """Parent a body to an armature with automatic weights.
 
-    Groups that are named like bones that deform get new weights; others stay as they are.
+    Groups named after deforming bones get new weights; other groups are kept.
 
     Parameters
     ----------
@@ -25,12 +25,12 @@ def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
     Returns
     -------
     int
-        How many vertices have no weight of any bone: all of them where Blender has found no solution.
+        Number of vertices without any bone weight; all of them if Blender found no solution.
 
     Raises
     ------
     InputError
-        Blender cannot parent the one to the other.
+        Blender cannot parent the body to the armature.
     """
     chosen = {"active_object": rig, "object": rig, "selected_objects": [rig, body]}
     try:
@@ -47,7 +47,7 @@ def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
 
 
 def unweighted(body: bpy.types.Object, rig: bpy.types.Object) -> int:
-    """Count the vertices of a body without weight of any bone that deforms."""
+    """Count the vertices of a body without weight of a deforming bone."""
     deforming = {bone.name for bone in rig.data.bones if bone.use_deform}
     groups = {group.index for group in body.vertex_groups if group.name in deforming}
     return sum(

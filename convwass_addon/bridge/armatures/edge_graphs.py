@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes of edges as joints and the lines between them, and joints that were moved as vertices again."""
+"""Convert meshes of edges to graphs of joints, and write moved joints back to the vertices."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from .rig_graphs import RigGraph, world_matrix
 
 
 def edge_graph(obj: bpy.types.Object) -> RigGraph:
-    """Return the joints of a mesh of edges as it stands in the scene, without modifiers.
+    """Return the joint graph of a mesh of edges, without modifiers.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh without faces; vertices without edges are no joints.
+        A mesh without faces; vertices without edges are not joints.
 
     Raises
     ------
     InputError
-        Not a mesh, one with faces, or one without edges.
+        The object is not a mesh, has faces, or has no edges.
     """
     mesh = readable_mesh(obj)
     if len(mesh.polygons):
         raise InputError(
-            "{object} has faces; a skeleton is an armature, or a mesh of edges without faces.", object=obj.name
+            "{object} has faces; a skeleton must be an armature, or a mesh of edges without faces.", object=obj.name
         )
     if not len(mesh.edges):
-        raise InputError("{object} has no edges; a skeleton is an armature, or a mesh of edges.", object=obj.name)
+        raise InputError("{object} has no edges; a skeleton must be an armature, or a mesh of edges.", object=obj.name)
     edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
     mesh.edges.foreach_get("vertices", edges)
     joints, compact = np.unique(edges, return_inverse=True)
@@ -61,14 +61,14 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     obj : bpy.types.Object
         The mesh, in Edit Mode or not.
     rig : RigGraph
-        Its joints as they were read.
+        The joints as they were read.
     positions : (v, 3)
-        Where they belong, world space.
+        New positions in world space.
 
     Raises
     ------
     InputError
-        There are other vertices than when the joints were read.
+        The number of vertices has changed since the joints were read.
     """
     mesh = readable_mesh(obj)
     if rig.parts != (str(len(mesh.vertices)),):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user should know of an armature that was fitted."""
+"""Messages about a fitted armature."""
 
 from __future__ import annotations
 
@@ -13,37 +13,38 @@ from .rigs import is_posed
 
 
 def short_notice(names: Sequence[str]) -> list[Sentence]:
-    """Say which bones have come out without length."""
+    """Return a notice about bones that have lost their length."""
     if not names:
         return []
     return [
         Sentence(
-            "These bones came out without length and are tiny now: {names}; pin more joints near them.",
+            "These bones lost their length and are tiny now: {names}; pin more joints near them.",
             {"names": ", ".join(names)},
         )
     ]
 
 
 def unweighted_notice(count: int, body: bpy.types.Object) -> list[Sentence]:
-    """Say that automatic weights have left vertices out."""
+    """Return a notice about vertices without automatic weights."""
     if not count:
         return []
     return [
         Sentence(
             "Automatic weights left {count} of {total} vertices of {object} without a bone; merge doubles, join loose "
-            "parts and remove inner faces, or paint there.",
+            "parts and remove inner faces, or paint weights there.",
             {"count": count, "total": len(body.data.vertices), "object": body.name},
         )
     ]
 
 
 def posed_notice(rig: bpy.types.Object) -> list[Sentence]:
-    """Say that what has been fitted is not what is seen, where the rig is posed."""
+    """Return a notice if the rig is posed, so that the fit is not visible."""
     if not is_posed(rig):
         return []
     return [
         Sentence(
-            "{object} is posed, and was fitted at rest, as Edit Mode shows it; clear its pose to see it so.",
+            "{object} is posed, but the fit applies to its rest position, as in Edit Mode; clear its pose to see the "
+            "fit.",
             {"object": rig.name},
         )
     ]

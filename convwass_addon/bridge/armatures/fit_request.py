@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked of Blender when an armature is fitted."""
+"""The settings of a fit that concern Blender."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from ...schema import Choice, Settings, setting
 
 @dataclass(frozen=True)
 class FitRequest(Settings):
-    """What a fit is asked for besides the settings of its solver."""
+    """Settings of a fit besides those of its solver."""
 
     bones: str = setting(
         "deform",
         "Bones",
-        "Which bones are fitted",
+        "The bones to fit",
         choices=(
             Choice(
                 "deform",
-                "That Deform",
-                "Bones that deform meshes, or all if none does; others, such as handles of controls, go along with the "
-                "joints next to them",
+                "Deforming",
+                "Bones that deform meshes, or all bones if none does; other bones, such as control handles, follow "
+                "the nearest joints",
             ),
-            Choice("all", "All", "All bones, those of controls too"),
+            Choice("all", "All", "All bones, including control bones"),
         ),
         option="--all-bones",
         flag="all",
-        help="Fit bones too that deform no mesh; otherwise they go along",
+        help="Also fit bones that do not deform meshes; otherwise they follow the others",
         panel="settings",
     )
     auto_weights: bool = setting(
         False,
         "Automatic Weights",
-        "Bind the body to the armature afterwards, with Blender's automatic weights; they replace those of groups that "
-        "are named like the bones",
+        "Bind the body to the armature afterwards with Blender's automatic weights, which replace the groups named "
+        "after bones",
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Dots on the joints of a rig, drawn over the 3D viewport: pinned ones green and larger, free ones blue."""
+"""Dots on the joints of a rig in the 3D viewport: large green dots for pinned joints, blue dots for free joints."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from mathutils import Vector
 from ..viewport_overlay import ViewportOverlay, fill_discs
 from .pins import pinned_vertices
 
-# Pixels at a scale of 1.
+# Pixels at UI scale 1.
 _PINNED_RADIUS, _FREE_RADIUS, _RIM = 6.0, 4.0, 1.0
 _INK = (0.05, 0.05, 0.05, 1.0)
-# Told apart by everybody: Okabe and Ito, "Color Universal Design", 2008.
+# Distinguishable with all kinds of color vision: Okabe and Ito, "Color Universal Design", 2008.
 _GREEN, _BLUE = (0.0, 0.75, 0.5, 1.0), (0.34, 0.71, 0.91, 1.0)
 
 
 @dataclass(frozen=True)
 class JointDot:
-    """A joint in space.
+    """A joint and its position.
 
     Attributes
     ----------
     point : mathutils.Vector
-        Where, world space.
+        World space.
     is_pinned : bool
         Whether it is pinned.
     """
@@ -40,12 +40,12 @@ class JointDot:
 
 
 class JointDots(ViewportOverlay[bpy.types.Object | None]):
-    """Draws dots while it is registered.
+    """Draws dots while registered.
 
     Parameters
     ----------
     wanted : callable
-        ``wanted(context)`` returns the rig that is to have dots at that moment, or None.
+        ``wanted(context)`` returns the rig to draw dots for, or None.
     """
 
     def _draw(self, wanted: bpy.types.Object | None, context: bpy.types.Context) -> None:
@@ -59,7 +59,7 @@ class JointDots(ViewportOverlay[bpy.types.Object | None]):
 
 
 def dots_of(rig: bpy.types.Object) -> list[JointDot]:
-    """Return where the joints of a rig are, as they are drawn in its mode; none where it is hidden."""
+    """Return the visible joints of a rig in its current mode; empty if it is hidden."""
     if not rig.visible_get():
         return []
     return _bone_dots(rig) if rig.type == "ARMATURE" else _vertex_dots(rig)

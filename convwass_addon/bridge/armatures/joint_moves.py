@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Joints of an armature that were moved, as bones again."""
+"""Write moved joints back to the bones of an armature."""
 
 from __future__ import annotations
 
@@ -18,41 +18,41 @@ from .joint_layout import JointLayout, joint_layout
 from .rig_bones import SIDES, bone_ends
 from .rig_graphs import RigGraph
 
-# Share of the armature's extent: bones are never made shorter.
+# Minimal length of a bone, relative to the extent of the armature.
 _SHORTEST = 1e-4
 
 
 def move_armature_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np.float64]) -> list[str]:
     """Move the joints of an armature.
 
-    Bones keep their names, parents, connections and settings, and turn the shortest way, their roll with them. Bones
-    that were left out of the graph go along with what they begin in, or with the nearest joint.
+    Bones keep their names, parents, connections and settings, and rotate by the smallest angle together with their
+    roll. Bones that are not in the graph move with the joint that they start at, or with the nearest joint.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The armature, in any mode; it is the same afterwards.
+        The armature; its mode is restored afterwards.
     rig : RigGraph
-        Its joints as they were read.
+        The joints as they were read.
     positions : (v, 3)
-        Where they belong, world space.
+        New positions in world space.
 
     Returns
     -------
     list of str
-        Bones whose two joints came to lie in one place, and which were left a little length.
+        Bones whose joints coincide; they get a small length.
 
     Raises
     ------
     InputError
-        There are other bones than when the joints were read.
+        The bones have changed since the joints were read.
     """
     inverse = np.linalg.inv(rig.matrix)
     local = positions @ inverse[:3, :3].T + inverse[:3, 3]
     with _edited_bones(obj) as bones:
         present = bone_ends(obj)
         if sorted(bone.name for bone in present) != sorted(rig.parts):
-            raise InputError("{object} has other bones than when the work on it began; start again.", object=obj.name)
+            raise InputError("The bones of {object} have changed since the start; start again.", object=obj.name)
         layout = joint_layout(present)
         ends = _moved_ends(layout, rig, local)
         short = _lengthen(
@@ -63,7 +63,7 @@ def move_armature_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArra
 
 
 def _moved_ends(layout: JointLayout, rig: RigGraph, local: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return where the ends of all bones belong, (b, 2, 3)."""
+    """Return the new ends of all bones, (b, 2, 3)."""
     target = {end: local[joint] for joint, own in enumerate(rig.ends) for end in own}
     old = np.stack([bone.ends for bone in layout.bones])
     new, found = old.copy(), np.zeros(old.shape[:2], dtype=bool)
@@ -84,7 +84,7 @@ def _moved_ends(layout: JointLayout, rig: RigGraph, local: NDArray[np.float64]) 
 
 
 def _lengthen(layout: JointLayout, ends: NDArray[np.float64], pinned: set[str]) -> list[str]:
-    """Give bones that have become points a little length, which Blender asks for; return their names."""
+    """Give bones without length a small one, as Blender requires; return their names."""
     least = _SHORTEST * layout.extent
     short = []
     for place, bone in enumerate(layout.bones):
@@ -110,7 +110,7 @@ def _write_ends(bones: bpy.types.ArmatureEditBones, ends: Mapping[str, NDArray[n
 
 @contextmanager
 def _edited_bones(obj: bpy.types.Object) -> Iterator[bpy.types.ArmatureEditBones]:
-    """Give the bones of an armature in Edit Mode, without its mirror; modes are as before afterwards."""
+    """Provide the edit bones of an armature, with mirroring switched off; modes are restored afterwards."""
     mirrored = obj.data.use_mirror_x
     with _edit_mode(obj):
         obj.data.use_mirror_x = False

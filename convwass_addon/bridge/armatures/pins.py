@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins of rigs, which stay where they are when the rig is fitted; quick enough for panels to ask."""
+"""Pins of rigs: joints that fitting does not move. Fast enough for panels."""
 
 from __future__ import annotations
 
@@ -21,32 +21,32 @@ if TYPE_CHECKING:
     from .rig_graphs import RigGraph
 
 KINDS = ("ARMATURE", "MESH")
-"""Types of objects that can be rigs."""
+"""Object types of rigs."""
 
 PINNED = "Pinned"
-"""The attribute of the pinned vertices of a mesh of edges."""
+"""Attribute of the pinned vertices of a mesh of edges."""
 
 
 def register_pins() -> None:
-    """Let bones have pins, which are saved with them, and follow when bones are renamed, undone and edited."""
+    """Add pin properties to bones, which are saved with them, and survive renaming, undo and editing."""
     for kind in (bpy.types.Bone, bpy.types.EditBone):
         kind.convwass_pinned = BoolVectorProperty(
-            name="Pinned", description="Whether head and tail stay where they are when the armature is fitted", size=2
+            name="Pinned", description="Whether fitting keeps the positions of head and tail", size=2
         )
         kind.convwass_rest = FloatVectorProperty(
-            name="Rest", description="Head and tail when a joint of the armature was first pinned", size=6
+            name="Rest", description="Head and tail at the time when a joint of the armature was first pinned", size=6
         )
 
 
 def unregister_pins() -> None:
-    """Take that away; what is saved in files stays there."""
+    """Remove the properties; values stored in files are kept."""
     for kind in (bpy.types.Bone, bpy.types.EditBone):
         del kind.convwass_pinned, kind.convwass_rest
 
 
 @contextmanager
 def with_pins() -> Iterator[None]:
-    """Let bones have pins for a while, where the add-on is not registered."""
+    """Register the properties temporarily if the add-on is not registered."""
     if hasattr(bpy.types.Bone, "convwass_pinned"):
         yield
         return
@@ -58,14 +58,14 @@ def with_pins() -> Iterator[None]:
 
 
 def pin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int]) -> None:
-    """Pin joints of a rig where they are; bones keep the lengths that they have had so far."""
+    """Pin joints of a rig at their positions; bones keep the lengths that they had before the first pin."""
     if obj.type == "ARMATURE":
         note_rest(obj)
     _set_pins(obj, rig, joints, True)
 
 
 def unpin_joints(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int]) -> None:
-    """Let go of joints of a rig."""
+    """Unpin joints of a rig."""
     _set_pins(obj, rig, joints, False)
 
 
@@ -81,7 +81,7 @@ def _set_pins(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int], pinne
 
 
 def _pin_end(bones: bpy.types.bpy_prop_collection, end: str, pinned: bool) -> None:
-    # The joint's name has the pin, so that there is one of it.
+    # Only the end that the joint is named after is pinned, so that every pin is unique.
     name, _, side = end.rpartition(".")
     flags = list(bones[name].convwass_pinned)
     if flags[SIDES.index(side)] != pinned:
@@ -90,7 +90,7 @@ def _pin_end(bones: bpy.types.bpy_prop_collection, end: str, pinned: bool) -> No
 
 
 def clear_pins(obj: bpy.types.Object) -> None:
-    """Let go of all joints of a rig; its bones are as long then as they are."""
+    """Unpin all joints of a rig; the current lengths of its bones become the original ones."""
     if obj.type == "ARMATURE":
         forget_rest(obj)
         for end in pinned_ends(obj):
@@ -100,7 +100,7 @@ def clear_pins(obj: bpy.types.Object) -> None:
 
 
 def pinned_ends(obj: bpy.types.Object) -> list[str]:
-    """Return what is pinned of a rig, as its joints are called. Quick enough for a panel."""
+    """Return the names of the pinned joints. Fast enough for a panel."""
     if obj.type == "ARMATURE":
         bones = obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
         return [
@@ -113,12 +113,12 @@ def pinned_ends(obj: bpy.types.Object) -> list[str]:
 
 
 def pin_vertices(obj: bpy.types.Object, vertices: list[int], pinned: bool) -> None:
-    """Pin vertices of a mesh, or let go of them, in Edit Mode or not.
+    """Pin or unpin vertices of a mesh, in any mode.
 
     Raises
     ------
     InputError
-        The name of the attribute is taken.
+        Another attribute has the same name.
     """
     mesh = obj.data
     _require_own(mesh)
@@ -138,14 +138,14 @@ def pin_vertices(obj: bpy.types.Object, vertices: list[int], pinned: bool) -> No
 
 
 def pinned_vertices(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
-    """Return which vertices of a mesh are pinned, (n,), as they are in Edit Mode where it is being edited."""
+    """Return which vertices of a mesh are pinned, (n,), including changes in Edit Mode."""
     if mesh.is_editmode:
         edited = bmesh.from_edit_mesh(mesh)
         layer = edited.verts.layers.bool.get(PINNED)
         return np.array([layer is not None and vertex[layer] for vertex in edited.verts], dtype=bool)
     values = np.zeros(len(mesh.vertices), dtype=bool)
     attribute = mesh.attributes.get(PINNED)
-    # One of the user's own may have the name.
+    # The user may have an attribute of the same name.
     if attribute is not None and (attribute.data_type, attribute.domain) == ("BOOLEAN", "POINT"):
         attribute.data.foreach_get("value", values)
     return values
@@ -155,5 +155,5 @@ def _require_own(mesh: bpy.types.Mesh) -> None:
     attribute = mesh.attributes.get(PINNED)
     if attribute is not None and (attribute.data_type, attribute.domain) != ("BOOLEAN", "POINT"):
         raise InputError(
-            "{name} is an attribute of other values already, and not of pinned joints; rename that first.", name=PINNED
+            "An attribute named {name} already exists but does not hold pinned joints; rename it first.", name=PINNED
         )

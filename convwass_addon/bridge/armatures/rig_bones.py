@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bones of armatures as they are at rest, and as they were before any was moved."""
+"""Bones of armatures in rest position, and before joints were moved."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 SIDES = ("head", "tail")
-"""The two ends of a bone, as they are written behind its name."""
+"""Suffixes for the two ends of a bone."""
 
 
 @dataclass(frozen=True)
 class RigBone:
-    """What is to be known of a bone.
+    """The data of a bone.
 
     Attributes
     ----------
     name : str
-        Of the bone.
+        Name of the bone.
     parent : str or None
         Name of its parent.
     is_connected : bool
-        Whether it begins in its parent's tail.
+        Whether it starts at its parent's tail.
     is_deforming : bool
-        Whether it takes part in deforming meshes.
+        Whether it deforms meshes.
     ends : (2, 3) float64
-        Head and tail, in the armature's space.
+        Head and tail in armature space.
     pinned : (bool, bool)
         Whether head and tail are pinned.
     selected : (bool, bool)
-        Whether head and tail are selected; none of them outside of Edit Mode.
+        Whether head and tail are selected; false outside Edit Mode.
     rest : (2, 3) float64 or None
-        Head and tail before any end was moved to where it belongs; None where that has not been noted.
+        Head and tail before any joint was moved, or None if unknown.
     """
 
     name: str
@@ -49,7 +49,7 @@ class RigBone:
 
 
 def bone_ends(obj: bpy.types.Object) -> list[RigBone]:
-    """Read the bones of an armature at rest, parents before their children; in Edit Mode as they are there."""
+    """Read the bones of an armature in rest position, including changes in Edit Mode, parents before their children."""
     if obj.mode == "EDIT":
         return [_edited_bone(bone) for bone in _parents_first(obj.data.edit_bones)]
     return [_resting_bone(bone) for bone in _parents_first(obj.data.bones)]
@@ -80,15 +80,15 @@ def _rig_bone(
         ends=ends,
         pinned=tuple(bone.convwass_pinned),
         selected=selected,
-        # Bones have some length.
+        # Bones always have a length, so equal ends mean that nothing was stored.
         rest=rest if (rest[0] != rest[1]).any() else None,
     )
 
 
 def note_rest(obj: bpy.types.Object) -> None:
-    """Note where the bones are before any joint is moved to where it belongs, unless that has been noted.
+    """Store the current positions of the bones as the original ones, unless this was already done.
 
-    In Edit Mode it is where they were when that was entered. Bones that were added since put an end to what was noted.
+    In Edit Mode, the positions before Edit Mode are stored. Bones added later invalidate the stored positions.
     """
     is_edited = obj.mode == "EDIT"
     bones = obj.data.edit_bones if is_edited else obj.data.bones
@@ -104,6 +104,6 @@ def note_rest(obj: bpy.types.Object) -> None:
 
 
 def forget_rest(obj: bpy.types.Object) -> None:
-    """Let bones be as long as they are."""
+    """Remove the stored original positions."""
     for bone in obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones:
         bone.convwass_rest = np.zeros(6)

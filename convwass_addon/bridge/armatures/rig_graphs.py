@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The joints of a rig, whether it is an armature or a mesh of edges, and what of Blender they stand for."""
+"""The joints of a rig, either an armature or a mesh of edges, and their counterparts in Blender."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ class RigGraph:
     Attributes
     ----------
     graph : JointGraph
-        Joints and lines between them, world space.
+        Joints and edges, world space.
     ends : tuple of tuple of str
-        What of the rig is in each joint: ends of bones, such as "Arm.L.head", or the number of a vertex. The first one
-        is the joint's name.
+        Parts of the rig at each joint: ends of bones, such as "Arm.L.head", or a vertex number. The first one is the
+        joint's name.
     selected : (v,) bool
-        Joints that are selected in Edit Mode.
+        Joints selected in Edit Mode.
     matrix : (4, 4) float64
-        From the rig's space to that of the world.
+        From rig space to world space.
     parts : tuple of str
-        What tells whether the rig is the same later: names of bones, or the number of vertices.
+        Identifies later changes of the rig: names of bones, or the number of vertices.
     clashes : tuple of (str, str)
-        Ends that were apart, and were both pinned in one place since.
+        Ends that were apart and are now pinned at the same position.
     """
 
     graph: JointGraph
@@ -50,17 +50,17 @@ class RigGraph:
         return {end: joint for joint, own in enumerate(self.ends) for end in own}
 
     def joint(self, name: str) -> int:
-        """Return the number of a joint that is called by any of its ends; raises InputError where there is none."""
+        """Return the index of a joint by the name of any of its ends; raises InputError if there is none."""
         if name not in self._numbers:
             raise InputError(
-                "There is no joint {name}; joints are called after bones, such as {example}.",
+                "There is no joint {name}; joints are named after bones, such as {example}.",
                 name=name,
                 example=self.graph.names[0],
             )
         return self._numbers[name]
 
     def require_pins_apart(self) -> None:
-        """Refuse two pins in one place, which would make one joint of two; raises InputError."""
+        """Raise InputError if two pinned ends were moved to the same position and would become one joint."""
         for first, second in self.clashes:
             raise InputError(
                 "{first} and {second} are pinned in the same place; move or unpin one of them.",
@@ -69,23 +69,23 @@ class RigGraph:
             )
 
     def pinned_at(self, names: Iterable[str], places: Mapping[str, NDArray[np.float64]]) -> RigGraph:
-        """Return the same rig with more pins, some of them in other places, world space."""
+        """Return a copy of the rig with more pins, some of them at given positions in world space."""
         positions, pinned = self.graph.positions.copy(), self.graph.pinned.copy()
         for name in (*names, *places):
             pinned[self.joint(name)] = True
         for name, place in places.items():
             positions[self.joint(name)] = place
-        # Their bones are as long as they were.
+        # The rest positions are kept, and with them the lengths of bones.
         return replace(self, graph=replace(self.graph, positions=positions, pinned=pinned))
 
 
 def world_matrix(obj: bpy.types.Object) -> NDArray[np.float64]:
-    """Return the (4, 4) matrix from a rig's space to that of the world.
+    """Return the (4, 4) matrix from rig space to world space.
 
     Raises
     ------
     InputError
-        It flattens the rig, or is not made of numbers.
+        The matrix flattens the rig, or is not finite.
     """
     matrix = np.array(obj.matrix_world, dtype=np.float64)
     if not np.isfinite(matrix).all():

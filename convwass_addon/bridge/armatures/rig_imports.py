@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A body and a rig from files, in one scene."""
+"""Load a body and a rig from files into one scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..imports import BLEND, READERS, Source, checked_file, import_objects, run_
 
 @dataclass(frozen=True)
 class BodyAndRig:
-    """What is fitted into what.
+    """A body and the rig to fit into it.
 
     Attributes
     ----------
@@ -33,15 +33,15 @@ class BodyAndRig:
 
 
 def open_body_and_rig(body: Source, rig: Source) -> BodyAndRig:
-    """Open a body and a rig.
+    """Open the files of a body and a rig.
 
-    The first .blend is opened as it is, without running what scripts it may hold; what comes from other files is added
-    to it, or to an empty scene. Without a name, the only one that there is of its kind is taken.
+    The first .blend is opened unchanged, without running its scripts; objects of other files are added to it, or to an
+    empty scene. Without a name, the only object of the required kind is used.
 
     Raises
     ------
     InputError
-        Files or objects that cannot be used.
+        The files or objects cannot be used.
     """
     for source in (body, rig):
         checked_file(source.path, [source.object_name] if source.object_name else None, (*READERS, BLEND))
@@ -72,7 +72,7 @@ def _found_body(source: Source, opened: Path | None) -> bpy.types.Object:
     solid = [obj for obj in meshes if obj.data.polygons or obj.modifiers]
     if len(solid) != 1:
         raise InputError(
-            "{file} holds {count} meshes; say which, as {file}:NAME, of {available}.",
+            "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
             file=source.path.name,
             count=len(solid),
             available=_names(solid),
@@ -86,7 +86,7 @@ def _found_rig(source: Source, opened: Path | None, body: bpy.types.Object) -> b
         return _named(source, objects) if source.object_name else _only_rig(source, objects)
     objects = _appended(source) if _is_blend(source) else _read(source)
     try:
-        # One that was named came alone, maybe under another name.
+        # A named object is imported alone, possibly under another name.
         rig = objects[0] if source.object_name else _only_rig(source, objects)
     except InputError:
         bpy.data.batch_remove(objects)
@@ -96,7 +96,7 @@ def _found_rig(source: Source, opened: Path | None, body: bpy.types.Object) -> b
     while parent is not None:
         kept.add(parent)
         if parent.name not in bpy.context.scene.objects:
-            # Blender saves no object for being a parent alone.
+            # Parents of the rig are only saved if they are in the scene.
             bpy.context.scene.collection.objects.link(parent)
         parent = parent.parent
     bpy.data.batch_remove([obj for obj in objects if obj not in kept])
@@ -107,7 +107,7 @@ def _named(source: Source, objects: Iterable[bpy.types.Object]) -> bpy.types.Obj
     found = next((obj for obj in objects if obj.name == source.object_name), None)
     if found is None:
         raise InputError(
-            "{file} has no object {name!r}; it holds {listed}.",
+            "{file} has no object {name!r}; it contains {listed}.",
             file=source.path.name,
             name=source.object_name,
             listed=_names(objects),
@@ -116,16 +116,16 @@ def _named(source: Source, objects: Iterable[bpy.types.Object]) -> bpy.types.Obj
 
 
 def _only_rig(source: Source, objects: Iterable[bpy.types.Object]) -> bpy.types.Object:
-    """Return the only armature, or else the only mesh of edges; raises InputError where there is not one."""
+    """Return the only armature, else the only mesh of edges; raises InputError if there is not exactly one."""
     armatures = [obj for obj in objects if obj.type == "ARMATURE"]
     rigs = armatures or [obj for obj in objects if obj.type == "MESH" and obj.data.edges and not obj.data.polygons]
     if not rigs:
         raise InputError(
-            "{file} holds no armature and no mesh of edges; name a file with a skeleton.", file=source.path.name
+            "{file} contains no armature and no mesh of edges; name a file with a skeleton.", file=source.path.name
         )
     if len(rigs) > 1:
         raise InputError(
-            "{file} holds {count} skeletons; say which, as {file}:NAME, of {available}.",
+            "{file} contains {count} skeletons; name one as {file}:NAME, of {available}.",
             file=source.path.name,
             count=len(rigs),
             available=_names(rigs),
@@ -138,7 +138,7 @@ def _names(objects: Iterable[bpy.types.Object]) -> str:
 
 
 def _appended(source: Source) -> list[bpy.types.Object]:
-    """Append the objects of a .blend to the scene, or the one that is named, as they are."""
+    """Append the named object, or all objects, of a .blend to the scene."""
     objects = appended_objects(source.path, [source.object_name] if source.object_name else None)
     for obj in objects.values():
         bpy.context.scene.collection.objects.link(obj)
@@ -146,7 +146,7 @@ def _appended(source: Source) -> list[bpy.types.Object]:
 
 
 def _read(source: Source) -> list[bpy.types.Object]:
-    """Read a file into the scene and return what it brought."""
+    """Import a file into the scene and return the new objects."""
     before = set(bpy.data.objects)
     run_importer(READERS[source.path.suffix.lower()], whole_path(source.path))
     return [obj for obj in bpy.data.objects if obj not in before]

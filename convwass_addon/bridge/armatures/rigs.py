@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rigs of either kind, armatures and meshes of edges: their joints, their pins, and the body that they go into."""
+"""Rigs, either armatures or meshes of edges: their joints, and the body."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ from .rig_graphs import RigGraph
 
 
 def rig_graph(obj: bpy.types.Object, only_deforming: bool = True) -> RigGraph:
-    """Return the joints of a rig as it stands in the scene, at rest.
+    """Return the joint graph of a rig in rest position.
 
     Parameters
     ----------
     obj : bpy.types.Object
         An armature, or a mesh of edges.
     only_deforming : bool
-        Leave out bones that deform no mesh, if there are others.
+        Skip bones that do not deform meshes, if there are others.
 
     Raises
     ------
     InputError
-        No joints, or a scale of zero.
+        The rig has no joints, or a scale is zero.
     """
     return armature_graph(obj, only_deforming) if obj.type == "ARMATURE" else edge_graph(obj)
 
 
 def move_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np.float64]) -> list[str]:
-    """Move the joints of a rig, world space; return names of bones that would have no length.
+    """Move the joints of a rig in world space; return the names of bones that would have no length.
 
     Raises
     ------
     InputError
-        The rig has other bones or vertices than when its joints were read.
+        The bones or vertices have changed since the joints were read.
     """
     if obj.type == "ARMATURE":
         return move_armature_joints(obj, rig, positions)
@@ -53,12 +53,12 @@ def move_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np.floa
 
 
 def resting_body(body: bpy.types.Object, rig: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
-    """Read the body as it stands in the scene when the rig is not posed: modifiers applied, world space.
+    """Read the body with its modifiers in world space, with the rig in rest position.
 
     Raises
     ------
     InputError
-        Not a mesh, no faces, a scale of zero, or coordinates that are not numbers.
+        The object is not a mesh, has no faces, a scale of zero, or coordinates that are not finite.
     """
     with _at_rest(rig):
         return triangle_mesh(body, depsgraph)
@@ -77,7 +77,7 @@ def _at_rest(rig: bpy.types.Object) -> Iterator[None]:
 
 
 def is_posed(obj: bpy.types.Object) -> bool:
-    """Tell whether a rig stands otherwise than at rest."""
+    """Return whether a rig is posed."""
     if obj.type != "ARMATURE" or obj.data.pose_position == "REST":
         return False
     return any(
@@ -87,7 +87,7 @@ def is_posed(obj: bpy.types.Object) -> bool:
 
 
 def require_movable(obj: bpy.types.Object) -> None:
-    """Refuse a rig whose joints cannot be moved; raises InputError."""
+    """Raise InputError if the joints of a rig cannot be moved."""
     if not (obj.is_editable and obj.data.is_editable):
         raise InputError(
             "{object} is linked from another file and cannot be changed here; make it local with its data: "
@@ -103,5 +103,5 @@ def require_movable(obj: bpy.types.Object) -> None:
     shown = obj.name in bpy.context.view_layer.objects and obj.visible_get()
     if obj.type == "ARMATURE" and not shown:
         raise InputError(
-            "{object} is hidden, or in a collection that is; show it, so that its bones can be moved.", object=obj.name
+            "{object} or its collection is hidden; show it, so that its bones can be moved.", object=obj.name
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The attributes of a mesh that hold the frames of a density."""
+"""Mesh attributes that store the frames of a density."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .density_nodes import NAME, TAKEN_BY_RENDERERS, color_name, frame_name, is_frame
 
-# Values are rounded to this share of the largest: numbers that end in zeros make small files.
+# Values are rounded to this share of the maximum, because numbers that end in zeros compress well.
 _STEP = 2.0**-16
 
 
 def stored_frames(obj: bpy.types.Object, name: str = NAME) -> NDArray[np.float32]:
-    """Return the frames that a mesh holds, (f, n), the largest value 1; of no rows where there are none."""
+    """Return the stored frames, (f, n), with maximum 1; empty if there are none."""
     attributes, places = obj.data.attributes, []
     while frame_name(name, len(places)) in attributes:
         places.append(frame_name(name, len(places)))
@@ -27,34 +27,35 @@ def stored_frames(obj: bpy.types.Object, name: str = NAME) -> NDArray[np.float32
 
 
 def require_free(obj: bpy.types.Object, name: str) -> None:
-    """Refuse names that Blender, or the user, needs for something else.
+    """Check that a name is not used by Blender or by the user.
 
     Raises
     ------
     InputError
-        It says what the name is needed for.
+        The name is already used.
     """
     if not name or name.startswith(".") or "*" in name or len(frame_name(name, 9999).encode()) > 63:
         raise InputError(
-            "{name} cannot be the name of a density; choose a short one without stars, not starting with a dot.",
+            "{name} cannot be the name of a density; choose a short name without asterisks that does not start with a "
+            "dot.",
             name=name,
         )
     if name in TAKEN_BY_RENDERERS:
         raise InputError(
-            "Renderers mean something else by {name}; choose another name, such as {other}.",
+            "Renderers use {name} for something else; choose another name, such as {other}.",
             name=name,
             other=f"My {name}",
         )
     if name in obj.vertex_groups or name in obj.data.attributes:
         raise InputError(
-            "{object} has a vertex group or an attribute {name} already; choose another name for the density.",
+            "{object} already has a vertex group or an attribute {name}; choose another name for the density.",
             object=obj.name,
             name=name,
         )
 
 
 def write_frames(mesh: bpy.types.Mesh, name: str, frames: NDArray[np.float64]) -> None:
-    """Replace the frames that a mesh holds, (f, n), the largest value 1."""
+    """Replace the stored frames by others, (f, n), with maximum 1."""
     remove_frames(mesh, name)
     for place, values in enumerate(frames):
         attribute = mesh.attributes.new(frame_name(name, place), "FLOAT", "POINT")
@@ -62,13 +63,13 @@ def write_frames(mesh: bpy.types.Mesh, name: str, frames: NDArray[np.float64]) -
 
 
 def remove_frames(mesh: bpy.types.Mesh, name: str) -> None:
-    """Remove the frames that a mesh holds."""
+    """Remove the stored frames."""
     for frame in [attribute.name for attribute in mesh.attributes if is_frame(attribute.name, name)]:
         mesh.attributes.remove(mesh.attributes[frame])
 
 
 def remove_color(mesh: bpy.types.Mesh, name: str) -> None:
-    """Remove the attribute that stands for the colors that the nodes write."""
+    """Remove the color attribute that the nodes write."""
     color = mesh.color_attributes.get(color_name(name))
     if color is not None:
         mesh.color_attributes.remove(color)

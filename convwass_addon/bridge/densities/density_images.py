@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities as images, through the UV map of a mesh: what texture painters and other programs read."""
+"""Write densities as images using a UV map, for texture painting and other programs."""
 
 from __future__ import annotations
 
@@ -21,25 +21,26 @@ from ..numbered_files import numbered_paths
 from .density_nodes import NAME
 
 DEPTHS = {"PNG": "16", "OPEN_EXR": "32"}
-"""File formats, and the bits of a pixel."""
+"""File formats and their bits per channel."""
 
 SUFFIXES = {"PNG": ".png", "OPEN_EXR": ".exr"}
 
 
 @dataclass(frozen=True)
 class ImageSettings:
-    """What images are to be like.
+    """Settings of the images.
 
     Attributes
     ----------
     size : int
         Pixels along a side.
     margin : int
-        Pixels around the islands of the UV map that are filled, so that no seams show.
+        Pixels filled around the islands of the UV map, so that seams do not show.
     file_format : str
-        One of `DEPTHS`. PNG holds 65536 shades of gray from 0 to the largest value of all steps, OpenEXR the values.
+        A key of `DEPTHS`. PNG has 65536 shades of gray from 0 to the maximum over all steps, OpenEXR the unscaled
+        values.
     uv_map : str
-        Name of a UV map; empty for that of renders.
+        Name of a UV map; empty for the active render UV map.
     """
 
     size: int = 1024
@@ -55,30 +56,31 @@ def write_step_images(
     name: str = NAME,
     settings: ImageSettings | None = None,
 ) -> Iterator[Path]:
-    """Write one image for each step; each file is there as soon as its path is yielded, whole or not at all.
+    """Write one image per step; each file is complete when its path is yielded.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh with a UV map, in any mode but Edit Mode. Only the tile from 0 to 1 is drawn.
+        A mesh with a UV map, not in Edit Mode. Only the tile from 0 to 1 is drawn.
     densities : (f, n) array_like
-        One value per vertex, not negative.
+        One non-negative value per vertex.
     folder : str or Path
-        Where to; a path that starts with two slashes goes from the saved file. Its last folder is made if missing.
+        Output folder; // stands for the folder of the .blend file. The last folder is created if missing.
     name : str
-        Files are called by it and the number of the step.
+        File names are this name followed by the number of the step.
     settings : ImageSettings, optional
-        What images are to be like.
+        Settings of the images.
 
     Yields
     ------
     Path
-        One after the other.
+        Path of each image.
 
     Raises
     ------
     InputError
-        No UV map or an empty one, in Edit Mode, or a folder that cannot be written to. Raised before the first step.
+        There is no UV map or an empty one, the mesh is in Edit Mode, or the folder cannot be written. Raised before the
+        first step.
     ConvwassError
         An image could not be written.
     """
@@ -96,7 +98,7 @@ def write_step_images(
 
 
 def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
-    """Find which point of a mesh every pixel shows.
+    """Find the surface point of each pixel.
 
     Raises
     ------
@@ -117,7 +119,8 @@ def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
     pixels = uv_pixels(uv.reshape(-1, 2)[loops.reshape(-1, 3)], faces.reshape(-1, 3), settings.size, settings.margin)
     if not len(pixels.places):
         raise InputError(
-            "The UV map {layer} of {object} covers no pixel from 0 to 1; unwrap the mesh in Edit Mode: UV > Unwrap.",
+            "The UV map {layer} of {object} covers no pixel between 0 and 1; unwrap the mesh in Edit Mode: UV > "
+            "Unwrap.",
             layer=layer.name,
             object=obj.name,
         )
@@ -145,14 +148,14 @@ def _written(
 ) -> Iterator[Path]:
     how = ImageFormat(settings.file_format, "BW", DEPTHS[settings.file_format])
     for values, path in zip(frames, paths, strict=True):
-        # No view transform may touch the values.
+        # The view transform must not change the values.
         with drawn_image(_gray(pixels.picture(values)), "Non-Color") as image:
             write_image(image, path, how)
         yield path
 
 
 def _gray(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return gray pixels, (height, width, 4), of values, (height, width)."""
+    """Return values, (height, width), as gray pixels, (height, width, 4)."""
     rgba = np.ones((*values.shape, 4), dtype=np.float32)
     rgba[..., :3] = values[..., None]
     return rgba

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that show a density: a heat map, and growths that cover a surface where there is much of it."""
+"""Materials that show a density: a heat map, and growth that covers the surface where the density is high."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ ROUGHNESS = 0.55
 
 @dataclass(frozen=True)
 class _Growth:
-    """What covers a surface.
+    """Parameters of a growth.
 
     Attributes
     ----------
     dark, light : (r, g, b)
-        Between these it varies, scene linear.
+        Range of colors, scene linear.
     roughness, sheen : float
-        As of a Principled BSDF.
+        Parameters of a Principled BSDF.
     grain : float
-        Grains along the object's own unit length.
+        Number of grains per unit of length in object space.
     height : float
-        How strongly grains show in the shading.
+        Strength of the bump mapping of grains.
     ragged : float
-        How far the edge wanders; at 0 it follows the density.
+        Irregularity of the edge; at 0 it follows the density.
     """
 
     dark: tuple[float, float, float]
@@ -47,16 +47,16 @@ GROWTHS = {
     "MOSS": _Growth((0.018, 0.05, 0.008), (0.13, 0.24, 0.03), 0.95, 0.15, 45.0, 0.9, 0.9),
     "FROST": _Growth((0.55, 0.7, 0.85), (0.95, 0.98, 1.0), 0.35, 0.1, 70.0, 0.5, 0.8),
 }
-"""What can grow."""
+"""The kinds of growth."""
 
 
 def heat_material(name: str = NAME) -> bpy.types.Material:
-    """Return the material that shows a density by the colors of a heat map; made if the file has none for this name.
+    """Return the heat map material of a density; created if missing.
 
     Parameters
     ----------
     name : str
-        Of the attribute, from 0 to 1.
+        Name of the attribute, with values from 0 to 1.
     """
     title = f"{name} Heat Map"
     material = bpy.data.materials.get(title)
@@ -80,16 +80,16 @@ def growth_material(
     *,
     threshold: float = 0.25,
 ) -> bpy.types.Material:
-    """Make a material of something that grows where there is much of a density, with a ragged edge.
+    """Create a material that grows where a density is high, with a ragged edge.
 
     Parameters
     ----------
     name : str
-        Of the attribute, from 0 to 1.
+        Name of the attribute, with values from 0 to 1.
     kind : str
-        One of `GROWTHS`.
+        A key of `GROWTHS`.
     color : (r, g, b, a)
-        Base color of what it grows on, scene linear.
+        Base color of the surface below the growth, scene linear.
     threshold : float
         Density at which half of the surface is covered.
     """
@@ -111,7 +111,7 @@ def growth_material(
 
 
 def _new(title: str) -> tuple[bpy.types.Material, bpy.types.Node]:
-    """Make a material with a single shader, and return both."""
+    """Create a material with a single shader, and return both."""
     material = bpy.data.materials.new(title)
     tree = own_tree(material)
     tree.nodes.clear()
@@ -130,7 +130,7 @@ def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
 
 
 def _noise(tree: bpy.types.NodeTree, scale: float, detail: float) -> bpy.types.NodeSocket:
-    """Return noise that stays with the object, from 0 to 1."""
+    """Return noise in object space, from 0 to 1."""
     place = tree.nodes.new("ShaderNodeTexCoord")
     noise = tree.nodes.new("ShaderNodeTexNoise")
     noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = scale, detail
@@ -145,7 +145,7 @@ def _cover(
     ragged: float,
     threshold: float,
 ) -> bpy.types.NodeSocket:
-    """Return how much of the surface is covered: a step at the threshold, shifted by noise where there is a density."""
+    """Return the coverage: a smooth step at the threshold, shifted by noise where the density is not zero."""
     shift = math_node(tree, "MULTIPLY_ADD", noise, 4.0 * ragged, 1.0 - 2.0 * ragged)
     step = tree.nodes.new("ShaderNodeMapRange")
     step.interpolation_type = "SMOOTHSTEP"
@@ -157,7 +157,7 @@ def _cover(
 def _grown(
     tree: bpy.types.NodeTree, growth: _Growth, grains: bpy.types.NodeSocket, cover: bpy.types.NodeSocket
 ) -> bpy.types.Node:
-    """Return the shader of the growth itself: it stands out, and its grains are lit one by one."""
+    """Return the shader of the growth, with bump mapping for its edge and grains."""
     shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
     shader.location = (0.0, -700.0)
     shader.inputs["Roughness"].default_value = growth.roughness

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The geometry nodes that play a density: two stored frames are mixed into one attribute."""
+"""Geometry nodes that play a density: two stored frames are mixed into one attribute."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ..node_math import math_node
 from ..sequence import frame_group, own_geometry, pick
 
 VALUE = "Density"
-"""The modifier's input to animate: 0 is the first frame, 1 the last."""
+"""The animatable input of the modifier: 0 is the first frame, 1 the last."""
 
 SCALE = "Scale"
-"""The modifier's input that the attribute is multiplied by: 1 for a mask whose largest value is 1."""
+"""The modifier's factor for the attribute; at 1 its maximum is 1."""
 
 COLORS = "Heat Colors"
-"""The modifier's input that says whether a color attribute is written, too."""
+"""The modifier's switch for a color attribute with a heat map."""
 
 NAME = "Density"
-"""The usual name of the attribute."""
+"""The default name of the attribute."""
 
 # fmt: off
 TAKEN_BY_RENDERERS = frozenset((
@@ -32,19 +32,19 @@ TAKEN_BY_RENDERERS = frozenset((
     "pointiness", "random_per_island", "shadow_transparency", "motion_P", "motion_N",
 ))
 # fmt: on
-"""Names by which Cycles means something of its own: materials cannot read attributes that are called so."""
+"""Names that Cycles reserves: materials cannot read attributes with these names."""
 
 DENSITY_KEY = "convwass_density"
-"""Custom property of a node group that plays a density: its name."""
+"""Custom property of a node group that plays a density: the name of the density."""
 
 
 def frame_name(name: str, place: int) -> str:
-    """Return the name of the attribute that holds a frame; a leading dot hides it from lists."""
+    """Return the name of the attribute of a frame; the leading dot hides it from lists."""
     return f"{_frame_prefix(name)}{place}"
 
 
 def is_frame(attribute: str, name: str) -> bool:
-    """Tell whether an attribute holds a frame of a density."""
+    """Return whether an attribute holds a frame of a density."""
     return attribute.startswith(_frame_prefix(name)) and attribute[len(_frame_prefix(name)) :].isdecimal()
 
 
@@ -54,13 +54,13 @@ def color_name(name: str) -> str:
 
 
 def density_tree(name: str, times: Sequence[float]) -> bpy.types.NodeTree:
-    """Make the node group that plays the density `name`, whose frames are at `times` from 0 to 1, ascending."""
+    """Create the node group that plays the density `name`, with frames at ascending `times` from 0 to 1."""
     tree = frame_group(f"Play {name}")
     tree[DENSITY_KEY] = name
     for socket, kind, value, description in (
-        (VALUE, "NodeSocketFloat", 0.0, "How far the density has come: 0 is the first frame, 1 the last"),
-        (SCALE, "NodeSocketFloat", 1.0, "What the attribute is multiplied by; at 1 its largest value is 1"),
-        (COLORS, "NodeSocketBool", False, "Show the density by the colors of a heat map, in a color attribute"),
+        (VALUE, "NodeSocketFloat", 0.0, "Progress of the density: 0 is the first frame, 1 the last"),
+        (SCALE, "NodeSocketFloat", 1.0, "Factor of the attribute; at 1 its maximum is 1"),
+        (COLORS, "NodeSocketBool", False, "Write the density as a heat map to a color attribute"),
     ):
         item = tree.interface.new_socket(socket, in_out="INPUT", socket_type=kind)
         item.description, item.default_value = description, value
@@ -71,9 +71,9 @@ def density_tree(name: str, times: Sequence[float]) -> bpy.types.NodeTree:
 
 
 def fill(tree: bpy.types.NodeTree, name: str, times: Sequence[float]) -> None:
-    """Make the nodes anew; the inputs, and so the keys, stay.
+    """Replace the nodes; the inputs, and therefore their keys, are kept.
 
-    Their number does not depend on that of the frames: the name of an attribute is put together from a number.
+    The number of nodes does not depend on the number of frames: the attribute's name is built from a number.
     """
     tree.nodes.clear()
     inputs = tree.nodes.new("NodeGroupInput").outputs
@@ -93,7 +93,7 @@ def fill(tree: bpy.types.NodeTree, name: str, times: Sequence[float]) -> None:
     tree.links.new(inputs[COLORS], choice.inputs["Switch"])
     tree.links.new(geometry, choice.inputs["False"])
     tree.links.new(colored, choice.inputs["True"])
-    # Later modifiers would otherwise carry all frames along: subdivision would interpolate every one.
+    # Removed because later modifiers would process all frames: subdivision would interpolate each of them.
     cleaned = tree.nodes.new("GeometryNodeRemoveAttribute")
     if "Pattern Mode" in cleaned.inputs:
         cleaned.inputs["Pattern Mode"].default_value = "Wildcard"
@@ -109,9 +109,9 @@ def _frame_prefix(name: str) -> str:
 
 
 def _place(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, times: Sequence[float]) -> bpy.types.NodeSocket:
-    """Return where among the frames a value is: 2.25 is a quarter of the way from the third to the fourth.
+    """Return the fractional frame of a value: 2.25 is a quarter of the way from the third to the fourth frame.
 
-    A line of one point per step between frames is asked how much of every step is done, and the answers are summed.
+    A mesh line with one point per interval evaluates the finished share of each interval; the shares are summed.
     """
     line = tree.nodes.new("GeometryNodeMeshLine")
     line.inputs["Count"].default_value = len(times) - 1
@@ -127,13 +127,13 @@ def _place(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, times: Sequenc
 
 
 def _frame(tree: bpy.types.NodeTree, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Return the values of the frame number `place`."""
+    """Return the values of frame `place`."""
     digits = tree.nodes.new("FunctionNodeValueToString")
     tree.links.new(place, digits.inputs["Value"])
     prefix = tree.nodes.new("FunctionNodeInputString")
     prefix.string = _frame_prefix(name)
     joined = tree.nodes.new("GeometryNodeStringJoin")
-    # What is linked last comes first.
+    # The socket that is linked last comes first.
     tree.links.new(digits.outputs["String"], joined.inputs["Strings"])
     tree.links.new(prefix.outputs["String"], joined.inputs["Strings"])
     attribute = tree.nodes.new("GeometryNodeInputNamedAttribute")

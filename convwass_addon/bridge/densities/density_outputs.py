@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities as vertex groups and color attributes, one for each step."""
+"""Write densities as vertex groups and color attributes, one per step."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from .density_player import density_modifier, density_value
 from .density_store import store_density, stored_or_new
 
 GROUPS, COLOR_ATTRIBUTES = "groups", "colors"
-"""Kinds of outputs that an object remembers."""
+"""Keys of the outputs stored with an object."""
 
 
 def step_name(name: str, step: int) -> str:
-    """Return the name of what is written for one step, counted from 0."""
+    """Return the name for a step, counted from 0."""
     return f"{name}.{step:03d}"
 
 
 def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = NAME) -> list[str]:
-    """Write one vertex group for each step, the largest weight of all being 1.
+    """Write one vertex group per step; the maximum over all groups is 1.
 
-    Groups that were written under this name before are replaced, those of steps that are no more are removed.
+    Groups previously written under this name are replaced; surplus ones are removed.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object in any mode but Edit Mode.
+        A mesh object, not in Edit Mode.
     densities : (f, n) array_like
-        One value per vertex, not negative.
+        One non-negative value per vertex.
     name : str
-        The groups are called by it and the number of the step.
+        Group names are this name followed by the number of the step.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     mesh = writable_mesh(obj)
     weights = _checked(densities, len(mesh.vertices))
     names = [step_name(name, step) for step in range(len(weights))]
-    # Before anything is written.
+    # Checked before anything is written.
     require_unlocked(obj, names)
     for own, values in zip(names, weights, strict=True):
         write_group(obj, own, values)
@@ -66,7 +66,7 @@ def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = N
 
 
 def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = NAME) -> list[str]:
-    """Write one color attribute for each step, in the colors of a heat map that is the same for all.
+    """Write one color attribute per step, with the same heat map for all steps.
 
     Parameters
     ----------
@@ -76,12 +76,13 @@ def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     Returns
     -------
     list of str
-        Names of the attributes, of points, 8 bits. The first one becomes the active one, which viewports show.
+        Names of the attributes, which have 8 bits and the point domain. The first one becomes active and is shown in
+        viewports.
 
     Raises
     ------
     InputError
-        Not a mesh, in Edit Mode, linked, or something else has such a name.
+        The object is not a mesh, is in Edit Mode or linked, or the name belongs to something else.
     """
     mesh = writable_mesh(obj)
     weights = _checked(densities, len(mesh.vertices))
@@ -96,19 +97,20 @@ def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = N
 
 
 def show_heat_colors(obj: bpy.types.Object, name: str = NAME) -> None:
-    """Let the color attribute of a played density show its heat map at every frame.
+    """Write the heat map of the current frame to a color attribute.
 
-    Solid viewports show it under Viewport Shading > Color > Attribute, without any material.
+    Solid viewports show it with Viewport Shading > Color > Attribute, without a material.
 
     Raises
     ------
     InputError
-        As `writable_mesh`, nothing of this name is played, or something else has the name of the attribute.
+        As for `writable_mesh`; no density of this name is played; or the name of the attribute belongs to something
+        else.
     """
     mesh = writable_mesh(obj)
     choice = node_input(density_modifier(obj, name), COLORS)
     own = color_name(name)
-    # Viewports look for the name in the mesh itself; the modifier fills in the colors.
+    # Viewports look up the name in the original mesh; the modifier fills in the colors.
     _write_color(obj, own, heat_colors(np.zeros(len(mesh.vertices))))
     _show(mesh, own)
     choice.set(True)
@@ -120,12 +122,12 @@ def _checked(densities: ArrayLike, count: int) -> NDArray[np.float64]:
     if frames.ndim != 2 or not len(frames) or frames.shape[1] != count:
         raise ValueError(f"densities of shape {frames.shape} for {count} vertices")
     if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
-        raise ValueError("densities are negative or no numbers")
+        raise ValueError("densities are negative or not finite")
     return as_weights(frames)
 
 
 def _written(obj: bpy.types.Object, name: str, kind: str, names: list[str]) -> list[str]:
-    """Remember what was written; return what was before and is not any more."""
+    """Store which outputs were written; return the previous ones that no longer exist."""
     known = stored_or_new(obj, name)
     store_density(obj, name, replace(known, outputs={**known.outputs, kind: names}))
     return [old for old in known.outputs.get(kind, ()) if old not in names]
@@ -138,7 +140,7 @@ def _write_color(obj: bpy.types.Object, name: str, colors: NDArray[np.float64]) 
         attribute = mesh.attributes.new(name, "BYTE_COLOR", "POINT")
     if (attribute.name, attribute.domain, attribute.data_type) != (name, "POINT", "BYTE_COLOR"):
         raise InputError(
-            "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another name.",
+            "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
             object=obj.name,
             name=name,
         )

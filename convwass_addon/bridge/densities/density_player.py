@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A density that moves over a surface as one animated attribute, played by geometry nodes alone.
+"""Play a moving density as one animated attribute, with geometry nodes.
 
-The frames are attributes of the mesh. A modifier mixes the two next to its *Density* value into the attribute that
-materials, later modifiers and hair read. The file needs no add-on to play, in the viewport as in renders.
+The frames are attributes of the mesh. Depending on its *Density* value, a modifier mixes the two nearest frames into
+the attribute that materials, later modifiers and hair read. The file plays without the add-on, in viewports and
+renders.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from .density_store import StoredDensity, forget_density, store_density, stored_
 
 @dataclass(frozen=True)
 class DensityKey:
-    """At a scene frame, which need not be whole, the density has come to a value from 0 to 1."""
+    """The value of the density, from 0 to 1, at a possibly fractional scene frame."""
 
     frame: float
     value: float
@@ -43,28 +44,28 @@ def animate_density(
     easing: str = "LINEAR",
     description: StoredDensity | None = None,
 ) -> bpy.types.NodesModifier:
-    """Store the frames of a density and let the first modifier of an object play them as one attribute.
+    """Store the frames of a density, and play them as one attribute with the first modifier of an object.
 
-    The largest value of all frames becomes 1, as masks want it; set the modifier's `SCALE` to the stored scale for
-    densities of mass 1. A density of the same name is replaced: its modifier stays, with its keys unless new ones are
-    given. Objects that share the mesh and play the density play the new one.
+    The maximum over all frames becomes 1, as suits masks; for densities of mass 1, set the modifier's `SCALE` to the
+    stored scale. A density of the same name is replaced: its modifier is kept, and its keys unless new ones are given.
+    Other objects that play the density on the same mesh play the new one.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object in any mode but Edit Mode.
+        A mesh object, not in Edit Mode.
     densities : (f, n) array_like
-        At least two frames, one value per vertex, not negative. Values less than 1/131072 of the largest become 0.
+        At least two frames with one non-negative value per vertex. Values below 1/131072 of the maximum become 0.
     times : (f,) array_like
-        When each frame is exact, ascending; between them frames are mixed linearly. Brought to 0 ... 1.
+        Time of each frame, ascending, scaled to 0 ... 1. Frames are interpolated linearly.
     name : str
-        Of the attribute that is written, on points.
+        Name of the attribute, on points.
     keys : sequence of DensityKey
-        The animation. None are set where it is empty.
+        The animation; empty for none.
     easing : str
-        One of `keyframes.EASINGS`: how the value goes from key to key.
+        A key of `keyframes.EASINGS`, for the interpolation between keys.
     description : StoredDensity, optional
-        What the object shall remember; times and scale are filled in here.
+        The description to store; times and scale are filled in.
 
     Returns
     -------
@@ -73,7 +74,7 @@ def animate_density(
     Raises
     ------
     InputError
-        Not a mesh, in Edit Mode, linked, or a name that something else on the mesh has.
+        The object is not a mesh, is in Edit Mode or linked, or the name belongs to something else.
     """
     mesh = writable_mesh(obj)
     frames = _checked_frames(densities, len(mesh.vertices))
@@ -91,12 +92,12 @@ def animate_density(
 
 
 def remove_density(obj: bpy.types.Object, name: str = NAME) -> None:
-    """Remove a density with its modifier, its keys and its frames; what other objects play stays.
+    """Remove a density with its modifier, keys and frames; other objects that play it are not affected.
 
     Raises
     ------
     InputError
-        As `animate_density`, or nothing of this name is played.
+        As for `animate_density`, or no density of this name is played.
     """
     mesh = writable_mesh(obj)
     modifier = density_modifier(obj, name)
@@ -118,21 +119,21 @@ def density_modifier(obj: bpy.types.Object, name: str = NAME) -> bpy.types.Nodes
     Raises
     ------
     InputError
-        There is none.
+        There is no such modifier.
     """
     found = next((modifier for modifier in obj.modifiers if _plays(modifier, name)), None)
     if found is None:
-        raise InputError("{object} plays no density {name}; animate it first.", object=obj.name, name=name)
+        raise InputError("{object} does not play a density {name}; animate it first.", object=obj.name, name=name)
     return found
 
 
 def density_value(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
-    """Return the value of a density to animate; draw it with ``layout.prop(value.owner, value.path)``."""
+    """Return the animatable value of a density; draw it with ``layout.prop(value.owner, value.path)``."""
     return node_input(density_modifier(obj, name), VALUE)
 
 
 def played_densities(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the densities that an object plays, in the order of its modifiers."""
+    """Return the names of the densities that an object plays, in modifier order."""
     trees = (modifier.node_group for modifier in obj.modifiers if modifier.type == "NODES")
     return [tree[DENSITY_KEY] for tree in trees if tree and isinstance(tree.get(DENSITY_KEY), str)]
 
@@ -142,12 +143,12 @@ def _checked_frames(densities: ArrayLike, count: int) -> NDArray[np.float64]:
     if frames.ndim != 2 or len(frames) < 2 or frames.shape[1] != count:
         raise ValueError(f"densities of shape {frames.shape} for two frames or more of {count} vertices")
     if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
-        raise ValueError("densities are negative or no numbers")
+        raise ValueError("densities are negative or not finite")
     return frames
 
 
 def _checked_times(times: ArrayLike, count: int) -> NDArray[np.float64]:
-    """Return times from 0 to 1."""
+    """Scale times to 0 ... 1."""
     places = np.asarray(times, dtype=np.float64)
     if places.shape != (count,) or not np.isfinite(places).all() or not (np.diff(places) > 0.0).all():
         raise ValueError(f"times are not {count} ascending numbers")
@@ -155,17 +156,17 @@ def _checked_times(times: ArrayLike, count: int) -> NDArray[np.float64]:
 
 
 def _play(obj: bpy.types.Object, name: str, times: NDArray[np.float64]) -> bpy.types.NodesModifier:
-    """Let all objects that play this density of this mesh play these frames, and `obj` in any case."""
+    """Set the frames for all objects that play this density on this mesh, and for `obj`."""
     players = _players(obj.data, name)
     if not any(player.id_data == obj for player in players):
         modifier = obj.modifiers.new(f"Play {name}", "NODES")
         obj.modifiers.move(len(obj.modifiers) - 1, 0)
-        # References to modifiers do not survive a move.
+        # Moving a modifier invalidates references to it.
         modifier = obj.modifiers[0]
         modifier.node_group = players[0].node_group if players else density_tree(name, times)
         players = _players(obj.data, name)
     tree = density_modifier(obj, name).node_group
-    # Copies of the object with a mesh of their own keep their frames, and so their times.
+    # Copies of the object with their own mesh keep their frames and times.
     if tree.users > sum(player.node_group == tree for player in players):
         tree = tree.copy()
     fill(tree, name, times)
@@ -196,7 +197,7 @@ def _key(value: NodeInput, keys: Sequence[DensityKey], easing: str) -> None:
 
 
 def _unkey(value: NodeInput) -> None:
-    """Remove the keys of a value; what other channels the object has stays."""
+    """Remove the keys of a value; other animation of the object is kept."""
     bag = _channels(value)
     curve = bag.fcurves.find(value.data_path) if bag else None
     if curve:

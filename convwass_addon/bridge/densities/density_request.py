@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a density on its way was asked for, as it is stored with every one, whoever asked."""
+"""The settings of an animated density that are stored with it."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from ...schema import Choice, Settings, setting
 
 @dataclass(frozen=True)
 class DensityRequest(Settings):
-    """What a density on its way was asked for besides the settings of its solver."""
+    """Settings of an animated density besides those of its solver."""
 
     easing: str = setting(
         "LINEAR",
         "Easing",
-        "How the value goes from group to group; edit its curve for more",
+        "Interpolation of the value between groups; edit its curve for more control",
         choices=(
-            Choice("LINEAR", "Linear", "At constant speed"),
-            Choice("SMOOTH", "Smooth", "Slow away from every group and slow into the next"),
+            Choice("LINEAR", "Linear", "Constant speed"),
+            Choice("SMOOTH", "Smooth", "Slow down at every group"),
         ),
         panel="path",
     )
     trail: bool = setting(
         False,
         "Leave a Trail",
-        "What the density has covered stays covered, as moss or frost that creeps along",
+        "Everything that the density has passed stays covered, like growing moss or frost",
         panel="path",
     )
 
@@ -44,26 +44,26 @@ def path_request(
     request: DensityRequest,
     frames: Sequence[float],
 ) -> dict[str, object]:
-    """Return the settings that :class:`.StoredDensity` keeps, so that the density can be made again.
+    """Return the settings stored in :class:`.StoredDensity`, with which the density can be computed again.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        The mesh object that the density is on.
+        The mesh object with the density.
     weights : (k, n) array_like
-        Of the groups that it goes through; later ones are compared with them.
+        Weights of the groups, used to detect later changes.
     settings : DensitySettings
-        How it is moved.
+        Settings of the transport.
     request : DensityRequest
-        How it is shown.
+        Settings of the animation.
     frames : sequence of float, (k,)
-        The scene frames at which it has come to each of them.
+        Scene frame at each group.
     """
     asked = {"frames": [float(frame) for frame in frames], **request.as_dict()}
     return {**settings.as_dict(), **asked, **marks_of(obj, np.asarray(weights))}
 
 
 def marks_of(obj: bpy.types.Object, weights: ArrayLike) -> dict[str, object]:
-    """Return numbers that tell later whether groups, of which `weights` are (k, n), or the mesh have changed."""
+    """Return checksums to detect later changes of the mesh and of groups with `weights`, (k, n)."""
     ramp = np.linspace(1.0, 2.0, np.shape(weights)[1])
     return {"mesh": [len(obj.data.vertices), len(obj.data.polygons)], "marks": [float(own @ ramp) for own in weights]}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an object remembers of the densities that were baked on it, and how that is read back."""
+"""Store descriptions of baked densities with their object, and read them back."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from ...errors import InputError
 SCHEMA = 1
 
 DENSITIES_KEY = "convwass_densities"
-"""Custom property of an object: JSON of a `StoredDensity` for every name, and the schema number."""
+"""Custom property of an object: JSON with a `StoredDensity` for every name, and the schema number."""
 
 MOST_CHARACTERS = 4_000_000
-"""Longer texts are not read."""
+"""Longer texts are not parsed."""
 
 
 @dataclass(frozen=True)
 class StoredDensity:
-    """A baked density as its object remembers it.
+    """The stored description of a baked density.
 
     Attributes
     ----------
     inputs : list of str
-        Names of the vertex groups that it was made from.
+        Names of the vertex groups it was computed from.
     settings : dict
-        What the bake was asked for; numbers, texts, booleans, None and lists of these.
+        Settings of the bake: numbers, strings, booleans, None and lists of these.
     records : list of dict
-        The solver's figures for each frame, single values only.
+        The solver's figures for each frame, scalars only.
     times : list of float
-        The place of each stored frame from 0 to 1, ascending; empty where nothing is played.
+        Time of each stored frame from 0 to 1, ascending; empty if nothing is played.
     scale : float
-        What the played attribute is multiplied by for densities of mass 1.
+        Factor that scales the played attribute to mass 1.
     outputs : dict
-        What else was written, by kind: names of groups, of color attributes, paths of images.
+        Other outputs by kind: names of groups and color attributes, paths of images.
     """
 
     inputs: list[str] = field(default_factory=list)
@@ -49,7 +49,7 @@ class StoredDensity:
 
 
 def store_density(obj: bpy.types.Object, name: str, density: StoredDensity) -> None:
-    """Write the description of a density onto its object; those of other densities stay."""
+    """Store the description of a density with its object; descriptions of other densities are kept."""
     known = {other: stored_density(obj, other) for other in _readable_names(obj)}
     _write(obj, {**known, name: density})
 
@@ -64,12 +64,12 @@ def forget_density(obj: bpy.types.Object, name: str) -> None:
 
 
 def stored_density(obj: bpy.types.Object, name: str) -> StoredDensity:
-    """Read and check what `store_density` wrote.
+    """Read and check a description written by `store_density`.
 
     Raises
     ------
     InputError
-        There is nothing of this name, or it is damaged or from a newer version.
+        There is no density of this name, or its description is damaged or from a newer version.
     """
     try:
         table = _table(obj)
@@ -77,7 +77,7 @@ def stored_density(obj: bpy.types.Object, name: str) -> StoredDensity:
             return _checked(table[name])
     except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise InputError(
-            "What {object} remembers of its densities is damaged ({reason}); bake them again.",
+            "The stored densities of {object} are damaged ({reason}); bake them again.",
             object=obj.name,
             reason=str(error),
         ) from error
@@ -85,7 +85,7 @@ def stored_density(obj: bpy.types.Object, name: str) -> StoredDensity:
 
 
 def stored_or_new(obj: bpy.types.Object, name: str) -> StoredDensity:
-    """Return what an object remembers of a density; an empty description where that is nothing or damaged."""
+    """Return the stored description of a density, or an empty one if it is missing or damaged."""
     try:
         return stored_density(obj, name)
     except InputError:
@@ -131,7 +131,7 @@ def _table(obj: bpy.types.Object) -> dict[str, object]:
 
 
 def _checked(data: object) -> StoredDensity:
-    """Return the description, or raise an error that says what is wrong with it."""
+    """Return the description; raises an error that says what is wrong with it."""
     if not isinstance(data, dict):
         raise TypeError("not a table")
     density = StoredDensity(**{name: data[name] for name in StoredDensity.__dataclass_fields__})

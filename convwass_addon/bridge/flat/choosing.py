@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which kind of morph some objects ask for."""
+"""Decide whether a morph is flat or solid."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .flat_objects import is_flat
 
 
 def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, thickness: float) -> bool:
-    """Tell whether objects ask for a flat morph: all of them are flat, and no mesh of them is to be given a thickness.
+    """Return whether a morph is flat: all objects are flat, and no mesh gets a thickness.
 
     Raises
     ------
     InputError
-        Flat shapes beside solid ones that have no depth of their own and are to be given none.
+        Flat and solid shapes are mixed, and the flat ones have no depth.
     """
     if not all(is_shape(obj) for obj in inputs):
-        # Whoever reads them says what is wrong with those.
+        # Reading them reports the problem.
         return False
     flat = [is_flat(obj, depsgraph) for obj in inputs]
     if all(flat):
@@ -34,15 +34,15 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
     for obj in (obj for obj, is_one in zip(inputs, flat, strict=True) if is_one):
         if obj.type not in MESHED:
             raise InputError(
-                "{flat} is flat and {solid} is solid, and a drawing or an image cannot be made solid; choose shapes of "
+                "{flat} is flat but {solid} is solid, and drawings and images cannot be made solid; choose shapes of "
                 "one kind.",
                 flat=obj.name,
                 solid=solid.name,
             )
         if thickness <= 0 and not (is_drawn_flat(obj) and (obj.data.extrude > 0 or obj.data.bevel_depth > 0)):
             raise InputError(
-                "{flat} is flat and {solid} is solid; choose shapes of one kind, or set Thickness to make flat ones "
-                "solid.",
+                "{flat} is flat but {solid} is solid; choose shapes of one kind, or set Thickness to make the flat "
+                "ones solid.",
                 flat=obj.name,
                 solid=solid.name,
             )
@@ -50,6 +50,6 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
 
 
 def refuse_volumes(wanted: bool) -> None:
-    """Refuse to make volumes of a flat morph where they are wanted; raises InputError."""
+    """Raise InputError if volumes are requested for a flat morph."""
     if wanted:
         raise InputError("Flat shapes have no volume; choose another output: objects, a player or a cache.")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a flat morph into the scene: curve objects, or the meshes that Blender makes of them."""
+"""Write a flat morph to the scene as curves, meshes or drawings."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .flat_rings import blended_style
 from .planes import blended_plane
 
 FlatKind = Literal["CURVE", "MESH", "DRAWING"]
-"""What frames of flat shapes are: curve objects, mesh objects, or drawings of a Grease Pencil object."""
+"""The kind of the frames: curve objects, mesh objects, or drawings of a Grease Pencil object."""
 
-# Lists of Blender's data by the types of objects.
+# Data collections by object type.
 _LISTS = {"FONT": "curves", "CURVE": "curves", "MESH": "meshes"}
 
 
 class FlatBake(MorphBake):
-    """A flat morph that is being written, as :class:`.bake.MorphBake` is."""
+    """A flat morph being written; see :class:`.bake.MorphBake`."""
 
     @classmethod
     def begin_flat(
@@ -45,21 +45,21 @@ class FlatBake(MorphBake):
         flats: Sequence[MovedFlat],
         kind: FlatKind,
     ) -> Self:
-        """Make the collection, and copies of the inputs as they are now.
+        """Create the collection, and copies of the inputs in their current state.
 
         Parameters
         ----------
         scene, inputs, blends, settings, first_frame
             As for :meth:`.bake.MorphBake.begin`.
         flats : sequence of MovedFlat
-            What was read of the inputs.
+            The inputs as they were read.
         kind : "CURVE", "MESH" or "DRAWING"
-            What frames are.
+            The kind of the frames.
 
         Raises
         ------
         InputError
-            A first frame that Blender does not have; nothing is left behind then.
+            Blender does not support the first frame; nothing is created then.
         """
         check_first_frame(first_frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -77,7 +77,7 @@ class FlatBake(MorphBake):
     _material: Handle | None
 
     def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
-        """Make the curve or mesh object of a frame; an input is shown as the object that it is."""
+        """Make the object of a frame; frames that equal an input are copies of it."""
         if frame.outline is None:
             obj = self._living(self._copies[frame.blend.source]).copy()
             obj.name = name
@@ -91,7 +91,7 @@ class FlatBake(MorphBake):
             style = replace(style, fill_mode="BOTH")
         obj = bpy.data.objects.new(name, curve)
         colors = [region.color for region in frame.regions]
-        # Splines take no material slot that is not there.
+        # Material slots must exist before splines can use them.
         self._dress(obj, colors)
         write_curves(curve, frame.curves, style, frame.owners)
         if self._kind == "MESH":
@@ -102,7 +102,7 @@ class FlatBake(MorphBake):
         return obj
 
     def _dress(self, obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
-        """Give a curve the colors of its regions, or the material that all inputs share, or that of all frames."""
+        """Assign the colors of the regions, else the material shared by all inputs, else the material of all frames."""
         if len(colors) > 1:
             dress_curve(obj, colors)
             return
@@ -112,7 +112,7 @@ class FlatBake(MorphBake):
         wear_material(obj.data)
 
     def _sheet_location(self, blend: Blend) -> np.ndarray:
-        """Return where a frame of a sheet goes, (3,): columns along the plane's X, rows against its Y."""
+        """Return the position of a frame on a sheet, (3,): columns along the plane's X, rows against its Y."""
         planes = [flat.plane for flat in self._flats]
         step = SHEET_SPACING * max(shape.size for shape in self._inputs)
         column, row = blend.place
@@ -125,14 +125,14 @@ class FlatBake(MorphBake):
 
     def _drop_unused(self) -> None:
         bpy.data.batch_remove(found(self._copies))
-        # Before the material that they wear is looked at.
+        # Removed first, so that the material below is seen as unused.
         bpy.data.batch_remove([data for data in found([shape.mesh for shape in self._inputs]) if data.users == 0])
         super()._drop_unused()
         bpy.data.batch_remove(unused_materials())
 
 
 def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object:
-    """Copy an input as it stands in the scene: as an object of its own type, or as a mesh."""
+    """Copy an input in its current state, as an object of the same type or as a mesh."""
     if obj.type == "EMPTY" or (obj.type == "GREASEPENCIL" and kind == "MESH"):
         copy = _of_rings(obj, flat)
         return _as_mesh_object(copy) if kind == "MESH" else copy
@@ -149,7 +149,7 @@ def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: b
 
 
 def _own_copy(obj: bpy.types.Object) -> bpy.types.Object:
-    """Copy an object with its data and modifiers, free of what else holds or moves it."""
+    """Copy an object with its data and modifiers, without parent, constraints and animation."""
     copy = obj.copy()
     copy.data = obj.data.copy()
     for block in (copy, copy.data):
@@ -164,7 +164,7 @@ def _own_copy(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _of_rings(obj: bpy.types.Object, flat: MovedFlat) -> bpy.types.Object:
-    """Make a curve object of what was read of an input."""
+    """Make a curve object from the outlines read from an input."""
     curve = bpy.data.curves.new(obj.name, "CURVE")
     write_rings(curve, flat.shape.rings, flat.style)
     copy = bpy.data.objects.new(obj.name, curve)
@@ -174,7 +174,7 @@ def _of_rings(obj: bpy.types.Object, flat: MovedFlat) -> bpy.types.Object:
 
 
 def _as_mesh_object(obj: bpy.types.Object) -> bpy.types.Object:
-    """Replace a curve object that stands nowhere yet by one with the mesh that Blender draws of it."""
+    """Replace a curve object that is not in a scene yet by a mesh object."""
     other = bpy.data.objects.new(obj.name, mesh_of(obj))
     other.matrix_basis, other.color = obj.matrix_basis.copy(), obj.color
     curve = obj.data
@@ -191,18 +191,18 @@ def _described(obj: bpy.types.Object, copy: bpy.types.Object, flat: MovedFlat) -
 
 
 def _pencil_list() -> str:
-    """Name of Blender's list of Grease Pencil data, which was another kind of drawings' until 5.0."""
+    """Return the name of the collection of Grease Pencil data, which changed in Blender 5.0."""
     return "grease_pencils_v3" if hasattr(bpy.data, "grease_pencils_v3") else "grease_pencils"
 
 
 def mean_color(flat: MovedFlat) -> tuple[float, ...]:
-    """Mean color of an input, by the areas of its rings."""
+    """Mean color of an input, weighted by the areas of its rings."""
     areas = np.abs([ring_area(ring) for ring in flat.shape.rings])
     return tuple(float(value) for value in areas @ flat.shape.colors / areas.sum())
 
 
 def _shared_material(inputs: Sequence[bpy.types.Object]) -> Handle | None:
-    """Return the material that all inputs wear, where they wear one."""
+    """Return the material that all inputs share, if there is exactly one."""
     worn = [{slot.material for slot in obj.material_slots if slot.material} for obj in inputs]
     common = set.intersection(*worn)
     if len(common) != 1 or any(len(own) != 1 for own in worn) or any(obj.type == "GREASEPENCIL" for obj in inputs):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Outlines as curve objects, and flat objects as meshes."""
+"""Write outlines as curve objects, and convert flat objects to meshes."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from ...geometry.fitting import BezierRing, fitted_beziers
 from ...geometry.outlines import Outline
 from .flat_rings import CurveStyle
 
-# Steps of a curve's piece in Blender: pieces are short.
+# Evaluation steps per curve segment; segments are short.
 _STEPS = 8
-# Curves that border on each other are fitted so much better: what they leave between them would be seen.
+# Factor on the fitting error where curves share borders, so that no gaps are visible.
 _BORDER = 1 / 3
-# Numbers of Blender's kinds of handles.
+# Blender's handle types.
 _FREE, _ALIGNED = 0, 3
 
 
 @dataclass(frozen=True)
 class FittedFrame(FlatFrame):
-    """A finished blend of flat shapes, with the curves that its object is made of.
+    """A finished blend of flat shapes, with the curves of its object.
 
     Attributes
     ----------
     curves : tuple of BezierRing
-        In the plane of the blend: those of all regions of one color, or of the whole outline.
+        In the plane of the blend: the curves of all regions, or of the whole outline.
     owners : tuple of int
-        Number of the region of every curve; 0 where there is one.
+        Index of the region of every curve; 0 if there is only one.
     """
 
     curves: tuple[BezierRing, ...] = ()
@@ -41,7 +41,7 @@ class FittedFrame(FlatFrame):
 
     @classmethod
     def of(cls, frame: FlatFrame, error: float) -> FittedFrame:
-        """Fit curves to the outline of a frame, within so many cells; it touches nothing of Blender."""
+        """Fit curves to the outline of a frame, with an error in cells, without accessing Blender's data."""
         outlines = [region.outline for region in frame.regions]
         if outlines:
             error *= _BORDER
@@ -52,7 +52,7 @@ class FittedFrame(FlatFrame):
         return cls(**vars(frame), curves=tuple(ring for own in fitted for ring in own), owners=owners)
 
     def grouped(self, outline: Outline, number: int) -> tuple[tuple[BezierRing, ...], ...]:
-        """Return the curves of region `number` by its parts, each an outer ring and its holes."""
+        """Return the curves of region `number`, grouped by parts: an outer ring and its holes."""
         own = iter(ring for ring, owner in zip(self.curves, self.owners, strict=True) if owner == number)
         return tuple(tuple(next(own) for _ in region.rings) for region in outline.regions)
 
@@ -60,18 +60,18 @@ class FittedFrame(FlatFrame):
 def write_curves(
     curve: bpy.types.Curve, curves: Sequence[BezierRing], style: CurveStyle, slots: Sequence[int] | None = None
 ) -> None:
-    """Replace the splines of a curve, whose materials stay.
+    """Replace the splines of a curve; its materials are kept.
 
     Parameters
     ----------
     curve : bpy.types.Curve
-        Its own X and Y are those of the plane.
+        Its local X and Y axes are those of the plane.
     curves : sequence of BezierRing
         An outline.
     style : CurveStyle
         Depth and fill.
     slots : sequence of int, optional
-        Material slot of every ring; what is in one slot is filled together.
+        Material slot of every ring; rings with the same slot are filled together.
     """
     _prepare(curve, style)
     for ring, slot in zip(curves, slots or [0] * len(curves), strict=True):
@@ -79,7 +79,7 @@ def write_curves(
 
 
 def write_rings(curve: bpy.types.Curve, rings: Sequence[NDArray[np.float64]], style: CurveStyle) -> None:
-    """Replace the splines of a curve by closed polygons, (n, 2) each, as they are."""
+    """Replace the splines of a curve by closed polygons, (n, 2) each."""
     _prepare(curve, style)
     for ring in rings:
         spline = curve.splines.new("POLY")
@@ -112,7 +112,7 @@ def _add_spline(curve: bpy.types.Curve, ring: BezierRing) -> bpy.types.Spline:
 
 
 def mesh_of(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """Make a mesh of a curve or text object as Blender fills, bevels and extrudes it; modifiers are left out."""
+    """Convert a curve or text object to a mesh, with fill, bevel and extrusion but without modifiers."""
     mesh = bpy.data.meshes.new_from_object(obj)
     mesh.name = obj.name
     return mesh

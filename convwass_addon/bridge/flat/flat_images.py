@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Silhouettes of image empties as polygons."""
+"""Convert silhouettes of image Empties to polygons."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from ...geometry.contours import outline_enclosing
 from ...geometry.fitting import fitted_polygons
 from .flat_rings import FlatRings
 
-# More pixels along a side are brought together.
+# Larger images are downsampled to this number of pixels per side.
 _MOST_PIXELS = 1024
-# Opacity below which something must be for it to be what shapes the image.
+# Images with pixels below this opacity are segmented by opacity.
 _OPAQUE = 0.5
-# Pixels over which stairs are smoothed, and by how much a polygon may leave the outline then.
+# Radius in pixels for smoothing steps, and error of the polygons.
 _SMOOTHED, _ERROR = 0.7, 0.05
-# Less than this share of an image, or more than all but as much, is no silhouette.
+# A silhouette must cover at least this share of an image, and leave as much uncovered.
 _LEAST_SHARE = 1e-4
 
 
 def image_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
-    """Read the silhouette of an image empty: what is opaque, or else what stands out from the border.
+    """Read the silhouette of an image Empty: its opaque part, or else what differs from the border.
 
     Raises
     ------
     InputError
-        An image that cannot be read, or that is all of one tone.
+        The image cannot be read, or is uniform.
     """
     silhouette = silhouette_of(obj.data)
     wide, high = obj.data.size
@@ -46,12 +46,12 @@ def image_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings
 
 
 def silhouette_of(image: bpy.types.Image) -> NDArray[np.float64]:
-    """How full every pixel of an image is, from 0 to 1, (w, h), columns from the left, rows from the bottom up.
+    """Coverage of every pixel of an image, from 0 to 1, (w, h), with columns from the left and rows from the bottom.
 
     Raises
     ------
     InputError
-        An image that cannot be read, or that is all of one tone.
+        The image cannot be read, or is uniform.
     """
     values = figure_of(pixels_of(image))
     share = float((values > 0.5).mean())
@@ -61,24 +61,24 @@ def silhouette_of(image: bpy.types.Image) -> NDArray[np.float64]:
 
 
 def one_tone(name: str) -> InputError:
-    """Return what to say of an image in which nothing stands out."""
+    """Return the error for a uniform image."""
     return InputError(
-        "The image {name} is all of one tone; choose a silhouette: black on white, or on a transparent ground.",
+        "The image {name} is uniform; choose a silhouette: black on white, or on a transparent background.",
         name=name,
     )
 
 
 def pixels_of(image: bpy.types.Image) -> NDArray[np.float32]:
-    """Return the pixels of an image, (h, w, c), rows from the bottom up; of large ones, means of blocks.
+    """Return the pixels of an image, (h, w, c), with rows from the bottom; large images are averaged in blocks.
 
     Raises
     ------
     InputError
-        An image that cannot be read.
+        The image cannot be read.
     """
     wide, high = image.size
     if not (wide and high and image.channels):
-        raise InputError("The image {name} could not be read; is its file still there?", name=image.name)
+        raise InputError("The image {name} could not be read; does its file still exist?", name=image.name)
     pixels = np.empty(wide * high * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
     pixels = np.nan_to_num(pixels).reshape(high, wide, image.channels)
@@ -91,7 +91,7 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.float32]:
 
 
 def has_ground(pixels: NDArray[np.float32]) -> bool:
-    """Tell whether the pixels of an image, (h, w, c), stand on a ground of a color, and are not cut out by opacity."""
+    """Return whether an image, (h, w, c), has an opaque background."""
     return not (pixels.shape[2] == 4 and pixels[:, :, 3].min() < _OPAQUE)
 
 
@@ -101,7 +101,7 @@ def border_of(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def figure_of(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """How much of every pixel, (h, w, c), belongs to the figure."""
+    """Coverage of every pixel, (h, w, c), by the figure."""
     if not has_ground(pixels):
         return np.clip(pixels[:, :, 3], 0.0, 1.0)
     gray = pixels[:, :, :3] @ np.array([0.2126, 0.7152, 0.0722], np.float32) if pixels.shape[2] > 2 else pixels[:, :, 0]
@@ -110,7 +110,7 @@ def figure_of(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _outlines(silhouette: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Rings in pixels about what is at least half full, as large as that is."""
+    """Outlines in pixels that enclose the area of the silhouette."""
     half = np.clip((silhouette - 0.5) * 2.0 + 0.5, 0.0, 1.0)
     prepared = gaussian_filter(np.pad(half, 2), _SMOOTHED)
     outline = fitted_polygons(outline_enclosing(prepared, float(half.sum())).outline, _ERROR)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes as a command line names them: files of meshes, drawings and pictures, objects of a .blend, and words."""
+"""Import shapes named on the command line: mesh files, drawings, images, objects of a .blend, and text."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_da
 from ..scratch_scene import scratch_scene
 
 TEXT = "text:"
-"""What a word begins with."""
+"""Prefix of text shapes."""
 
 DRAWING = ".svg"
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
-"""Endings of images whose silhouettes are taken."""
+"""Extensions of images, whose silhouettes are used."""
 
 
 def imported_shape(text: str) -> list[bpy.types.Object]:
-    """Bring what a command line names into the current scene, as an object.
+    """Import a shape into the current scene.
 
     Parameters
     ----------
     text : str
-        ``text:WORD``, an SVG or an image, or what :func:`.imports.import_objects` reads.
+        ``text:WORD``, an SVG file, an image, or a source for :func:`.imports.import_objects`.
 
     Raises
     ------
     InputError
-        No word, or a file that cannot be used; the scene is as before then.
+        The text is empty, or the file cannot be used; the scene is not changed then.
     """
     if text.startswith(TEXT) and not os.path.exists(text):
         return [_text_object(text.removeprefix(TEXT))]
@@ -52,16 +52,16 @@ def imported_shape(text: str) -> list[bpy.types.Object]:
 
 
 def _text_object(word: str) -> bpy.types.Object:
-    """Make a text in Blender's own font."""
+    """Create a text object with Blender's default font."""
     if not word.strip():
-        raise InputError("{text} has no letters; write them after the colon, as in text:HELLO.", text=TEXT)
+        raise InputError("{text} needs some letters after the colon, as in text:HELLO.", text=TEXT)
     curve = bpy.data.curves.new(word, "FONT")
     curve.body = word
     return _linked(bpy.data.objects.new(word, curve))
 
 
 def _picture(path: Path) -> bpy.types.Object:
-    """Make an empty that shows an image."""
+    """Create an Empty that shows an image."""
     file = checked_file(path, None, PICTURES)
     image = loaded_image(file)
     obj = bpy.data.objects.new(file.stem, None)
@@ -70,21 +70,23 @@ def _picture(path: Path) -> bpy.types.Object:
 
 
 def _drawing(path: Path) -> bpy.types.Object:
-    """Read an SVG as one curve object."""
+    """Import an SVG as one curve object."""
     file = checked_file(path, None, (DRAWING,))
     with only_kept_data() as kept, scratch_scene() as scene:
         run_importer(lambda path: bpy.ops.import_curve.svg(filepath=path), file)
         bpy.context.view_layer.update()
         curves = [obj for obj in scene.collection.all_objects if obj.type == "CURVE" and obj.data.splines]
         if not curves:
-            raise InputError("{file} holds no curve; convert its objects to paths and export it again.", file=file.name)
+            raise InputError(
+                "{file} contains no curve; convert its objects to paths and export it again.", file=file.name
+            )
         kept.append(_one_of(curves))
     kept[0].name = kept[0].data.name = file.stem
     return _linked(kept[0])
 
 
 def _one_of(curves: list[bpy.types.Object]) -> bpy.types.Object:
-    """Make one curve object of several, whose splines keep their materials: Blender's own joining mixes these up."""
+    """Combine several curve objects into one, keeping the materials of splines, which Blender's Join mixes up."""
     data = bpy.data.curves.new("Drawing", "CURVE")
     data.dimensions, data.fill_mode = "2D", "BOTH"
     for obj in curves:
@@ -100,7 +102,7 @@ def _one_of(curves: list[bpy.types.Object]) -> bpy.types.Object:
 
 
 def _copy_spline(spline: bpy.types.Spline, data: bpy.types.Curve, place: Matrix, slot: int) -> None:
-    """Add a Bezier spline to a curve, moved by a matrix."""
+    """Add a transformed Bezier spline to a curve."""
     matrix = np.array(place, dtype=np.float64)
     own = data.splines.new("BEZIER")
     own.bezier_points.add(len(spline.bezier_points) - 1)
@@ -116,7 +118,7 @@ def _copy_spline(spline: bpy.types.Spline, data: bpy.types.Curve, place: Matrix,
 
 
 def _linked(obj: bpy.types.Object) -> bpy.types.Object:
-    """Put an object into the scene, upright: to be looked at from the front, as pictures are made of it."""
+    """Add an object to the scene, upright so that it faces the front view."""
     obj.rotation_euler = (math.pi / 2.0, 0.0, 0.0)
     bpy.context.scene.collection.objects.link(obj)
     return obj

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph from flat objects of the scene to curve objects or meshes; see :mod:`.morphs.job`."""
+"""Morph flat objects of the scene into curves, meshes or drawings; see :mod:`.morphs.job`."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from .pencil_bake import PencilBake
 
 
 class FlatJob(WritesFlatFrames):
-    """One bake of flat shapes. Everything but :meth:`steps` belongs on the main thread.
+    """Bakes flat shapes. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     scene, depsgraph, inputs, blends, options, first_frame
-        As for :class:`.job.MorphJob`; of the options also `flat_output`: "CURVE", "MESH" or "DRAWING".
+        As for :class:`.job.MorphJob`; `options` also contains `flat_output`: "CURVE", "MESH" or "DRAWING".
     settings : FlatSettings
-        How.
+        Settings of the morph.
 
     Raises
     ------
     InputError
-        Inputs that fill nothing or do not lie in a plane, or texts without letters.
+        An input fills no area or does not lie in a plane, or a text has no letters.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class FlatJob(WritesFlatFrames):
         first_frame: int,
     ) -> None:
         if len(inputs) < 2:
-            raise InputError("A morph needs at least two shapes; select or name one more.")
+            raise InputError("A morph needs at least two shapes; select or name another one.")
         self.records: list[dict[str, object]] = []
         self._names = [obj.name for obj in inputs]
         read = flat_objects(inputs, depsgraph)
@@ -71,17 +71,17 @@ class FlatJob(WritesFlatFrames):
         self._bake = bake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
-        """Compute, and touch nothing of Blender; see :func:`.flat_morph.flat_morph`."""
+        """Compute the frames without accessing Blender's data; see :func:`.flat_morph.flat_morph`."""
         how = how or Computation()
         work = flat_morph(
             self._shapes, self._names, self._blends, self._settings, control, workers=how.workers, wanted=how.wanted
         )
-        # Curves are fitted here, not while the window waits for objects to be made.
+        # Fit the curves here, in the background, rather than when the objects are made.
         for report in work:
             frame = report.payload
             yield report if frame is None else replace(report, payload=FittedFrame.of(frame, self._settings.fit_error))
 
     @property
     def notices(self) -> list[Sentence]:
-        """What the user should know about the inputs."""
+        """Messages about the inputs."""
         return self._notices

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Boundaries of flat meshes as polygons."""
+"""Convert boundaries of flat meshes to polygons."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .planes import plane_of
 
 
 def is_flat_mesh(evaluated: bpy.types.Object) -> bool:
-    """Tell whether all points of a mesh with faces, as modifiers leave it, lie in one plane."""
+    """Return whether an evaluated mesh has faces and lies in one plane."""
     mesh = evaluated.data
     if evaluated.type != "MESH" or not len(mesh.polygons):
         return False
@@ -24,7 +24,7 @@ def is_flat_mesh(evaluated: bpy.types.Object) -> bool:
 
 
 def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
-    """Read what borders the faces of a flat mesh, by materials; whichever way the faces point."""
+    """Read the boundaries of the faces of a flat mesh by material, regardless of the orientation of faces."""
     mesh = evaluated.data
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     points = _points(mesh, matrix)
@@ -51,7 +51,7 @@ def _points(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> list[NDArray[np.int64]]:
-    """Chain the edges of polygons that none runs along the other way, once all polygons are turned alike."""
+    """Chain the polygon edges that no equally oriented polygon uses in the opposite direction."""
     begins, ends = [], []
     for face in faces:
         x, y = corners[face].T
@@ -59,7 +59,7 @@ def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> lis
         begins.append(turned)
         ends.append(np.roll(turned, -1))
     start, end = np.concatenate(begins).astype(np.int64), np.concatenate(ends).astype(np.int64)
-    # What runs one way more often than the other is left as often as it does.
+    # An edge used more often in one direction is kept with the surplus.
     count = len(corners)
     keys, place = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
     surplus = np.bincount(place.ravel(), np.where(start < end, 1, -1), minlength=len(keys)).astype(np.int64)

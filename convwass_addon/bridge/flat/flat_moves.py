@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat inputs laid onto the first one before they are morphed: moved, turned, and scaled."""
+"""Align flat inputs before a morph: translate, rotate and scale them."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from .planes import Plane
 
 @dataclass(frozen=True)
 class MovedFlat:
-    """A flat input where the morph has it.
+    """An aligned flat input.
 
     Attributes
     ----------
     shape : FlatShape
         In coordinates of the plane.
     plane : Plane
-        Where it lies.
+        The plane of the aligned input.
     style : CurveStyle
-        Depth.
+        Depth and fill.
     move : (4, 4) float64
-        What brings the object from where it stands to there, in world space.
+        Transform from the original to the aligned position, in world space.
     """
 
     shape: FlatShape
@@ -41,17 +41,17 @@ class MovedFlat:
 
 
 def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> list[MovedFlat]:
-    """Lay flat shapes onto the first one.
+    """Align flat shapes with the first one.
 
     Parameters
     ----------
     flats : sequence of FlatObject
-        As they stand in the scene.
+        In their original positions.
     alignment : "PLACED", "CENTERED" or "PRINCIPAL_AXES"
-        As they are; center of mass on center of mass in the plane of the first one; also long side on long side and
-        heavy end on heavy end.
+        Unchanged; or centers of mass in the plane of the first shape; or also principal axes, with the heavy ends on
+        the same side.
     scaling : "PLACED" or "EQUAL_VOLUME"
-        As they are, or with the area of the first one.
+        Unchanged, or with the area of the first one.
     """
     if (alignment, scaling) == ("PLACED", "PLACED"):
         return [MovedFlat(flat.shape, flat.plane, flat.read.style, np.eye(4)) for flat in flats]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects are flat, and what they are as flat shapes."""
+"""Read flat objects as flat shapes."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from .flat_rings import FlatRings
 from .flat_splines import curve_rings
 from .planes import Plane, common_planes, plane_of
 
-# Ratio of two scales in a plane at which an object counts as squashed to a line.
+# Ratio of the extents in a plane below which an object is degenerate.
 _SQUASHED = 1e-6
 
 
 def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Tell whether an object is flat: by its nature, or because all points of its mesh lie in one plane."""
+    """Return whether an object is flat: by type, or because its mesh lies in one plane."""
     if obj.type != "MESH":
         return is_drawn_flat(obj)
     with evaluated_object(obj, depsgraph) as evaluated:
@@ -43,11 +43,11 @@ class FlatObject:
     Attributes
     ----------
     read : FlatRings
-        What was read of it.
+        The rings of the object.
     plane : Plane
-        Where it lies.
+        The plane of the object.
     shape : FlatShape
-        In coordinates of that plane.
+        In coordinates of the plane.
     """
 
     read: FlatRings
@@ -56,12 +56,12 @@ class FlatObject:
 
 
 def flat_objects(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[FlatObject]:
-    """Read flat objects as they stand in the scene, in planes with the same axes where they are parallel.
+    """Read flat objects of the scene; parallel planes get the same axes.
 
     Raises
     ------
     InputError
-        What no flat shape can be read of; the message names the object and says what to do.
+        An object cannot be read as a flat shape; the message names it and says what to do.
     """
     read = [read_rings(obj, depsgraph) for obj in objects]
     planes = common_planes([_plane(obj.name, own) for obj, own in zip(objects, read, strict=True)])
@@ -72,12 +72,12 @@ def flat_objects(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
 
 
 def read_rings(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRings:
-    """Read what a flat object fills, as closed polygons in world space.
+    """Read the filled area of a flat object as closed polygons in world space.
 
     Raises
     ------
     InputError
-        Nothing is closed or filled, or numbers that are none.
+        Nothing is closed or filled, or coordinates are not finite.
     """
     with evaluated_object(obj, depsgraph) as evaluated:
         matrix = np.array(evaluated.matrix_world, dtype=np.float64)
@@ -94,7 +94,7 @@ def read_rings(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRin
         else:
             read = curve_rings(obj, evaluated, depsgraph)
     if not np.isfinite(read.points).all():
-        raise InputError("{name} has points whose places are no numbers; delete them.", name=obj.name)
+        raise InputError("{name} has points without valid coordinates; delete them.", name=obj.name)
     return read
 
 
@@ -103,7 +103,7 @@ def _plane(name: str, read: FlatRings) -> Plane:
     sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if sizes[1] <= _SQUASHED * sizes[0] or sizes[0] <= 0:
         raise InputError(
-            "{name} is squashed to a line or a point, so it fills no area; give it another scale in Item > Transform.",
+            "{name} is flattened to a line or a point, so it fills no area; give it another scale in Item > Transform.",
             name=name,
         )
     plane = plane_of(points, read.matrix)
@@ -120,7 +120,7 @@ def _in_plane(read: FlatRings, plane: Plane) -> tuple[NDArray[np.float64], ...]:
 
 
 def _colors(obj: bpy.types.Object, read: FlatRings) -> NDArray[np.float64]:
-    """Colors of rings by their material slots, (r, 4)."""
+    """Colors of rings by material slot, (r, 4)."""
     own = [_slot_color(slot.material, obj) for slot in obj.material_slots] or [input_color(obj)]
     return np.array([own[min(slot, len(own) - 1)] for slot in read.slots or (0,) * len(read.rings)], dtype=np.float64)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colors of regions on frames of flat morphs: on curves by material slots, on meshes by a color attribute."""
+"""Write the colors of regions to frames of flat morphs: to material slots, or to a color attribute."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from ..morphs.appearance import COLOR
 from ..morphs.materials import attribute_material, object_property_material
 
 REGION_KEY = "convwass_region_{}"
-"""Custom property of a curve object: the color of the region that wears its material of this number, from 1."""
+"""Custom property of a curve object with the color of a region, numbered from 1."""
 
 _CURVE_NAME, _MESH_NAME = "Convwass Region {}", "Convwass Regions"
 
 
 def dress_curve(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
-    """Give a curve object a material per region, each of which shows a color that is kept on the object.
+    """Assign one material per region to a curve object; the colors are stored as custom properties.
 
-    So frames share materials, whatever their colors are.
+    Frames of different colors can therefore share materials.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        Its splines have the numbers of their regions as material slots.
+        The material slots of its splines are the region indices.
     colors : sequence of (r, g, b, a)
-        Of the regions.
+        Colors of the regions.
     """
     obj.data.materials.clear()
     for number, color in enumerate(colors, start=1):
@@ -38,7 +38,7 @@ def dress_curve(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> Non
 
 
 def region_colors(obj: bpy.types.Object) -> list[tuple[float, ...]]:
-    """Return the colors that `dress_curve` has put on an object; none where it has one color."""
+    """Return the colors that `dress_curve` stored on an object; empty for a single color."""
     colors: list[tuple[float, ...]] = []
     while (color := obj.get(REGION_KEY.format(len(colors) + 1))) is not None:
         colors.append(tuple(color))
@@ -46,14 +46,14 @@ def region_colors(obj: bpy.types.Object) -> list[tuple[float, ...]]:
 
 
 def paint_mesh(mesh: bpy.types.Mesh, colors: Sequence[Sequence[float]]) -> None:
-    """Write the colors of regions to the points of a mesh, and give it the one material that shows them.
+    """Write the colors of regions to the points of a mesh, and assign the material that shows them.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        Its faces have the numbers of their regions as material slots; faces of two regions share no points.
+        The material slots of its faces are the region indices; regions do not share points.
     colors : sequence of (r, g, b, a)
-        Of the regions.
+        Colors of the regions.
     """
     slots = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", slots)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Filled strokes of Grease Pencil objects as polygons."""
+"""Convert filled Grease Pencil strokes to polygons."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .flat_rings import FlatRings
 
-# Number of Blender's kind of curve, and points of each of its pieces.
+# Blender's curve type for Bezier curves, and points per segment.
 _BEZIER, _STEPS = 2, 16
 
 
 def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
-    """Read the filled strokes of a drawing, at the frame that the scene shows, as polygons of their points.
+    """Read the filled strokes of a drawing at the current frame as polygons.
 
     Raises
     ------
@@ -40,13 +40,13 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
             fills.append(known.setdefault((number, fill), len(known)))
     if not rings:
         raise InputError(
-            "{name} has no filled stroke at this frame; fill its strokes, or close and fill them anew.", name=obj.name
+            "{name} has no filled stroke at this frame; fill its strokes, or close and fill them again.", name=obj.name
         )
     return FlatRings(rings, matrix, "non-zero", None, tuple(slots), fills=tuple(fills))
 
 
 def _points_of(stroke: object) -> NDArray[np.float64]:
-    """Points of a stroke, (n, 3); of a Bezier curve so many that the polygon of them is as good."""
+    """Points of a stroke, (n, 3); Bezier curves are sampled."""
     points = np.array([tuple(point.position) for point in stroke.points], dtype=np.float64)
     if stroke.curve_type != _BEZIER:
         return points
@@ -61,7 +61,7 @@ def _points_of(stroke: object) -> NDArray[np.float64]:
 
 
 def _drawings(data: bpy.types.ID) -> Iterator[tuple[NDArray[np.float64], object]]:
-    """Yield what is drawn on every layer that shows, with the place of the layer, (4, 4)."""
+    """Yield the drawing and the transform, (4, 4), of every visible layer."""
     for layer in data.layers:
         frame = layer.current_frame()
         if not layer.hide and frame is not None and frame.drawing is not None:
@@ -69,9 +69,9 @@ def _drawings(data: bpy.types.ID) -> Iterator[tuple[NDArray[np.float64], object]
 
 
 def _fill_of(obj: bpy.types.Object, stroke: object, index: int) -> int | None:
-    """Return which fill a stroke belongs to; None where it is not filled."""
+    """Return the fill that a stroke belongs to, or None if it is not filled."""
     if hasattr(stroke, "fill_id"):
-        # From 5.2 on strokes of one number are filled together, and 0 is none.
+        # From Blender 5.2, strokes with the same nonzero id are filled together.
         return stroke.fill_id or None
     slots = obj.material_slots
     material = slots[stroke.material_index].material if stroke.material_index < len(slots) else None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is read of a flat input: closed rings in space, and how deep a curve of them is."""
+"""Closed rings of a flat input in space, and the depth of its curve."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from ...sentence import Sentence
 
 @dataclass(frozen=True)
 class CurveStyle:
-    """What makes a curve object solid.
+    """Depth and fill of a curve object.
 
     Attributes
     ----------
     extrude, bevel_depth, offset : float
-        As of Blender's curves, in scene units.
+        As for Blender's curves, in scene units.
     bevel_resolution : int
-        Steps of a round bevel.
+        Segments of a round bevel.
     fill_mode : str
-        Which sides are filled: one of those of flat curves in Blender.
+        Filled sides, as for 2D curves in Blender.
     """
 
     extrude: float = 0.0
@@ -34,34 +34,34 @@ class CurveStyle:
     fill_mode: str = "BOTH"
 
     def scaled(self, factor: float) -> CurveStyle:
-        """Return the style of a shape that is so many times as large."""
+        """Return the style of a shape scaled by a factor."""
         sizes = (factor * size for size in (self.extrude, self.bevel_depth, self.offset))
         return CurveStyle(*sizes, self.bevel_resolution, self.fill_mode)
 
 
 @dataclass(frozen=True)
 class FlatRings:
-    """A flat input as it stands in the scene.
+    """A flat input as read from the scene.
 
     Attributes
     ----------
     rings : list of (n, 3) float64
-        Closed polygons in world space, the first corner not repeated.
+        Closed polygons in world space, without repeating the first point.
     matrix : (4, 4) float64
-        The object's.
+        World matrix of the object.
     rule : "non-zero" or "even-odd"
-        What the rings fill.
+        Fill rule.
     letters : tuple of int or None
-        Number of the letter of every ring in reading order, where the object has letters.
+        Letter index of every ring in reading order, if the object is a text.
     slots : tuple of int
         Material slot of every ring.
     style : CurveStyle
         Depth.
     notice : Sentence or None
-        What the user should know about it.
+        A message about the input.
     fills : tuple of int or None
-        Where rings have no direction of their own: rings of the same number are filled together, one within another
-        is a hole, and fills lie over each other.
+        For rings without orientation: rings with the same number are filled together, nested rings are holes, and fills
+        overlap.
     """
 
     rings: list[NDArray[np.float64]]
@@ -75,16 +75,16 @@ class FlatRings:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """All corners, (n, 3)."""
+        """All points, (n, 3)."""
         return np.concatenate([np.zeros((0, 3)), *self.rings])
 
 
 def blended_style(styles: list[CurveStyle], weights: tuple[float, ...]) -> CurveStyle:
-    """Depths between those of the inputs, and the fill of the nearest of those that have one."""
+    """Weighted mean of the depths, and the fill mode of the nearest input that is filled."""
     order = np.argsort(-np.asarray(weights), kind="stable")
     filled = [styles[index] for index in order if styles[index].fill_mode != "NONE"]
     nearest = (filled or styles)[0]
     depths = np.asarray(weights) @ np.array([[style.extrude, style.bevel_depth, style.offset] for style in styles])
-    # What has no bevel has no resolution that counts.
+    # The bevel resolution only matters for inputs with a bevel.
     beveled = [style for style in styles if style.bevel_depth > 0] or [nearest]
     return CurveStyle(*(float(depth) for depth in depths), beveled[0].bevel_resolution, nearest.fill_mode)

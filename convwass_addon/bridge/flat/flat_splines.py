@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed splines of curve and text objects as polygons."""
+"""Convert closed splines of curve and text objects to polygons."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ from ...errors import InputError
 from ...sentence import Sentence
 from .flat_rings import CurveStyle, FlatRings
 
-# Points per piece of a curve. A circle of four pieces with 24 each lacks 1 - sin(x) / x of its area, x = 2 pi / 96:
-# 0.07 %.
+# Points per curve segment. A circle of four segments with 24 points each has a relative area error of 1 - sin(x) / x, x
+# = 2 pi / 96: 0.07 %.
 _LEAST_STEPS, _MOST_STEPS = 24, 64
-# Ends of an open spline that are as near as this, as a share of its extent, touch.
+# Distance relative to the extent below which the ends of an open spline touch.
 _TOUCHING = 1e-5
-# No font has a sign of its own for this one.
+# A character that no font defines.
 _NOBODYS = "\ue001"
-# Signs that fonts commonly have.
+# Characters up to this code are available in almost all fonts.
 _LATIN = 255
 
 _Sign = tuple[tuple[float, ...], ...]
-"""Points of the outlines of a sign."""
+"""Outline points of a glyph."""
 
 
 def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRings:
-    """Read the closed splines of a curve or text object, with the modifiers that bend them.
+    """Read the closed splines of a curve or text object, with deforming modifiers.
 
     Parameters
     ----------
     obj, evaluated : bpy.types.Object
-        As in the file, and as modifiers leave it.
+        Original and evaluated object.
     depsgraph : bpy.types.Depsgraph
-        That of `evaluated`.
+        The dependency graph of `evaluated`.
 
     Raises
     ------
     InputError
-        An empty text, one with signs that its font does not have, no splines, or open ones only.
+        The text is empty or has characters missing in its font, or there are no closed splines.
     """
     is_text = obj.type == "FONT"
     if is_text and not obj.data.body.strip():
@@ -66,15 +66,15 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
     notice = None
     if len(closed) < len(found):
         values = {"name": obj.name, "count": len(found) - len(closed)}
-        notice = Sentence("{name}: {count} open splines fill nothing and were left out.", values)
+        notice = Sentence("{name}: {count} open splines are ignored, since they fill no area.", values)
     rings = [ring @ matrix[:3, :3].T + matrix[:3, 3] for _, ring in closed]
     return FlatRings(rings, matrix, "non-zero" if is_text else "even-odd", letters, slots, style, notice)
 
 
 def sampled_spline(spline: bpy.types.Spline) -> NDArray[np.float64] | None:
-    """Points of a closed spline, (n, 3) in its own space; None where it is open.
+    """Points of a closed spline, (n, 3) in local space, or None if it is open.
 
-    A spline that is not marked as closed counts as closed where its ends touch.
+    A spline that is not cyclic counts as closed if its ends touch.
     """
     if spline.type == "BEZIER":
         ring = _bezier_points(spline)
@@ -111,7 +111,7 @@ def _is_straight(controls: NDArray[np.float64]) -> bool:
 
 
 def _blenders_points(spline: bpy.types.Spline) -> NDArray[np.float64]:
-    """Points of a spline of another kind, as Blender draws it."""
+    """Points of other spline types, as evaluated by Blender."""
     curve = bpy.data.curves.new("", "CURVE")
     obj = bpy.data.objects.new("", curve)
     mesh = None
@@ -140,7 +140,7 @@ def _style(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     across = float(np.sqrt(scales[0] * scales[1]))
     bevel = curve.bevel_depth if curve.bevel_mode == "ROUND" else 0.0
-    # Curves in space are never filled, whatever their mode.
+    # 3D curves are never filled, whatever their fill mode.
     mode = curve.fill_mode if curve.dimensions == "2D" else "NONE"
     return CurveStyle(
         float(curve.extrude * scales[2]), bevel * across, curve.offset * across, curve.bevel_resolution, mode
@@ -148,7 +148,7 @@ def _style(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:
 
 
 def _drawn_signs(splines: Sequence[bpy.types.Spline]) -> dict[int, _Sign]:
-    """Shapes of the signs of a text by their places in it."""
+    """Glyph outlines of a text by character index."""
     grouped: dict[int, list[bpy.types.Spline]] = {}
     for spline in splines:
         grouped.setdefault(spline.character_index, []).append(spline)
@@ -156,13 +156,13 @@ def _drawn_signs(splines: Sequence[bpy.types.Spline]) -> dict[int, _Sign]:
 
 
 def _check_glyphs(obj: bpy.types.Object, drawn: Mapping[int, _Sign]) -> None:
-    """Refuse a text with signs that its font does not have: Blender leaves them out, or draws a box for them."""
+    """Raise InputError for characters missing in the font, which Blender omits or replaces by a box."""
     visible = [(index, sign) for index, sign in enumerate(obj.data.body) if _is_drawn(sign)]
     missing = [sign for index, sign in visible if index not in drawn or unicodedata.category(sign) in ("Co", "Cn")]
     if not missing and any(ord(sign) > _LATIN for _, sign in visible):
         box = _box_of(obj.data)
         missing = [sign for index, sign in visible if box is not None and drawn[index] == box]
-    # Text that overflows its boxes is left out on purpose.
+    # Characters that overflow the text boxes are omitted deliberately.
     if missing and obj.data.overflow == "NONE":
         signs = " ".join(dict.fromkeys(missing))
         raise InputError(
@@ -171,12 +171,12 @@ def _check_glyphs(obj: bpy.types.Object, drawn: Mapping[int, _Sign]) -> None:
 
 
 def _is_drawn(sign: str) -> bool:
-    # Marks that combine, and what steers the text, may have no outline of their own.
+    # Combining marks and control characters may have no outline.
     return unicodedata.category(sign) not in ("Zs", "Zl", "Zp", "Cc", "Cf", "Mn", "Me")
 
 
 def _box_of(text: bpy.types.TextCurve) -> _Sign | None:
-    """Shape of what a text draws for a sign that its font does not have; None where that is nothing."""
+    """Outline of the replacement glyph for missing characters, or None if there is none."""
     copy = text.copy()
     obj = bpy.data.objects.new("", copy)
     try:
@@ -192,7 +192,7 @@ def _box_of(text: bpy.types.TextCurve) -> _Sign | None:
 
 
 def _shape_of(splines: Sequence[bpy.types.Spline]) -> _Sign:
-    """Return what tells one sign from another, wherever it stands."""
+    """Return outline points that identify a glyph, independent of its position."""
     points = [_vectors(spline.bezier_points, "co", 3) for spline in splines]
     low = np.min([own.min(axis=0) for own in points], axis=0)
     return tuple(tuple(np.round(own - low, 3).ravel().tolist()) for own in points)
@@ -201,7 +201,7 @@ def _shape_of(splines: Sequence[bpy.types.Spline]) -> _Sign:
 def _nothing_closed(name: str, count: int) -> InputError:
     if count:
         return InputError(
-            "{name} has open splines only, which fill nothing; close them: in Edit Mode, Curve > Toggle Cyclic.",
+            "{name} only has open splines, which fill no area; close them: in Edit Mode, Curve > Toggle Cyclic.",
             name=name,
         )
-    return InputError("{name} has no splines, so there is nothing to move; draw a closed curve.", name=name)
+    return InputError("{name} has no splines; draw a closed curve.", name=name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Outlines as filled strokes of a Grease Pencil drawing."""
+"""Write outlines as filled strokes of a Grease Pencil drawing."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from ...geometry.fitting import BezierRing
 from ...geometry.outlines import FlatRegion
 from ...geometry.ring_nesting import keyholed
 
-# Points of a curve's piece where strokes are polygons.
+# Points per curve segment if strokes are polygons.
 _STEPS = 8
-# Numbers of Blender's kinds of handles.
+# Blender's handle types.
 _FREE, _ALIGNED = 0, 3
 
 
 @dataclass(frozen=True)
 class Fill:
-    """What of a drawing is filled with one color.
+    """A filled area of one color.
 
     Attributes
     ----------
     regions : tuple of tuple of BezierRing
-        Each an outer ring and its holes, in the plane of `place`.
+        An outer ring and its holes each, in the plane given by `place`.
     slot : int
-        Number of the material.
+        Index of the material.
     color : (float, float, float, float) or None
-        What it has in the place of the material's; None for that.
+        Replaces the color of the material; None for that color.
     """
 
     regions: tuple[tuple[BezierRing, ...], ...]
@@ -41,38 +41,38 @@ class Fill:
 
 
 def new_drawing_data(name: str) -> bpy.types.ID:
-    """Make the data of a Grease Pencil object, which was another kind's until 5.0."""
+    """Create Grease Pencil data, whose collection changed in Blender 5.0."""
     kind = bpy.data.grease_pencils_v3 if hasattr(bpy.data, "grease_pencils_v3") else bpy.data.grease_pencils
     return kind.new(name)
 
 
 def fill_material(name: str, color: Sequence[float]) -> bpy.types.Material:
-    """Make a material that fills strokes with a color, RGBA in scene linear, and draws no lines."""
+    """Create a material that fills strokes with a scene linear RGBA color and draws no lines."""
     material = bpy.data.materials.new(name)
     bpy.data.materials.create_gpencil_data(material)
     own = material.grease_pencil
     own.fill_color = own.color = color
     material.diffuse_color = color
     if bpy.app.version < (5, 2, 0):
-        # Later ones ask every stroke.
+        # Later versions set this per stroke.
         own.show_fill, own.show_stroke = True, False
     return material
 
 
 def write_fills(drawing: object, fills: Sequence[Fill], place: NDArray[np.float64]) -> None:
-    """Draw fills over each other in an empty drawing.
+    """Draw overlapping fills in an empty drawing.
 
-    From 5.2 on holes are strokes of the same fill, and all of them are Bezier curves. Before, every stroke is filled by
-    itself: polygons, and holes are reached by cuts.
+    From Blender 5.2, strokes are Bezier curves, and holes are strokes of the same fill. Before, every stroke is filled
+    separately, so strokes are polygons with cuts to their holes.
 
     Parameters
     ----------
     drawing : bpy.types.GreasePencilDrawing
-        Of a keyframe.
+        The drawing of a keyframe.
     fills : sequence of Fill
-        From the lowest to the topmost.
+        From bottom to top.
     place : (4, 4)
-        What brings the plane of the fills, as its X and Y, to the space of the object.
+        Transform from the plane of the fills to object space.
     """
     write = _write_curves if bpy.app.version >= (5, 2, 0) else _write_polygons
     write(drawing, fills, place)
@@ -135,7 +135,7 @@ def _write(drawing: object, name: str, kind: str, key: str, values: NDArray) -> 
 
 
 def polygon_ring(ring: NDArray[np.float64]) -> BezierRing:
-    """Return a closed polygon, (n, 2), as a curve of straight pieces."""
+    """Convert a closed polygon, (n, 2), to straight Bezier segments."""
     third = (np.roll(ring, -1, axis=0) - ring) / 3.0
     left = ring - np.roll(third, 1, axis=0)
     return BezierRing(ring, left, ring + third, np.ones(len(ring), bool), 0.0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes in the place of the curve and text objects of a flat morph, for whatever shows or writes meshes only."""
+"""Replace the curves and texts of a flat morph by meshes, for outputs that require meshes."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from .flat_paint import paint_mesh, region_colors
 
 
 def turn_into_meshes(collection: bpy.types.Collection) -> None:
-    """Replace the frames of a morph that are no meshes by the meshes that Blender draws of them.
+    """Replace the frames of a morph that are not meshes by their meshes.
 
-    They keep their names, places, materials and keys. Nothing happens where the morph is shown by something already.
+    Names, transforms, materials and keys are kept. Does nothing if a player or pad shows the morph.
 
     Parameters
     ----------
     collection : bpy.types.Collection
-        A morph, flat or not.
+        A flat or solid morph.
 
     Raises
     ------
     InputError
-        As `require_no_drawings` and :func:`.stored.stored_morph`; nothing is changed then.
+        As for `require_no_drawings` and :func:`.stored.stored_morph`; nothing is changed then.
     """
     curves = [obj for obj in frame_objects(collection) if obj.type != "MESH"]
     if not curves or stand_ins(collection):
@@ -46,7 +46,7 @@ def turn_into_meshes(collection: bpy.types.Collection) -> None:
 
 
 def require_no_drawings(collection: bpy.types.Collection) -> None:
-    """Refuse a morph of drawings, which cannot be turned into meshes.
+    """Check that a morph has no drawings, which cannot be converted to meshes.
 
     Raises
     ------
@@ -54,13 +54,11 @@ def require_no_drawings(collection: bpy.types.Collection) -> None:
         A frame is a drawing.
     """
     if any(obj.type not in ("MESH", "FONT", "CURVE") for obj in frame_objects(collection)):
-        raise InputError(
-            "{name} shows drawings as they are; bake it again with meshes as flat frames.", name=collection.name
-        )
+        raise InputError("{name} consists of drawings; bake it again with meshes as flat frames.", name=collection.name)
 
 
 def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
-    """Make the meshes that Blender draws of curve and text objects, filled ones, though keys hide them."""
+    """Return the filled meshes of curve and text objects, even if they are hidden by keys."""
     copies = []
     for obj in frames:
         if obj.data.dimensions == "2D" and obj.data.fill_mode == "NONE":
@@ -86,7 +84,7 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
 
 
 def _standing_for(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """Put an object of a mesh where another one is."""
+    """Make a mesh object with the transform, keys and properties of another object."""
     other = bpy.data.objects.new(obj.name, mesh)
     other.matrix_world, other.color = obj.matrix_world.copy(), obj.color
     for key, value in obj.items():

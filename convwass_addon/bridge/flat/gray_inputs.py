@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat objects as what pictures are made of: images with their grays, and everything else as it is filled."""
+"""Read flat objects for pictures: images with their shades of gray, other objects as filled shapes."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from .flat_kinds import is_image
 from .flat_objects import flat_objects
 from .planes import Plane, plane_of
 
-# Two scales of an image that differ by more are not the same.
+# Relative difference above which the two scales of an image are not equal.
 _UNEVEN = 1e-2
-# Pixels that are less full say little about the color of ink.
+# Pixels with less coverage do not determine the color of ink.
 _INKED = 0.1
-# Fullness that is noise.
+# Coverage below this is noise.
 _FAINT = 0.02
 _NO_GROUND = (0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class GrayInput:
-    """A flat object that becomes a part of pictures.
+    """A flat object that is morphed as a picture.
 
     Attributes
     ----------
     shape : FlatShape or FlatImage
-        In coordinates of its plane; colors are encoded for a screen, as those of image files are.
+        In coordinates of its plane; colors are sRGB encoded, as in image files.
     plane : Plane
-        Where it lies.
+        The plane of the object.
     ground : (4,) float64
-        Red, green, blue, opacity of what it stands on, encoded too.
+        Background color, sRGB encoded RGBA.
     """
 
     shape: FlatInput
@@ -48,12 +48,12 @@ class GrayInput:
 
 
 def gray_inputs(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[GrayInput]:
-    """Read flat objects as they stand in the scene.
+    """Read flat objects of the scene.
 
     Raises
     ------
     InputError
-        What cannot be read; the message names the object and says what to do.
+        An object cannot be read; the message names it and says what to do.
     """
     return [_image(obj, depsgraph) if is_image(obj) else _shape(obj, depsgraph) for obj in objects]
 
@@ -74,7 +74,8 @@ def _image(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
     scales = np.linalg.norm(matrix[:3, :2], axis=0) * local
     if not np.isfinite(scales).all() or scales.min() <= 0 or np.ptp(scales) > _UNEVEN * scales.max():
         raise InputError(
-            "{name} is scaled unevenly, and pictures have square pixels; give X and Y one scale in Item > Transform.",
+            "{name} is scaled unevenly, but pictures have square pixels; make the X and Y scale equal in Item > "
+            "Transform.",
             name=obj.name,
         )
     size, offset = np.array([wide, high]) * local, np.array(obj.empty_image_offset)
@@ -86,11 +87,11 @@ def _image(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
     opaque = has_ground(pixels)
     ground = np.median(border_of(colors), axis=0) if opaque else np.zeros(3)
     if opaque:
-        # What is half full shows half of the ground, and ink of its own color in the other half.
+        # A partially covered pixel is a mix of background and ink; solve for the ink.
         colors = ground + (colors - ground) / np.maximum(full, _INKED)[..., None]
     elif obj.data.alpha_mode == "PREMUL":
         colors = colors / np.maximum(full, _INKED)[..., None]
-    # Where there is ink, opacity says it.
+    # The last channel marks the pixels with ink.
     inked = np.dstack([np.clip(colors, 0.0, 1.0), full > _INKED]).swapaxes(0, 1)
     corner = -0.5 * pixel * np.array([wide, high])
     image = FlatImage(full.T.astype(np.float64), pixel, (float(corner[0]), float(corner[1])), "density", inked)
@@ -98,12 +99,12 @@ def _image(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
 
 
 def _fullness(name: str, figure: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Bring how much pixels belong to a figure, (h, w), to nothing on the ground and one where it is densest."""
+    """Scale the coverage, (h, w), from 0 on the background to 1 at its maximum."""
     base, top = float(np.median(border_of(figure))), float(figure.max())
     if top - base < _FAINT:
         raise one_tone(name)
     full = np.clip((figure - base) / (top - base), 0.0, 1.0)
-    # What is as faint is noise, and would be mass all over the picture.
+    # Faint values are noise, and would add mass all over the picture.
     return np.where(full < _FAINT, 0.0, full)
 
 
@@ -113,6 +114,6 @@ def _rgb(pixels: NDArray[np.float32]) -> NDArray[np.float64]:
 
 
 def _encoded(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encode colors for a screen (sRGB)."""
+    """Encode linear colors as sRGB."""
     values = np.clip(linear, 0.0, 1.0)
     return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)

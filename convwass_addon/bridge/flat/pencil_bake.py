@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a flat morph into the scene as one Grease Pencil object with a drawing per frame."""
+"""Write a flat morph to the scene as a Grease Pencil object with one drawing per frame."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from .flat_strokes import Fill, fill_material, new_drawing_data, polygon_ring, w
 from .planes import blended_plane
 
 _LAYER = "Morph"
-# How far the drawing of an input may leave its outline, as a share of its extent.
+# Error of an input's drawing, relative to its extent.
 _ERROR = 1e-4
 
 
 class PencilBake(FlatBake):
-    """A flat morph that is being drawn: one object with a keyframe per blend of a path, else an object per blend."""
+    """A flat morph being drawn: one object with a keyframe per blend of a path, otherwise one object per blend."""
 
     _drawing: Handle | None = None
     _inks: list[list[Handle]] | None = None
 
     def _shown_object(self, frame: FittedFrame, index: int) -> bpy.types.Object:
-        """Draw a frame of a path, on an object that the first one of them makes."""
+        """Draw a frame of a path; the first frame creates the object."""
         if frame.blend.frame is None:
             return super()._shown_object(frame, index)
         collection = self._living(self._collection)
@@ -46,14 +46,14 @@ class PencilBake(FlatBake):
         return obj
 
     def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
-        """Make an object with one drawing, where the blend lies."""
+        """Create an object with one drawing, in the plane of the blend."""
         obj = self._new_object(name, blended_plane([flat.plane for flat in self._flats], frame.blend.weights).matrix)
         self._draw(obj, frame, self._stored.first_frame)
         return obj
 
     def _new_object(self, name: str, place: np.ndarray) -> bpy.types.Object:
         data = new_drawing_data(name)
-        # Fills are flat: what lights a drawing would only tint it.
+        # Fills should not be affected by lights.
         data.layers.new(_LAYER).use_lights = False
         for material in (self._living(ink) for inks in self._materials() for ink in inks):
             data.materials.append(material)
@@ -62,7 +62,7 @@ class PencilBake(FlatBake):
         return obj
 
     def _materials(self) -> list[list[Handle]]:
-        """Return a material for every color of every input; made at the first call."""
+        """Return a material for every color of every input; created on the first call."""
         if self._inks is None:
             self._inks = []
             for shape, flat in zip(self._inputs, self._flats, strict=True):
@@ -81,7 +81,7 @@ class PencilBake(FlatBake):
         write_fills(drawing, fills, place)
 
     def _fills_of_input(self, source: int) -> list[Fill]:
-        """Layers of an input in their own materials, the later over the earlier ones."""
+        """Layers of an input with their own materials, from bottom to top."""
         shape, first = self._flats[source].shape, self._first_slot(source)
         error = _ERROR * float(np.ptp(np.concatenate(shape.rings), axis=0).max())
         fills = []
@@ -92,9 +92,9 @@ class PencilBake(FlatBake):
         return fills
 
     def _fills_of_blend(self, frame: FittedFrame) -> list[Fill]:
-        """Regions of a blend, in materials of the nearest input and in colors of their own.
+        """Regions of a blend, with the materials of the nearest input and their own colors.
 
-        Viewports in Solid mode show the materials, everything else the colors.
+        Solid viewports show the materials, everything else the colors.
         """
         weights = np.asarray(frame.blend.weights)
         nearest = int(np.argmax(weights))
@@ -111,7 +111,7 @@ class PencilBake(FlatBake):
         return sum(len(inks) for inks in self._materials()[:source])
 
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
-        """Keyframes show drawings as it is."""
+        """Do nothing: keyframes already show the drawings in time."""
 
     def _drop_unused(self) -> None:
         super()._drop_unused()

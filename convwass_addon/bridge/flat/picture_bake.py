@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a morph of gray images: a sequence of picture files, and one plane that shows it."""
+"""Write a morph of gray images as a sequence of picture files and a plane that shows it."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ from .gray_inputs import GrayInput
 
 @dataclass(frozen=True)
 class PictureFrame(FlatFrame):
-    """A finished blend with its picture, (height, width, 4), rows from the bottom up."""
+    """A finished blend with its picture, (height, width, 4), rows from the bottom."""
 
     pixels: NDArray[np.float32] | None = None
 
 
 class PictureBake(MorphBake):
-    """A morph that is being written as pictures; files take their places, and those of older ones, at the end."""
+    """A morph being written as pictures; files are moved into place at the end."""
 
     @classmethod
     def begin_pictures(
@@ -54,19 +54,19 @@ class PictureBake(MorphBake):
         grays: Sequence[GrayInput],
         replaces: str = "",
     ) -> Self:
-        """Make the collection, and the folder of the files, which `settings` name as `folder`.
+        """Create the collection and the output folder, named by `folder` in `settings`.
 
-        Where the morph called `replaces` is there, the folder and the files have its name.
+        If the morph `replaces` exists, the folder and files get its name.
 
         Raises
         ------
         InputError
-            A first frame that Blender does not have, a layout of several blends without times, or a folder that cannot
-            be used; nothing is left behind then.
+            Blender does not support the first frame, the layout is a sheet, or the folder cannot be used; nothing is
+            created then.
         """
         check_first_frame(first_frame)
         if blends[0].frame is None and len(blends) > 1:
-            raise InputError("Pictures show an animation or a single blend; choose another layout, or other frames.")
+            raise InputError("Pictures require an animation or a single blend; choose another layout, or other frames.")
         shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]
         bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
         bake._grays, bake._drafts, bake._replaces = tuple(grays), DraftFiles(), replaces
@@ -83,7 +83,7 @@ class PictureBake(MorphBake):
 
     _grays: tuple[GrayInput, ...]
     _folder: Path
-    # Those that were made for it, the innermost first.
+    # Folders created for the files, innermost first.
     _new_folders: Sequence[Path] = ()
     _drafts: DraftFiles
     _replaces: str
@@ -91,7 +91,7 @@ class PictureBake(MorphBake):
     _plane: Handle | None = None
 
     def _shown_object(self, frame: PictureFrame, index: int) -> bpy.types.Object:
-        """Write the picture of a frame, and make the plane with the first one."""
+        """Write the picture of a frame; the first frame creates the plane."""
         collection = self._living(self._collection)
         drafts = [self._drafts.draft_of(self._path(number)) for number in self._numbers(index)]
         _save(frame.pixels, drafts[0])
@@ -108,21 +108,21 @@ class PictureBake(MorphBake):
         return self._living(self._plane)
 
     def _path(self, number: int) -> Path:
-        """Return the file of a scene frame, named so that it is in a row with all others."""
+        """Return the file of a scene frame, with the same number of digits for all frames."""
         last = self._numbers(len(self._blends) - 1)[-1]
         return numbered_paths(self._folder, f"{self._folder.name}_", ".png", [number, last])[0]
 
     def _numbers(self, index: int) -> range:
-        """Return the scene frames that show a blend: until the next one."""
+        """Return the scene frames that show a blend, up to the next blend."""
         if self._blends[index].frame is None:
             return range(self._stored.first_frame, self._stored.first_frame + 1)
         own = self._scene_frame(index)
         return range(own, self._scene_frame(index + 1) if index + 1 < len(self._blends) else own + 1)
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Put the files in their places, and make of the plane that shows them a morph; see :class:`.MorphBake`.
+        """Move the files into place, and finish the morph; see :class:`.MorphBake`.
 
-        Pictures of the morph that this one replaces which have no successor are removed.
+        Surplus pictures of a replaced morph are removed.
         """
         collection, files = self._living(self._collection), []
         if self._plane is not None and self._plane.find() is not None:
@@ -141,7 +141,7 @@ class PictureBake(MorphBake):
         return next(node for node in nodes if node.bl_idname == "ShaderNodeTexImage")
 
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
-        """Let the plane show the files as a sequence, whose ends stay beyond its ends."""
+        """Show the files as an image sequence that holds its first and last picture."""
         node = self._picture_node()
         node.image.source = "SEQUENCE"
         user, first = node.image_user, self._stored.first_frame
@@ -149,7 +149,7 @@ class PictureBake(MorphBake):
         user.use_auto_refresh, user.use_cyclic = True, False
 
     def discard(self) -> None:
-        """Remove all that this bake has made and that is still there, unfinished files and empty folders too."""
+        """Remove everything this bake has made, including drafts and empty folders."""
         super().discard()
         self._drafts.discard()
         for folder in self._new_folders:
@@ -162,7 +162,7 @@ class PictureBake(MorphBake):
 
 
 def pictures_of(collection: bpy.types.Collection) -> list[Path]:
-    """Return the files that the pictures of a morph are in; none where it has no pictures."""
+    """Return the picture files of a morph; empty if it has none."""
     materials = [one for obj in frame_objects(collection) if obj.data for one in obj.data.materials if is_carrying(one)]
     nodes = [node for one in materials if one.node_tree for node in one.node_tree.nodes if node.type == "TEX_IMAGE"]
     first = [Path(bpy.path.abspath(node.image.filepath)) for node in nodes if node.image]
@@ -170,13 +170,13 @@ def pictures_of(collection: bpy.types.Collection) -> list[Path]:
 
 
 def _alike(path: Path) -> list[Path]:
-    """Return the files whose names differ from that of one of them by the number at the end."""
+    """Return the files that differ from a file only in the number at the end."""
     before, _, number = path.stem.rpartition("_")
     return list(path.parent.glob(f"{glob.escape(before)}_{len(number) * '[0-9]'}{path.suffix}"))
 
 
 def _described(obj: bpy.types.Object, gray: GrayInput) -> FrozenInput:
-    """Note what a bake needs to know of an input, of which it keeps no copy."""
+    """Describe an input without copying it."""
     mesh = Handle.of("meshes", bpy.data.meshes.new(obj.name))
     return FrozenInput(Handle.of("objects", obj), obj.name, input_color(obj), mesh, 1.0, gray.plane.origin)
 
@@ -190,7 +190,7 @@ def _save(pixels: NDArray[np.float32], path: Path) -> None:
 
 
 def _plane_object(name: str, frame: PictureFrame, place: NDArray[np.float64]) -> bpy.types.Object:
-    """Make a rectangle as large as the pictures are, with texture coordinates."""
+    """Create a rectangle of the size of the pictures, with a UV map."""
     density = frame.density
     low = np.asarray(density.corner)
     high = low + density.pixel * np.array(density.values.shape)
@@ -204,10 +204,10 @@ def _plane_object(name: str, frame: PictureFrame, place: NDArray[np.float64]) ->
 
 
 def _picture_material(name: str) -> bpy.types.Material:
-    """Make a material that shines as a picture does, and is clear where that is, or is not there yet."""
+    """Create an emissive material that shows a picture, transparent where the picture is transparent or missing."""
     material = bpy.data.materials.new(name)
     mark_as_frames(material)
-    if material.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+    if material.node_tree is None:  # Blender 4.5; later versions always use nodes and warn about this property
         material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()

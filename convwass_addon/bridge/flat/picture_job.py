@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph from flat objects of the scene to pictures; see :mod:`.morphs.job`."""
+"""Morph flat objects of the scene into pictures; see :mod:`.morphs.job`."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from .picture_bake import PictureBake, PictureFrame
 
 
 class PictureJob(WritesFlatFrames):
-    """One bake of flat shapes to pictures. Everything but :meth:`steps` belongs on the main thread.
+    """Bakes flat shapes as pictures. All methods except :meth:`steps` must be called on the main thread.
 
-    Pictures stand where the first shape does, center of mass on center of mass.
+    Pictures are placed on the center of mass of the first shape.
 
     Parameters
     ----------
     scene, depsgraph, inputs, blends, settings, options, first_frame
-        As for :class:`.flat_job.FlatJob`; of the options also `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
+        As for :class:`.flat_job.FlatJob`; `options` also contains `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
         `folder`.
     replaces : str
-        Name of the morph whose place this one takes, and its files those of it; empty for a new one.
+        Name of a morph to replace with its files; empty for a new one.
 
     Raises
     ------
     InputError
-        Inputs that cannot be read or are empty, letters of images, or a folder that cannot be used.
+        An input cannot be read or is empty, letters are requested from images, or the folder cannot be used.
     """
 
     kind = "PICTURE"
@@ -57,20 +57,20 @@ class PictureJob(WritesFlatFrames):
         replaces: str = "",
     ) -> None:
         if len(inputs) < 2:
-            raise InputError("A morph needs at least two shapes; select or name one more.")
+            raise InputError("A morph needs at least two shapes; select or name another one.")
         self.records: list[dict[str, object]] = []
         self.notices: list[Sentence] = []
         self._names = [obj.name for obj in inputs]
         self._inputs = gray_inputs(inputs, depsgraph)
         self._blends = blends
-        # Ink comes from where matter does.
+        # Carrying is needed for the colors of ink.
         self._settings = replace(settings, output="densities", carry=True)
         self._grays = str(options.get("grays") or "IMAGES").lower()
         stored = {**settings.as_dict(), **options, "flat": True}
         self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs, replaces)
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
-        """Compute, and touch nothing of Blender; see :meth:`.flat_job.FlatJob.steps`."""
+        """Compute the frames without accessing Blender's data; see :meth:`.flat_job.FlatJob.steps`."""
         how = how or Computation()
         shapes = [own.shape for own in self._inputs]
         count = len(shapes)

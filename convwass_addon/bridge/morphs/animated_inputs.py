@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which inputs of a morph are animated, so that users can be told that a bake takes them as they are in one frame."""
+"""Find animated inputs of a morph, since a bake uses their shape in a single frame."""
 
 from __future__ import annotations
 
@@ -10,29 +10,29 @@ import bpy
 
 from ...sentence import Sentence
 
-# Modifiers that change with time by themselves, or read files that do.
+# Modifiers that are animated by themselves, or read animated files.
 _SIMULATED = ("CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "OCEAN", "BUILD", "WAVE")
 _FROM_FILES = ("MESH_SEQUENCE_CACHE", "MESH_CACHE")
 
 
 def animation_notices(inputs: Sequence[bpy.types.Object], frame: int) -> list[Sentence]:
-    """Say of animated inputs that the morph takes them as they are in one frame of the scene."""
+    """Return a notice that animated inputs are used in their shape at a single frame."""
     names = [obj.name for obj in inputs if is_animated(obj)]
     if not names:
         return []
     values = {"names": ", ".join(names), "frame": frame}
-    return [Sentence("The morph takes the animated {names} as in frame {frame}.", values)]
+    return [Sentence("The morph uses the animated {names} as they are in frame {frame}.", values)]
 
 
 def is_animated(obj: bpy.types.Object) -> bool:
-    """Tell whether an object moves or changes its shape with time, as far as its settings show."""
+    """Return whether an object moves or deforms over time, as far as its settings show."""
     return any(_has_keys(block) for block in _blocks(obj)) or any(
         one.type in (*_SIMULATED, *_FROM_FILES) for one in obj.modifiers
     )
 
 
 def _blocks(obj: bpy.types.Object) -> Iterator[bpy.types.ID]:
-    """Yield what the shape and place of an object depend on: its data, parents and the objects of its modifiers."""
+    """Yield the data-blocks that determine shape and position of an object: its data, parents and modifier objects."""
     seen: set[bpy.types.ID] = set()
     waiting: list[bpy.types.ID | None] = [obj]
     while waiting:

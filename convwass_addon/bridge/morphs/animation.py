@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A short video of a morph, with a camera that slowly walks around it."""
+"""Render a short video of a morph with a camera that moves slowly around it."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from .stored import frame_objects, shown_frames
 
 ELEVATION = math.radians(18.0)
 POINTS_PER_SHAPE = 1500
-"""How many vertices of a shape the camera is fitted to."""
+"""Number of vertices per shape used to place the camera."""
 PAUSE = 0.4
-"""Seconds for which the first and the last shape are held."""
+"""Duration in seconds for which the first and last shape are held."""
 
 
 def render_animation(
@@ -38,12 +38,12 @@ def render_animation(
     turn: float = math.radians(26.0),
     control: Control = UNINTERRUPTED,
 ) -> Work[Path]:
-    """Write a morph along a path as an MP4 video (H.264).
+    """Render a morph along a path to an MP4 video (H.264).
 
     Parameters
     ----------
     collection : bpy.types.Collection
-        The morph. Neither it nor the scene is changed.
+        The morph; neither it nor the scene is changed.
     path : str or Path
         The MP4 to write; replaced if it exists.
     resolution : (int, int)
@@ -51,18 +51,18 @@ def render_animation(
     samples : int
         Light paths per pixel.
     step : int
-        Every how many frames of the morph one is shown; the last is always shown.
+        Interval between rendered frames of the morph; the last frame is always rendered.
     frames_per_second : int
-        Speed of the video.
+        Frame rate of the video.
     turn : float
-        Radians by which the camera walks around the shapes.
+        Angle in radians by which the camera moves around the shapes.
     control : Control
-        Ends the work when cancelled; nothing is written then.
+        Stops the work when cancelled; nothing is written then.
 
     Yields
     ------
     Progress
-        Before each frame.
+        Before each rendered frame.
 
     Returns
     -------
@@ -72,10 +72,10 @@ def render_animation(
     Raises
     ------
     InputError
-        No folder to write into, a name without ``.mp4``, an odd width or height, or a collection that holds no
-        morph along a path.
+        The folder does not exist, the name does not end in ``.mp4``, width or height is odd, or the collection contains
+        no morph along a path.
     ConvwassError
-        Blender cannot render, or was built without video output.
+        Blender cannot render, or lacks video output.
     """
     target = checked_output(path, ".mp4")
     if any(side % 2 for side in resolution):
@@ -88,7 +88,7 @@ def render_animation(
     span = shown_frames(collection)
     if not span:
         raise InputError(
-            "{name} holds no morph along a path; for a sheet make a contact sheet instead.", name=collection.name
+            "{name} contains no morph along a path; for a sheet, make a contact sheet instead.", name=collection.name
         )
     frames = [*span[:-1:step], span[-1]]
     with Studio() as studio, tempfile.TemporaryDirectory(prefix="convwass-") as folder:
@@ -118,11 +118,11 @@ def render_animation(
 
 
 def _swing(turn: float, count: int) -> np.ndarray:
-    """Return the camera's angles, (count,), about 0; it sets off and arrives gently."""
+    """Return the camera's angles, (count,), around 0, with a smooth start and end."""
     return -turn / 2.0 * np.cos(np.linspace(0.0, math.pi, count))
 
 
 def _sample(obj: bpy.types.Object) -> np.ndarray:
-    """Return enough vertices of a shape to fit the camera to, world space, (n, 3)."""
+    """Return enough vertices of a shape to place the camera, world space, (n, 3)."""
     points = world_points(obj)
     return points[:: 1 + len(points) // POINTS_PER_SHAPE]

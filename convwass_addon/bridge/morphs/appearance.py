@@ -19,9 +19,9 @@ from .mixed_materials import emission_node
 
 # Normals are rounded to as many steps in one.
 _NORMAL_STEPS = np.float32(1024)
-# Step that velocities are rounded to at the most, as a share of the largest.
+# Largest rounding step of velocities, relative to the maximum.
 _ROUNDED = 1e-2
-# Images are halved until no side is longer: vertices of frames are much farther apart than their pixels.
+# Images are halved to at most this size, since the vertices of frames are much farther apart than pixels.
 _MOST_PIXELS = 1024
 
 
@@ -30,20 +30,20 @@ def read_appearance(
 ) -> Appearance:
     """Read the base colors and vertex groups of a mesh.
 
-    A material has the color of its Principled BSDF: an image or a color attribute that it is made from (the first one
-    that leads there), or the plain color; with neither it has the color that it has in the viewport. A mesh without
-    materials has its color attribute for renders, or the color of its object.
+    A material has the color of its Principled BSDF: the first image or color attribute linked to it, or its plain
+    color. Without either, it has its viewport color. A mesh without materials has the render color attribute, or the
+    color of its object.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        In the space that origins are in: a frozen copy.
+        A frozen copy, in the space of origins.
     color : (r, g, b, a)
-        That of its object, scene linear.
+        Color of the object, scene linear.
     group_names : sequence of str
-        Its object's vertex groups, in order.
+        The object's vertex groups in order.
     texture_size : int
-        Images are made smaller until neither side is longer.
+        Images are downsampled to at most this size.
     """
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
@@ -54,7 +54,7 @@ def read_appearance(
     materials = _gathered(triangles, "material_index", 1, np.int32)[:, 0].astype(np.int64)
     return Appearance(
         corners,
-        # A face may name a slot that is not there; Blender shows the last one.
+        # A face may have an invalid slot index; Blender then uses the last slot.
         np.minimum(materials, len(slots) - 1),
         tuple(_paint(mesh, slot, color, faces, loops, texture_size) for slot in slots),
         faces,
@@ -63,12 +63,12 @@ def read_appearance(
 
 
 def read_shading(mesh: bpy.types.Mesh) -> Shading:
-    """Read how a mesh is shaded: flat and smooth faces, sharp edges and custom normals.
+    """Read the shading of a mesh: flat and smooth faces, sharp edges and custom normals.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        In the space that origins are in: a frozen copy.
+        A frozen copy, in the space of origins.
     """
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
@@ -79,18 +79,18 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: TriangleMesh) -> None:
-    """Show a frame with normals that are not those of its surface.
+    """Set custom normals of a frame.
 
-    They are rounded by a twentieth of a degree, which halves what they take in a compressed file.
+    They are rounded to a twentieth of a degree, which halves their compressed size.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        The frame, of triangles or of quads.
+        The frame, with triangles or quads.
     normals : FrameNormals
-        Of the points, or of the corners of the triangles.
+        Normals of points, or of triangle corners.
     surface : TriangleMesh
-        That of the frame, as it was written.
+        The surface of the frame as written.
     """
     vectors = normals.vectors
     if normals.of_corners and len(mesh.loops) != len(vectors):
@@ -102,18 +102,18 @@ def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: Triangle
 
 
 def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
-    """Write what a frame carries to attributes of its points.
+    """Write the data carried by a frame to point attributes.
 
-    `COLOR` is the mean of the inputs' colors, each of which is in `LOOK`, by their `SOURCE_WEIGHT`: the share of the
-    input in the blend. `SOURCE_MATERIAL` is the material slot, for inputs that have several. Vertex groups that all
-    inputs have become attributes of their names.
+    `COLOR` is the mean of the inputs' colors, which are in `LOOK`, weighted by `SOURCE_WEIGHT`, the share of the input
+    in the blend. `SOURCE_MATERIAL` is the material slot, for inputs with several. Vertex groups of all inputs become
+    attributes of the same name.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        A frame, with as many vertices.
+        A frame with matching vertices.
     carried : Carried
-        What to write.
+        The data to write.
     """
     _write_colors(mesh, COLOR, carried.color)
     for index, weight in enumerate(carried.weights, start=1):
@@ -132,18 +132,18 @@ def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
 def write_materials(
     mesh: bpy.types.Mesh, materials: Sequence[bpy.types.Material], faces: np.ndarray, surface: TriangleMesh
 ) -> None:
-    """Give a frame its materials.
+    """Assign the materials of a frame.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        The frame, of triangles or of quads; what it wore is taken off.
+        The frame, with triangles or quads; existing materials are removed.
     materials : sequence of bpy.types.Material
-        Its slots.
+        Materials of the slots.
     faces : (m,) int
-        Slot of every triangle.
+        Slot index of every triangle.
     surface : TriangleMesh
-        That of the frame, as it was written.
+        The surface of the frame as written.
     """
     mesh.materials.clear()
     for material in materials:
@@ -157,11 +157,11 @@ def write_materials(
 
 
 def write_velocity(mesh: bpy.types.Mesh, velocity: np.ndarray) -> None:
-    """Write how fast the points of a frame move, (n, 3), in local units per second.
+    """Write the velocity of the points of a frame, (n, 3), in local units per second.
 
-    Cycles blurs a mesh by this attribute, whatever the frames beside it are, and Alembic and USD files get it as their
-    velocities. Eevee blurs nothing by it. Values are rounded by half a hundredth of the largest at the most, which no
-    blur shows: it halves what they take in a compressed file.
+    Cycles uses this attribute for motion blur, regardless of neighboring frames, and exporters write it as the velocity
+    in Alembic and USD files. Eevee does not use it. Values are rounded to at most half a hundredth of the maximum,
+    which is invisible and halves their compressed size.
     """
     largest = float(np.abs(velocity).max(initial=0.0))
     # A power of two, so that rounded numbers end in zeros.
@@ -170,7 +170,7 @@ def write_velocity(mesh: bpy.types.Mesh, velocity: np.ndarray) -> None:
 
 
 def seen_colors(mesh: bpy.types.Mesh, color: Sequence[float]) -> np.ndarray:
-    """Colors of the points of a mesh as renders show them, (n, 4); `color` is that of its object."""
+    """Colors of the points of a mesh as rendered, (n, 4); `color` is that of its object."""
     carried = mesh.color_attributes.get(COLOR)
     if carried is not None and carried.domain == "POINT":
         return _gathered(carried.data, "color", 4, np.float32)
@@ -178,22 +178,22 @@ def seen_colors(mesh: bpy.types.Mesh, color: Sequence[float]) -> np.ndarray:
 
 
 def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
-    """Write colors of the points, RGBA in scene linear, (n, 4), in 8 bits: they come from images, and files stay small.
+    """Write scene linear RGBA colors of the points, (n, 4), with 8 bits: they come from images, and files stay small.
 
-    Colors brighter than one become one.
+    Values are clamped to one.
     """
     _write(mesh, name, "BYTE_COLOR", colors)
 
 
 def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
-    """Let an input that has no material show its color attribute as frames show theirs; tell whether it has one.
+    """Let an input without material show its color attribute as frames do; return whether it has one.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         A frozen copy.
     index, count : int
-        Which input it is, of how many.
+        Index of the input, and number of inputs.
     """
     attribute = _render_colors(mesh)
     if any(mesh.materials) or attribute is None:
@@ -253,7 +253,7 @@ def _paint(
 
 
 def upstream_nodes(socket: bpy.types.NodeSocket) -> list[bpy.types.Node]:
-    """Return the nodes that lead to an input, the nearest first."""
+    """Return the nodes that an input depends on, nearest first."""
     found: list[bpy.types.Node] = [link.from_node for link in socket.links]
     for node in found:
         for own in node.inputs:
@@ -267,7 +267,7 @@ def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarra
 
 
 def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, texture_size: int) -> Textured | None:
-    """Return the paint of an image node; None where it has no picture, or the mesh no texture coordinates."""
+    """Return the paint of an image node, or None without an image or a UV map."""
     named = [other.uv_map for other in upstream_nodes(node.inputs["Vector"]) if other.type == "UVMAP"]
     layer = mesh.uv_layers.get(named[0]) if named else None
     if layer is None:
@@ -279,14 +279,14 @@ def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, tex
 
 
 def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | None:
-    """Return an image as (h, w, 4) float32 in scene linear, not larger than so many pixels along a side.
+    """Return an image as (h, w, 4) float32 in scene linear colors, downsampled to at most the given size.
 
-    Of an image in tiles that is the first one.
+    Only the first tile of a tiled image is used.
     """
     if image is None or not all(image.size):
         return None
     values = np.empty(image.size[0] * image.size[1] * 4, dtype=np.float32)
-    # A file that cannot be read has a size and no pixels.
+    # An unreadable file has a size but no pixels.
     if len(image.pixels) != len(values):
         return None
     image.pixels.foreach_get(values)
@@ -304,7 +304,7 @@ def _linear(values: np.ndarray) -> np.ndarray:
 
 
 def _halved(pixels: np.ndarray) -> np.ndarray:
-    """Means of 2 x 2 pixels; a last odd row or column is repeated."""
+    """Average blocks of 2 x 2 pixels; an odd last row or column is repeated."""
     for axis in (0, 1):
         if pixels.shape[axis] > 1:
             even, odd = (pixels[slice(first, None, 2)] if axis == 0 else pixels[:, first::2] for first in (0, 1))
@@ -315,7 +315,7 @@ def _halved(pixels: np.ndarray) -> np.ndarray:
 
 
 def _render_colors(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
-    """Return the color attribute that renders show."""
+    """Return the color attribute for renders."""
     colors = mesh.color_attributes
     index = colors.render_color_index
     return colors[index] if 0 <= index < len(colors) else None

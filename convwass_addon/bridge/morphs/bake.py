@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a morph into the scene, one finished frame after the other."""
+"""Write a morph to the scene frame by frame."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class _Finished:
 
 @dataclass(frozen=True)
 class _Hidden:
-    """An input that previews have hidden in a view layer, and whether it was selected there."""
+    """An input hidden by previews in a view layer, and whether it was selected there."""
 
     obj: Handle
     layer: str
@@ -48,10 +48,10 @@ class _Hidden:
 
 
 class MorphBake:
-    """A morph that is being written: `begin`, then `add` for each frame, then `finish` or `discard`.
+    """A morph being written: `begin`, then `add` for each frame, then `finish` or `discard`.
 
-    Until `finish`, nothing outside the morph's own collection changes, except that inputs are hidden in the viewport
-    while previews stand in their place. Undo between two calls is noticed, not suffered.
+    Until `finish`, nothing outside the morph's collection changes, except that previews hide the inputs in the
+    viewport. Undo between two calls is detected.
     """
 
     @classmethod
@@ -64,27 +64,27 @@ class MorphBake:
         first_frame: int,
         moves: Sequence[RigidMove] | None = None,
     ) -> MorphBake:
-        """Make the collection, and copies of the inputs as they are now.
+        """Create the collection, and copies of the inputs in their current state.
 
         Parameters
         ----------
         scene : bpy.types.Scene
-            The context's scene; the new collection goes to its top level.
+            The current scene; the new collection is added at its top level.
         inputs : sequence of bpy.types.Object
             The shapes; hidden ones too. Of shapes of several objects, what stands for them.
         blends : sequence of Blend
             All frames that may be added.
         settings : dict
-            What the user asked for, to be stored: numbers, texts, booleans, None and lists of these.
+            Settings to store: numbers, strings, booleans, None and lists of these.
         first_frame : int
-            Scene frame of the blend whose frame is 0.
+            Scene frame of the blend with frame 0.
         moves : sequence of RigidMove, optional
-            How the copies of the inputs are moved, one per input.
+            Transforms of the copied inputs, one per input.
 
         Raises
         ------
         InputError
-            A first frame that Blender does not have, or an input without faces; nothing is left behind then.
+            Blender does not support the first frame, or an input has no faces; nothing is created then.
         """
         check_first_frame(first_frame)
         grouping = settings.get("grouping", OBJECTS)
@@ -102,7 +102,7 @@ class MorphBake:
         settings: dict[str, object],
         first_frame: int,
     ) -> Self:
-        """Make the collection, with the description of the morph on it."""
+        """Create the collection with the description of the morph."""
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
         scene.collection.children.link(collection)
@@ -141,20 +141,20 @@ class MorphBake:
 
     @property
     def frozen(self) -> list[bpy.types.Mesh]:
-        """Copies of the inputs, one each, where frames show them; no frame may have used them yet."""
+        """Copies of the inputs, shown by frames; no frame may use them yet."""
         return [self._living(shape.mesh) for shape in self._inputs]
 
     def add(self, frame: MorphFrame) -> bpy.types.Object:
-        """Make the object of a finished frame, out of that of its preview, or of the frame as it was before.
+        """Make the object of a finished frame; a preview or an earlier version of the frame is reused.
 
-        In a path it is visible in its frame alone, the first one also before and the last one also after the path. In
-        a sheet it stands in its column (along +X) and row (downwards), shifted so that inputs that stand apart in
-        the scene do not skew the sheet. A single blend stays where the barycenter is.
+        In a path, it is only visible in its frame; the first one also before, the last one also after the path. In a
+        sheet, it is placed in its column (along +X) and row (downwards), corrected for the positions of the inputs. A
+        single blend stays at the position of the barycenter.
 
         Raises
         ------
         ConvwassError
-            The collection has been removed, by undo for example.
+            The collection was removed, for example by undo.
         """
         self._living(self._collection)
         index = self._blends.index(frame.blend)
@@ -170,14 +170,14 @@ class MorphBake:
         return obj
 
     def preview(self, frame: MorphFrame) -> None:
-        """Show what a frame that is not finished will look like, better every time.
+        """Show a preview of a frame, or improve it.
 
-        `add` takes its place, `finish` removes what is left.
+        `add` replaces previews, `finish` removes the remaining ones.
 
         Raises
         ------
         ConvwassError
-            The collection has been removed, by undo for example.
+            The collection was removed, for example by undo.
         """
         index = self._blends.index(frame.blend)
         if not self._previews and not self._finished:
@@ -190,7 +190,7 @@ class MorphBake:
             self._write(obj.data, frame.mesh)
 
     def keep_previews(self) -> bool:
-        """Take the previews for finished frames, where there are any and nothing has been finished; tell whether."""
+        """Keep the previews as frames if nothing else is finished; return whether there are any."""
         if self._finished or not self._previews:
             return False
         for index, handle in self._previews.items():
@@ -200,7 +200,7 @@ class MorphBake:
         return True
 
     def _hide_behind_previews(self) -> None:
-        """Hide the inputs in the viewport: they would flicker through previews that stand where they stand."""
+        """Hide the inputs in the viewport, since they would overlap with previews."""
         scene = self._living(self._scene)
         for handle in [own for shape in self._inputs for own in shape.objects]:
             obj = handle.find()
@@ -210,7 +210,7 @@ class MorphBake:
                     obj.hide_set(True, view_layer=layer)
 
     def _show_inputs(self) -> None:
-        """Show the inputs again that previews have hidden."""
+        """Show the inputs that were hidden by previews."""
         scene = self._scene.find()
         for hidden in self._hidden:
             obj = hidden.obj.find()
@@ -221,7 +221,7 @@ class MorphBake:
         self._hidden.clear()
 
     def _shown_object(self, frame: MorphFrame, index: int) -> bpy.types.Object:
-        """Make an object at its place and with its keyframes."""
+        """Create an object with its position and keyframes."""
         collection = self._living(self._collection)
         obj = self._made(frame, f"Morph {index + 1:04d}")
         collection.objects.link(obj)
@@ -235,7 +235,7 @@ class MorphBake:
         return obj
 
     def _made(self, frame: MorphFrame, name: str) -> bpy.types.Object:
-        """Make an object of a frame, where the frame lies, with a material."""
+        """Create the object of a frame with a material."""
         if frame.mesh is None:
             data = self._living(self._inputs[frame.blend.source].mesh)
         else:
@@ -245,27 +245,27 @@ class MorphBake:
         return bpy.data.objects.new(name, data)
 
     def _write(self, data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
-        """Give a frame its surface, made of the faces that were asked for."""
+        """Write the surface of a frame, with the requested kind of faces."""
         quads = self._stored.settings.get("faces") == "QUADS"
         write_mesh(data, mesh, Polygons.of_quads(mesh) if quads else None)
 
     def finish(self, hide_inputs: bool, dropped: Sequence[Diagnostic] = ()) -> bpy.types.Collection:
         """Store the settings, show the first frame, and return the collection.
 
-        After an early stop the finished frames are a morph of their own: each is visible until the next one that there
-        is, the last one to the end.
+        After an early stop, the finished frames are kept as a morph: each is visible until the next existing one, the
+        last one to the end.
 
         Parameters
         ----------
         hide_inputs : bool
             Hide the inputs in viewport and render, since the morph shows them.
         dropped : sequence of Diagnostic
-            What frames do not show of the materials of the inputs.
+            Diagnostics of materials that frames do not show.
 
         Raises
         ------
         ConvwassError
-            No frame has been finished (everything is discarded then), or the collection has been removed.
+            No frame is finished (everything is discarded then), or the collection was removed.
         """
         collection, scene = self._living(self._collection), self._living(self._scene)
         self._drop_previews()
@@ -295,17 +295,17 @@ class MorphBake:
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """First and last scene frame of what has been finished; None for a sheet, a single blend or nothing."""
+        """First and last scene frame of the finished frames; None for a sheet, a single blend or nothing."""
         numbers = [self._scene_frame(index) for index in self._finished if self._blends[index].frame is not None]
         return (min(numbers), max(numbers)) if numbers else None
 
     def _show_in_time(self, collection: bpy.types.Collection, frames: dict[int, bpy.types.Object]) -> None:
-        """Let every object of a path be visible until the next one that there is."""
+        """Show every object of a path until the next existing one."""
         for index, obj in frames.items():
             key_visibility(obj, self._living_action(collection.name), [self._shown(index, frames)])
 
     def discard(self) -> None:
-        """Remove all that this bake has made and that is still there."""
+        """Remove everything this bake has made."""
         collection = self._collection.find()
         if collection:
             remove_bake(collection)
@@ -314,14 +314,14 @@ class MorphBake:
         self._drop_unused()
 
     def _living(self, handle: Handle) -> bpy.types.ID:
-        """Return what a handle stands for, or say that the bake has lost its ground."""
+        """Return the data-block of a handle; raises ConvwassError if it was removed."""
         block = handle.find()
         if block is None:
-            raise ConvwassError("The morph was undone or deleted while it was being baked; bake it again.")
+            raise ConvwassError("The morph was undone or deleted during the bake; bake it again.")
         return block
 
     def _living_action(self, name: str) -> bpy.types.Action:
-        """Return the action of all visibility keys; made at the first call."""
+        """Return the action of all visibility keys; created on the first call."""
         if self._action is None:
             self._action = Handle.of("actions", bpy.data.actions.new(name))
         return self._living(self._action)
@@ -330,32 +330,32 @@ class MorphBake:
         return self._stored.first_frame + self._blends[index].frame
 
     def _shown(self, index: int, indices: Sequence[int] | dict[int, object]) -> FrameRange:
-        """Return when a frame object is visible if those of `indices` are all there are."""
+        """Return the frames in which an object is visible, given the existing `indices`."""
         own, others = self._scene_frame(index), [self._scene_frame(other) for other in indices]
         first = None if own == min(others) else own
         following = min((other for other in others if other > own), default=None)
         return FrameRange(first, None if following is None else following - 1)
 
     def _sheet_location(self, blend: Blend) -> np.ndarray:
-        """Return where a frame of a sheet goes, (3,)."""
+        """Return the position of a frame on a sheet, (3,)."""
         step = SHEET_SPACING * max(shape.size for shape in self._inputs)
         column, row = blend.place
         feet = np.array([shape.foot for shape in self._inputs])
         return feet[0] - np.asarray(blend.weights) @ feet + step * np.array([column, 0.0, -row])
 
     def _drop_previews(self) -> None:
-        """Remove what was shown in the place of frames that are not finished, and show the inputs again."""
+        """Remove the previews of unfinished frames, and show the inputs again."""
         self._show_inputs()
         objects = found(list(self._previews.values()))
         for obj in objects:
             if obj.animation_data and obj.animation_data.action:
-                # The action lives on with the frames that are finished.
+                # The action is still used by the finished frames.
                 obj.animation_data.action.slots.remove(obj.animation_data.action_slot)
         remove_objects(objects)
         self._previews.clear()
 
     def _drop_unused(self) -> None:
-        """Remove what was prepared for frames and that none uses."""
+        """Remove prepared data that no frame uses."""
         spare = found([shape.mesh for shape in self._inputs] + ([self._action] if self._action else []))
         if self._brings_material and MATERIAL_NAME in bpy.data.materials:
             spare.append(bpy.data.materials[MATERIAL_NAME])
@@ -363,10 +363,10 @@ class MorphBake:
 
 
 def check_first_frame(first_frame: int) -> None:
-    """Refuse a first frame that Blender does not have; raises InputError."""
+    """Raise InputError if Blender does not support the first frame."""
     if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
         raise InputError(
-            "The first frame must be from {first} to {last}, not {first_frame}.",
+            "The first frame must be between {first} and {last}, not {first_frame}.",
             first=FIRST_FRAMES[0],
             last=FIRST_FRAMES[1],
             first_frame=first_frame,
@@ -374,7 +374,7 @@ def check_first_frame(first_frame: int) -> None:
 
 
 def wear_material(data: bpy.types.ID) -> None:
-    """Give data of an object that has no material the one that all frames share."""
+    """Assign the material shared by all frames to data without material."""
     if not any(data.materials):
         data.materials.clear()
         data.materials.append(morph_material())

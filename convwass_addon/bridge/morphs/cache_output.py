@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph as one object that reads an Alembic or USD file."""
+"""Show a morph with one object that reads an Alembic or USD file."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ _MATERIAL_NAME = "Convwass Cache"
 
 
 def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alembic", "usd"]) -> DiskOutput:
-    """Write a morph to a file, and make an object that shows it by a Mesh Sequence Cache.
+    """Write a morph to a file, and create an object that shows it with a Mesh Sequence Cache modifier.
 
     Parameters
     ----------
     collection : bpy.types.Collection
-        A baked morph with its frames; they stay.
+        A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder; a file of the same name in it is replaced.
+        An existing folder; a file of the same name is replaced.
     kind : "alembic" or "usd"
-        What to write.
+        The file format.
 
     Raises
     ------
     InputError, ConvwassError
-        As `require_animation` and :func:`.exports.export_frames`, or Blender cannot read the file back; then it is
-        removed.
+        As for `require_animation` and :func:`.exports.export_frames`, or Blender cannot read the file back; it is
+        removed then.
     """
     require_animation(collection)
     name = bpy.path.clean_name(collection.name)
     file = folder / (name + FORMATS[kind].suffixes[0])
-    # Takes the place of a file that Blender may be reading, and is not written into it.
+    # Replaces a file that Blender may be reading, rather than writing into it.
     export_frames(collection, file, kind)
     try:
         shown = _read_back(file, kind)
@@ -60,22 +60,22 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
 
 
 def require_animation(collection: bpy.types.Collection) -> None:
-    """Refuse a morph that stands still, which Blender would not read from a cache.
+    """Check that a morph is animated, since Blender does not read static caches.
 
     Raises
     ------
     InputError
-        A sheet, a single blend, or a single frame of a path.
+        The morph is a sheet, a single blend, or a single frame of a path.
     """
     if frame_objects(collection) and len(shown_frames(collection)) < 2:
         raise InputError(
-            "A cache holds what changes over time, and {name} does not; bake an animation, or choose another output.",
+            "A cache requires an animation, but {name} is static; bake an animation, or choose another output.",
             name=collection.name,
         )
 
 
 def _read_back(file: Path, kind: str) -> bpy.types.Object:
-    """Return the one animated mesh of a file, in no collection."""
+    """Import the animated mesh of a file, without a collection."""
     existing = set(bpy.data.objects)
     with scratch_scene():
         try:
@@ -91,9 +91,7 @@ def _read_back(file: Path, kind: str) -> bpy.types.Object:
         cached = [obj for obj in made if any(m.type == "MESH_SEQUENCE_CACHE" for m in obj.modifiers)]
         if not cached:
             bpy.data.batch_remove(made)
-            raise ConvwassError(
-                "{file} would hold no mesh that changes over time; choose another output.", file=str(file)
-            )
+            raise ConvwassError("{file} would contain no animated mesh; choose another output.", file=str(file))
         shown = cached[0]
         place = shown.matrix_world.copy()
         shown.parent = None

@@ -36,7 +36,7 @@ from .mixed_materials import MixedMaterials
 
 @dataclass(frozen=True)
 class CarriedFrame(MorphFrame):
-    """A finished frame with what it brings along from the inputs."""
+    """A finished frame with the data carried from the inputs."""
 
     carried: Carried | None = None
     slots: FaceSlots | None = None
@@ -44,7 +44,9 @@ class CarriedFrame(MorphFrame):
 
 
 class Carrying:
-    """Looks at the inputs of one bake, and writes to its frames. All but :meth:`looked_up` is for the main thread.
+    """Reads the inputs of a bake, and writes their attributes to the frames.
+
+    All methods except :meth:`looked_up` must be called on the main thread.
 
     Parameters
     ----------
@@ -53,15 +55,15 @@ class Carrying:
     inputs : sequence of FrozenInput
         The shapes.
     frozen : sequence of bpy.types.Mesh
-        Copies of them where the bake has them. Those that have no material and a color attribute get the material of
-        the frames, so that nothing changes color when the morph begins.
+        Copies of the inputs at their positions in the bake. Those with a color attribute but without a material get the
+        material of the frames, so that the colors do not change at the start of the morph.
     blends : sequence of Blend
-        What the bake makes.
+        All frames of the bake.
 
     Attributes
     ----------
     dropped : list of Diagnostic
-        What frames do not show of the materials of the inputs.
+        Diagnostics of materials that frames do not show.
     """
 
     def __init__(
@@ -94,7 +96,7 @@ class Carrying:
                 mesh.materials.append(material)
 
     def looked_up(self, work: Work[None]) -> Work[None]:
-        """Report the work of a morph, with finished frames as :class:`CarriedFrame`; in any thread."""
+        """Report the work of a morph, with finished frames as :class:`CarriedFrame`; on any thread."""
         for report in work:
             frame = report.payload
             if isinstance(frame, MorphFrame) and frame.origins is not None:
@@ -105,13 +107,13 @@ class Carrying:
             yield report
 
     def _normals(self, frame: MorphFrame) -> FrameNormals | None:
-        """Return the normals that a frame is shown with, where they are not those of its surface."""
+        """Return the normals of a frame if they differ from those of its surface."""
         if frame.triangles is None:
             return None
         return frame_normals(frame.mesh, frame.origins, frame.triangles, self._shadings, frame.blend.weights)
 
     def write(self, mesh: bpy.types.Mesh, frame: MorphFrame) -> None:
-        """Write what a finished frame carries to its mesh, and give it the material that shows it."""
+        """Write the attributes carried by a finished frame, and assign its materials."""
         if frame.mesh is None or frame.origins is None:
             return
         if frame.blend in self._rates:
@@ -128,7 +130,7 @@ class Carrying:
                 write_materials(mesh, materials, frame.slots.faces, frame.mesh)
 
     def _pass(self, shape: Blend, passing: _Passing) -> None:
-        """Let an input that a path goes through move as fast as, in the mean, the blends on both sides of it."""
+        """Set the velocity of an input within a path to the mean of the blends before and after it."""
         both = self._passing.setdefault(shape, [])
         both.append(passing)
         mesh = self._frozen[shape.source].find()
@@ -139,13 +141,13 @@ class Carrying:
             both.clear()
 
     def drop_unused(self) -> None:
-        """Remove the materials that no frame wears."""
+        """Remove materials that no frame uses."""
         self._materials.drop_unused()
 
 
 @dataclass(frozen=True)
 class _Passing:
-    """Velocities at points of an input, of the matter of a blend near it."""
+    """Velocities at points of an input, taken from a neighboring blend."""
 
     points: np.ndarray
     velocity: np.ndarray
@@ -155,7 +157,7 @@ class _Passing:
 
 
 def _beside_shapes(blends: Sequence[Blend]) -> dict[Blend, list[Blend]]:
-    """Return for every blend of a path the inputs before and after it that the path goes through."""
+    """For every blend of a path, return the inputs directly before and after it."""
     path = [blend for blend in blends if blend.frame is not None]
     beside: dict[Blend, list[Blend]] = {}
     for before, here, after in zip(path, path[1:], path[2:], strict=False):
@@ -166,9 +168,9 @@ def _beside_shapes(blends: Sequence[Blend]) -> dict[Blend, list[Blend]]:
 
 
 def rates_of(blends: Sequence[Blend]) -> dict[Blend, np.ndarray]:
-    """Change of the weights of every blend of a path per frame, (k,), from those on both sides of it.
+    """Central differences of the weights along a path, per frame, (k,) each.
 
-    What is not in an animation, and its ends, where it stands still, have none.
+    Blends outside an animation, and its ends, where the morph stands still, have none.
     """
     path = [blend for blend in blends if blend.frame is not None]
     return {

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the shapes of a morph are still those that it was baked from, told from what is quick to look at."""
+"""Detect changes of the shapes of a morph since its bake, without evaluating them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .stored import is_there, stored_morph
 SIGNATURES_KEY = "convwass_signatures"
 """Custom property of a morph's collection: JSON of one signature per input."""
 
-# Single precision, and a scene that is saved and opened again.
+# Allows for single precision, and for saving and loading the scene.
 _TOLERANCE = 1e-5
 
 
 def store_signatures(collection: bpy.types.Collection, signatures: list[list[float]]) -> None:
-    """Write the signatures of a morph's inputs onto its collection."""
+    """Store the signatures of a morph's inputs with its collection."""
     finite = [[number if math.isfinite(number) else 0.0 for number in one] for one in signatures]
     collection[SIGNATURES_KEY] = json.dumps(finite)
 
@@ -29,8 +29,8 @@ def store_signatures(collection: bpy.types.Collection, signatures: list[list[flo
 def signature(source: ShapeSource) -> list[float]:
     """Return numbers that change where a shape is moved, reshaped or given other modifiers.
 
-    They are at hand without evaluating anything, so that a panel may compare them: counts of its own mesh, bounds as
-    modifiers leave them, and its place. An edit that keeps all of these goes unnoticed.
+    They are available without evaluation, so that panels can compare them: mesh counts, evaluated bounds, and the
+    transform. An edit that preserves all of them is not detected.
     """
     of_parts = [_signature(part) for part in source.parts]
     # What is moved from one part to another must not cancel out.
@@ -45,7 +45,7 @@ def _signature(obj: bpy.types.Object) -> list[float]:
 
 
 def _counts(obj: bpy.types.Object) -> list[int]:
-    """Return two numbers of what an object is made of."""
+    """Return two characteristic counts of an object's data."""
     if obj.type == "MESH":
         return [len(obj.data.vertices), len(obj.data.polygons)]
     if obj.type == "FONT":
@@ -56,13 +56,13 @@ def _counts(obj: bpy.types.Object) -> list[int]:
 
 
 def changed_inputs(collection: bpy.types.Collection) -> list[str]:
-    """Return the names of a morph's inputs that are gone or are no longer as they were; none where nothing is known."""
+    """Return the names of inputs that are missing or have changed; empty if unknown."""
     try:
         known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
         stored = stored_morph(collection)
         names, grouping = stored.inputs, stored.settings.get("grouping", OBJECTS)
     except (ValueError, TypeError, RecursionError, ConvwassError):
-        # A damaged description is told of where it is used.
+        # A damaged description is reported where it is used.
         return []
     if not isinstance(known, list) or len(known) != len(names):
         return []

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One picture that shows a whole morph: its shapes in rows on a light floor, all seen and lit alike."""
+"""Render a whole morph as one picture: its shapes in rows on a light floor, with the same view and lighting."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from .stored import WEIGHTS_KEY, frame_objects
 
 ELEVATION = math.radians(20.0)
 GAP = (0.10, 0.16)
-"""Free room between neighbors and between rows, in sizes of the largest shape."""
+"""Gaps between columns and rows, relative to the largest shape."""
 MARGIN = 0.22
-"""Free room around the sheet, in sizes of the largest shape."""
+"""Margin around the sheet, relative to the largest shape."""
 
 
 @dataclass(frozen=True)
 class _Cell:
-    """A shape on the sheet; `place` is column and row, in steps."""
+    """A shape on the sheet; `place` is its column and row."""
 
     obj: bpy.types.Object
     points: np.ndarray
@@ -37,7 +37,7 @@ class _Cell:
 
 @dataclass(frozen=True)
 class _Sheet:
-    """Shifts (n, 3) that bring the shapes to their places; the picture's bounds on the camera's right and up axis."""
+    """Shifts (n, 3) that arrange the shapes, and the picture's bounds along the camera's right and up axes."""
 
     shifts: np.ndarray
     low: np.ndarray
@@ -53,21 +53,21 @@ def render_contact_sheet(
     width: int = 1920,
     samples: int = 12,
 ) -> Work[Path]:
-    """Write one PNG that shows the shapes of a morph in reading order.
+    """Render the shapes of a morph in reading order to a PNG.
 
-    Of a morph along a path, `count` frames are chosen evenly, the input shapes always among them; fewer frames are all
-    shown. A morph that was baked as a sheet is shown with all its shapes, in the rows and columns that it has.
+    For a path, `count` evenly spaced frames are chosen, including all inputs; shorter paths are shown completely. A
+    sheet is shown completely, in its own rows and columns.
 
     Parameters
     ----------
     collection : bpy.types.Collection
-        A morph. Neither it nor the scene is changed.
+        A morph; neither it nor the scene is changed.
     path : str or Path
         The PNG to write; replaced if it exists.
     columns, count : int
-        Shapes in a row, and in all.
+        Shapes per row, and in total.
     width : int
-        Pixels; the height follows from the shapes.
+        Width in pixels; the height depends on the shapes.
     samples : int
         Light paths per pixel.
 
@@ -84,7 +84,7 @@ def render_contact_sheet(
     Raises
     ------
     InputError
-        No folder to write into, a name without ``.png``, or a collection that holds no morph.
+        The folder does not exist, the name does not end in ``.png``, or the collection contains no morph.
     ConvwassError
         Blender cannot render.
     """
@@ -92,7 +92,7 @@ def render_contact_sheet(
     objects = frame_objects(collection)
     if not objects:
         raise InputError(
-            "{name} holds no frames of a morph; choose a collection made by Bake Morph.", name=collection.name
+            "{name} contains no frames of a morph; choose a collection made by Bake Morph.", name=collection.name
         )
     yield Progress(0.0, Sentence("Setting up the contact sheet"))
     cells = _path_cells(_evenly_chosen(objects, count), columns) if _is_path(objects) else _placed_cells(objects)
@@ -111,18 +111,18 @@ def render_contact_sheet(
 
 
 def _is_path(objects: Sequence[bpy.types.Object]) -> bool:
-    """Tell a path, whose frames are shown one at a time, from a sheet that shows all at once."""
+    """Return whether a morph is a path, rather than a sheet."""
     return any(obj.animation_data and obj.animation_data.action for obj in objects)
 
 
 def _evenly_chosen(objects: Sequence[bpy.types.Object], count: int) -> list[bpy.types.Object]:
-    """Choose frames of a path, the inputs among them."""
+    """Choose frames of a path, including the inputs."""
     last = len(objects) - 1
     if count > last:
         return list(objects)
     fixed = sorted({0, last, *(index for index, obj in enumerate(objects) if max(obj[WEIGHTS_KEY]) == 1.0)})
     chosen = np.round(np.linspace(0, last, max(count, len(fixed)))).astype(int)
-    # Between two inputs as many as fall there anyway, and these spread anew.
+    # Keep the number of frames between two inputs, and space them evenly.
     slots = np.round(np.array(fixed) * (len(chosen) - 1) / last).astype(int)
     return [objects[index] for index in np.round(np.interp(np.arange(len(chosen)), slots, fixed)).astype(int)]
 
@@ -132,7 +132,7 @@ def _path_cells(objects: Sequence[bpy.types.Object], columns: int) -> list[_Cell
 
 
 def _placed_cells(objects: Sequence[bpy.types.Object]) -> list[_Cell]:
-    """Read columns and rows off the places where the shapes of a sheet hang: along X, and downwards."""
+    """Derive columns and rows of a sheet from the positions of its shapes: along X, and downwards."""
     points = [world_points(obj) for obj in objects]
     middles = np.array([(shape.min(axis=0) + shape.max(axis=0)) / 2.0 for shape in points])
     height = max(np.ptp(shape[:, 2]) for shape in points)
@@ -145,7 +145,7 @@ def _placed_cells(objects: Sequence[bpy.types.Object]) -> list[_Cell]:
 
 
 def _arranged(cells: Sequence[_Cell], view: View) -> _Sheet:
-    """Stand the shapes on the floor (z = 0) so that the camera sees them in rows and columns."""
+    """Place the shapes on the floor (z = 0) so that the camera sees them in rows and columns."""
     right, up, _ = view.axes
     places = np.array([cell.place for cell in cells])
     feet = np.array([_foot(cell.points, right) for cell in cells])
@@ -164,7 +164,7 @@ def _arranged(cells: Sequence[_Cell], view: View) -> _Sheet:
 
 
 def _foot(points: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the point of the floor that a shape stands on, in its middle as the camera sees it, (3,)."""
+    """Return the floor point below a shape, centered in the camera's view, (3,)."""
     foot = (points.min(axis=0) + points.max(axis=0)) / 2.0
     foot[2] = points[:, 2].min()
     across = points @ right
@@ -172,7 +172,7 @@ def _foot(points: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def _baselines(rows: np.ndarray, low: np.ndarray, high: np.ndarray, gap: float) -> np.ndarray:
-    """Return the height of each shape's place in the picture, so that rows keep clear of each other, (n,)."""
+    """Return the height of each shape in the picture, (n,), such that rows do not overlap."""
     heights, height = {}, 0.0
     for row in range(rows.max() + 1):
         height -= high[rows == row].max()
@@ -182,9 +182,9 @@ def _baselines(rows: np.ndarray, low: np.ndarray, high: np.ndarray, gap: float) 
 
 
 def _set_up(studio: Studio, cells: Sequence[_Cell], sheet: _Sheet, view: View) -> None:
-    """Build the set around the arranged shapes, and point the camera at the sheet's middle."""
+    """Build the set for the arranged shapes, and aim the camera at the center of the sheet."""
     reach = studio.build([cell.points + shift for cell, shift in zip(cells, sheet.shifts, strict=True)], view)
     center = (sheet.low + sheet.high) / 2.0
-    # Rows further back are higher in the picture, so that the camera's distance must be measured from its middle.
+    # Rows farther back are higher in the picture, so the camera distance is measured from the center.
     on_floor = center[1] / math.sin(view.elevation) * view.forward + center[0] * view.axes[0]
     studio.look_flat(Pose(on_floor + reach / 2.0 * view.axes[2], view), float((sheet.high - sheet.low)[0]), reach)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What outputs that live on disk have in common: where the files go, how Blender is told, and what they weigh."""
+"""Common code for outputs on disk: folders, paths for Blender, and file sizes."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ...errors import InputError
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
 
-# Blender's notation for a path from the folder of the .blend.
+# Blender's prefix for paths relative to the .blend.
 _FROM_BLEND = "//"
 
 
 @dataclass(frozen=True)
 class DiskOutput:
-    """Files that show a morph, and the object that reads them.
+    """Files of a morph, and the object that reads them.
 
     Attributes
     ----------
@@ -39,51 +39,51 @@ class DiskOutput:
 
     @property
     def size(self) -> int:
-        """Bytes on disk."""
+        """Size in bytes."""
         return sum(file.stat().st_size for file in self.files)
 
     @property
     def megabytes(self) -> float:
-        """The same for reports."""
+        """Size in megabytes."""
         return self.size / 1e6
 
 
 def folder_of(path: str, morph: bpy.types.Collection) -> Path:
-    """Return the folder of a morph's files, which need not be there; parameters are those of :func:`output_folder`.
+    """Return the folder of a morph's files without creating it; see :func:`output_folder` for the parameters.
 
     Raises
     ------
     InputError
-        A path from a .blend file that has not been saved.
+        The path is relative to an unsaved .blend file.
     """
     if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
         raise InputError(
-            "The folder {path} lies beside the .blend file: save that first, or give a whole path.", path=path
+            "The folder {path} is relative to the .blend file: save that first, or choose an absolute path.", path=path
         )
     return whole_path(bpy.path.abspath(path)) / bpy.path.clean_name(morph.name)
 
 
 def output_folder(path: str, morph: bpy.types.Collection) -> Path:
-    """Make and return the folder of a morph's files.
+    """Create and return the folder of a morph's files.
 
     Parameters
     ----------
     path : str
-        As the user wrote it; ``//`` stands for the folder of the saved .blend file.
+        As entered by the user; ``//`` stands for the folder of the .blend file.
     morph : bpy.types.Collection
-        Its name becomes that of a folder inside.
+        Its name becomes the name of a subfolder.
 
     Raises
     ------
     InputError
-        A path from a .blend file that has not been saved, or a folder that cannot be made or written to.
+        The path is relative to an unsaved .blend file, or the folder cannot be created or written.
     """
     folder = folder_of(path, morph)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            "The folder {folder} cannot be made ({reason}); choose another one.",
+            "The folder {folder} cannot be created ({reason}); choose another one.",
             folder=str(folder),
             reason=error.strerror,
         ) from error
@@ -94,18 +94,18 @@ def output_folder(path: str, morph: bpy.types.Collection) -> Path:
 
 @contextmanager
 def filled_folder(path: str, morph: bpy.types.Collection) -> Iterator[Path]:
-    """Give the folder of a morph's files, as `output_folder`; where filling it fails, it does not stay empty."""
+    """Provide the folder of a morph's files as `output_folder`; if it stays empty, it is removed."""
     folder = output_folder(path, morph)
     try:
         yield folder
     finally:
-        # Only a folder without files can be removed.
+        # Only empty folders can be removed.
         with suppress(OSError):
             folder.rmdir()
 
 
 def for_blender(path: Path) -> str:
-    """Return a path as the open file should keep it: relative where the .blend has a place."""
+    """Return a path as stored in the open file: relative if the .blend is saved."""
     if not bpy.data.filepath:
         return str(path)
     try:
@@ -115,12 +115,12 @@ def for_blender(path: Path) -> str:
 
 
 def disk_outputs(morph: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects of a morph that read files, and those that these need."""
+    """Return the objects of a morph that read files, and their helper objects."""
     return [obj for obj in morph.objects if OUTPUT_KEY in obj]
 
 
 def remove_disk_outputs(morph: bpy.types.Collection) -> None:
-    """Remove the objects of :func:`disk_outputs` and what they alone use; the files stay where they are."""
+    """Remove the objects of :func:`disk_outputs` and data that only they use; the files are kept."""
     objects = disk_outputs(morph)
     caches = {
         m.cache_file for obj in objects for m in obj.modifiers if m.type == "MESH_SEQUENCE_CACHE" and m.cache_file
@@ -131,7 +131,7 @@ def remove_disk_outputs(morph: bpy.types.Collection) -> None:
 
 
 def packed_bytes(objects: Sequence[bpy.types.Object]) -> int:
-    """Estimate what the meshes of some objects add to the .blend file before compression."""
+    """Estimate the uncompressed size of the meshes of some objects in the .blend file."""
     meshes = {obj.data for obj in objects if obj.type == "MESH"}
-    # Positions; corners with their vertices and edges; edges; offsets of faces.
+    # Positions; corners with vertex and edge; edges; face offsets.
     return sum(12 * len(m.vertices) + 8 * len(m.loops) + 8 * len(m.edges) + 4 * len(m.polygons) for m in meshes)

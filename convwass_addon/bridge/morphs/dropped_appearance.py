@@ -26,16 +26,16 @@ _COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE", "OBJECT_INFO")
 
 @dataclass(frozen=True)
 class DroppedPart:
-    """Something that the frames do not show.
+    """Something that frames do not show.
 
     Attributes
     ----------
     kind : str
-        That of a diagnostic in :mod:`.diagnostics`.
+        Kind of the diagnostic; see :mod:`.diagnostics`.
     material : str
         Name of the material.
     sockets : tuple of str
-        Names of the shader's sockets whose textures are left out.
+        Names of the shader sockets whose textures are ignored.
     """
 
     kind: str

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a morph in the formats of other programs."""
+"""Export a morph for other programs."""
 
 from __future__ import annotations
 
@@ -28,55 +28,54 @@ from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, wears_color_attribute, wears_object_color
 from .stored import frame_objects, shown_frames
 
-# Bytes of an exported vertex, corner and face with colors, normals, UV maps and velocities, and of what comes first.
+# Exported bytes per vertex, corner and face with colors, normals, UV maps and velocities, and for the file header.
 _VERTEX, _CORNER, _FACE, _FILE = 48, 40, 8, 1 << 20
 
 COLORS = "displayColor"
-"""Name of the colors in files that hold an animation: USD's own."""
+"""Name of the colors in animated files, as in USD."""
 
 
 @dataclass(frozen=True)
 class _Format:
     suffixes: tuple[str, ...]
-    """Accepted endings; the first one is given to names without."""
+    """Accepted extensions; the first one is the default."""
     animated: bool
-    """One file holds the whole animation; otherwise there is one file per frame."""
+    """Whether one file holds the whole animation, rather than one file per frame."""
     write: Callable[[str], set[str]]
-    """Writes all that is in the context's scene."""
+    """Writes the current scene."""
     write_colors: Callable[[bpy.types.Mesh, np.ndarray], None] | None = None
-    """Puts colors, one per vertex, onto a mesh as the format takes them; of those that are animated."""
+    """Writes one color per vertex to a mesh, as the format requires; for animated formats."""
     write_steps: Callable[[str], set[str]] | None = None
-    """Writes all that is in the context's scene, where meshes take turns; of formats that write paths so."""
+    """Writes the current scene when its meshes are shown one after another; for formats that store paths this way."""
 
 
 def export_frames(collection: bpy.types.Collection, path: Path, file_format: str) -> list[Path]:
-    """Write the frames of a morph for other programs.
+    """Export the frames of a morph.
 
-    OBJ, PLY and STL have no means to swap meshes over time, so they get one file per frame, numbered from 0001 in the
-    order of the frames, with materials; those that take their base color from the object get that color. glTF gets a
-    single .glb for a path, in which every frame is a node that an animation scales to 1 while it is shown and to 0
-    otherwise; of a sheet one file per blend. USD and Alembic get a single file over the frames of the morph, with one
-    mesh whose topology changes; the frames' colors are its displayColor, and how fast their points move its velocities.
-    A sheet is a still in them.
+    OBJ, PLY and STL cannot swap meshes over time, so they get one file per frame, numbered from 0001 in the order of
+    the frames, with materials; materials that use the object's color get that color. A path is exported to glTF as a
+    single .glb, in which every frame is a node that an animation scales to 1 while it is shown and to 0 otherwise; a
+    sheet is exported to glTF as one file per blend. USD and Alembic get a single file with one mesh of changing
+    topology; its displayColor is the color of the frames, with velocities. A sheet is exported to them as a still.
 
     Parameters
     ----------
     collection : bpy.types.Collection
         A baked morph.
     path : Path
-        A file, whose ending may be left out, or an existing folder, in which files are named like the collection.
+        A file, whose extension may be left out, or an existing folder, in which files are named after the collection.
     file_format : str
-        One of `FORMATS`.
+        A key of `FORMATS`.
 
     Returns
     -------
     list of Path
-        The files, absolute. Existing ones have been replaced.
+        Absolute paths of the files. Existing files are replaced.
 
     Raises
     ------
     InputError
-        An unknown format, a folder that does not exist, or a collection without frames.
+        The format is unknown, the folder does not exist, or the collection has no frames.
     ConvwassError
         Blender could not write a file.
     """
@@ -90,7 +89,7 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     target = checked_target(_with_suffix(path, chosen, collection.name))
     frames = frame_objects(collection)
     if not frames:
-        raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
+        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
     bpy.context.view_layer.update()
     if chosen.animated:
         _export_animation(frames, shown_frames(collection), target, chosen)
@@ -105,7 +104,7 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
 
 
 def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
-    """Return the path of a file with an ending that belongs to the format."""
+    """Return the path with an extension of the format."""
     target = whole_path(path)
     if target.is_dir():
         target /= bpy.path.clean_name(name)
@@ -118,7 +117,7 @@ def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
 
 
 def _exported_bytes(objects: Sequence[bpy.types.Object]) -> int:
-    """Estimate generously how large a file with the meshes of some objects may become."""
+    """Return a generous estimate of the size of a file with the meshes of some objects."""
     meshes = [obj.data for obj in objects if obj.type == "MESH"]
     return _FILE + sum(
         _VERTEX * len(own.vertices) + _CORNER * len(own.loops) + _FACE * len(own.polygons) for own in meshes
@@ -126,10 +125,10 @@ def _exported_bytes(objects: Sequence[bpy.types.Object]) -> int:
 
 
 def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
-    """Write one frame object, whether or not it is visible now."""
+    """Export one frame object, whether or not it is visible."""
     require_space(file.parent, _exported_bytes([obj]))
     with scratch_scene() as scene:
-        # A stand-in, since the object itself is hidden in all frames but one.
+        # A copy, since the frame object itself is hidden in all frames but one.
         still = bpy.data.objects.new(file.stem, obj.data)
         try:
             still.matrix_world = obj.matrix_world
@@ -142,7 +141,7 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
 
 
 def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
-    """Write the frame objects as one mesh over scene frames; without any, as they are now."""
+    """Export the frame objects as one mesh over scene frames; without animation, in their current state."""
     original = bpy.context.scene
     first, last = (span[0], span[-1]) if span else 2 * (original.frame_current,)
     require_space(file.parent, _exported_bytes(frames))
@@ -178,7 +177,7 @@ def _export_steps(frames: list[bpy.types.Object], span: range, file: Path, chose
 def _colored_copies(
     objects: list[bpy.types.Object], write_colors: Callable[[bpy.types.Mesh, np.ndarray], None]
 ) -> Iterator[dict[bpy.types.Object, bpy.types.Object]]:
-    """Give copies with their color on the vertices; a file cannot change a mesh's materials over time."""
+    """Provide copies with vertex colors, since a file cannot change the materials of a mesh over time."""
     copies = {}
     try:
         for obj in objects:
@@ -187,7 +186,7 @@ def _colored_copies(
             copies[obj].matrix_world = obj.matrix_world
             colors = seen_colors(mesh, obj.color)
             mesh.materials.clear()
-            # By name: until Blender 5, what is left moves where the one that is removed was.
+            # Removed by name: before Blender 5, removing an attribute invalidates references to the others.
             for name in [attribute.name for attribute in mesh.color_attributes]:
                 mesh.color_attributes.remove(mesh.color_attributes[name])
             write_colors(mesh, colors)
@@ -198,7 +197,7 @@ def _colored_copies(
 
 
 def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
-    """Give meshes without velocity one of zero, where others have one: files have it at all frames or at none."""
+    """If some meshes have a velocity, give the others a velocity of zero: files need it in all frames or none."""
     moving = [mesh for mesh in meshes if VELOCITY in mesh.attributes]
     for mesh in meshes if moving else ():
         if mesh not in moving:
@@ -206,8 +205,8 @@ def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
 
 
 def _write(file: Path, chosen: _Format) -> None:
-    """Write the context's scene; what is there of that name is replaced once all is written."""
-    # In a folder of its own, under its own name: an OBJ names the file of its materials.
+    """Export the current scene; an existing file is replaced once the new one is complete."""
+    # Written under its final name in a temporary folder, since an OBJ contains the name of its material file.
     folder = new_draft(file, "")
     draft = folder / file.name
     try:
@@ -228,14 +227,14 @@ def _write(file: Path, chosen: _Format) -> None:
 
 
 def _name_textures(materials: Path, folder: Path) -> None:
-    """Name textures below a folder as they are seen from there, as Blender does where it writes into it."""
+    """Make texture paths below a folder relative to it, as Blender does when it writes there."""
     near = f" {folder.as_posix()}/".encode()
     materials.write_bytes(materials.read_bytes().replace(near, b" "))
 
 
 @contextmanager
 def _plain_materials(objects: list[bpy.types.Object]) -> Iterator[None]:
-    """Give objects materials of their own color for a while, where they share one that reads colors elsewhere."""
+    """Temporarily replace shared materials that read the object's color by materials of that color."""
     slots = [
         slot
         for obj in objects
@@ -261,7 +260,7 @@ def _write_point_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
 
 
 def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
-    """Blender's exporter for Alembic knows colors of this kind only."""
+    """Write colors per corner, the only kind that Blender's Alembic exporter supports."""
     vertices = np.empty(len(mesh.loops), dtype=np.int32)
     mesh.loops.foreach_get("vertex_index", vertices)
     attribute = mesh.color_attributes.new(COLORS, "BYTE_COLOR", "CORNER")
@@ -297,4 +296,4 @@ FORMATS: dict[str, _Format] = {
     ),
     "alembic": _Format((".abc",), animated=True, write=_write_alembic, write_colors=_write_corner_colors),
 }
-"""The formats that `export_frames` writes."""
+"""The formats of `export_frames`."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colors of frame objects on one object that shows the meshes of all of them, as an attribute of what is seen."""
+"""Colors of frame objects, as an attribute on the object that shows their meshes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ..sequence import pick
 from .materials import wears_object_color
 
 COLOR = "morph_color"
-"""Attribute of the points: the color of the frame object that they come from, scene linear RGBA."""
+"""Point attribute: the color of the source frame object, scene linear RGBA."""
 
 ORIGINAL_KEY = "convwass_original"
-"""Custom property of a material that shows that attribute: the material that shows the object's color."""
+"""Custom property of a material that shows this attribute: the material that it replaces."""
 
 
 def colored(
@@ -24,12 +24,12 @@ def colored(
     color: bpy.types.NodeSocket,
     frames: Sequence[bpy.types.Object],
 ) -> bpy.types.NodeSocket:
-    """Let materials that take their base color from the object take it from the frame object instead.
+    """Make materials that read the object's color read that of the frame object instead.
 
     Parameters
     ----------
     tree : bpy.types.NodeTree
-        Where the nodes go.
+        The node group to extend.
     geometry : bpy.types.NodeSocket
         In materials of the frame objects.
     color : bpy.types.NodeSocket
@@ -40,8 +40,8 @@ def colored(
     Returns
     -------
     bpy.types.NodeSocket
-        The geometry with the attribute `COLOR`, and copies of those materials that show it. The geometry itself where
-        there is no such material.
+        The geometry with the attribute `COLOR` and materials that show it; unchanged if no material reads the object's
+        color.
     """
     worn = [slot.material for obj in frames for slot in obj.material_slots]
     materials = [material for material in dict.fromkeys(worn) if wears_object_color(material)]
@@ -70,13 +70,13 @@ def color_of(
 
 
 def colored_materials(tree: bpy.types.NodeTree) -> list[bpy.types.Material]:
-    """Return the materials that `colored` has made for a node group."""
+    """Return the materials that `colored` has created for a node group."""
     nodes = (node for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
     return [node.inputs["New"].default_value for node in nodes if node.inputs["New"].default_value]
 
 
 def seen_materials(tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object]) -> list[bpy.types.Material]:
-    """Return all materials that a node group shows of the frame objects, each once."""
+    """Return all materials of the frame objects as shown by a node group, without duplicates."""
     nodes = (node for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
     copies = {node.inputs["Old"].default_value: node.inputs["New"].default_value for node in nodes}
     worn = (slot.material for obj in frames for slot in obj.material_slots if slot.material)
@@ -84,9 +84,9 @@ def seen_materials(tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object])
 
 
 def _colored_material(material: bpy.types.Material) -> bpy.types.Material:
-    """Return a material that shows the attribute wherever another one shows the object's color.
+    """Return a copy of a material that shows the attribute instead of the object's color.
 
-    All that shows frame objects shares it, as the frame objects share the other one.
+    The copy is shared, as the original material is.
     """
     in_use = (other for other in bpy.data.materials if other.get(ORIGINAL_KEY) == material and other.users)
     return next(in_use, None) or _colored_copy(material)

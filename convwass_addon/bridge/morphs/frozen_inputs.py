@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake keeps of its inputs."""
+"""Copies of the inputs of a bake."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from .materials import input_color
 
 @dataclass(frozen=True)
 class FrozenInput:
-    """What a bake keeps of an input, so that it may change or vanish while frames are being computed."""
+    """A copy of an input, which may change or be deleted while frames are computed."""
 
     obj: Handle
     name: str
     color: tuple[float, float, float, float]
     mesh: Handle
-    """Its copy: a mesh, or what else the frames show of it."""
+    """The copy: a mesh, or other data for the frames."""
     size: float
     foot: np.ndarray
     """Middle of the underside of its bounds, or of a flat shape, world space, (3,)."""

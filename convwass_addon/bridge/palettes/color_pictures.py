@@ -54,7 +54,7 @@ def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: 
     mesh = obj.data
     like = mesh.color_attributes.get(source)
     if like is None or len(like.data) != len(pixels):
-        raise InputError("{object} has other vertices than when the work on it began; start again.", object=obj.name)
+        raise InputError("The vertices of {object} have changed since the start; start again.", object=obj.name)
     kind, domain = like.data_type, like.domain
     present = mesh.color_attributes.get(name)
     if present is not None and (present.data_type, present.domain) != (kind, domain):
