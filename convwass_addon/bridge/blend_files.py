@@ -64,7 +64,7 @@ def appended_objects(path: Path, names: Sequence[str] | None) -> dict[str, bpy.t
         raise _unreadable(file) from error
     if missing:
         raise InputError(
-            "{file} has no object {name!r}; it holds {listed}.", file=file.name, name=missing[0], listed=listed
+            "{file} has no object {name!r}; it contains {listed}.", file=file.name, name=missing[0], listed=listed
         )
     return dict(zip(chosen, wanted.objects, strict=True))
 

@@ -35,7 +35,7 @@ def test_appending_all_or_some_each_once(file):
 
 
 def test_names_that_are_not_there(file):
-    with pytest.raises(InputError, match=r"two\.blend has no object 'C'; it holds A, B"):
+    with pytest.raises(InputError, match=r"two\.blend has no object 'C'; it contains A, B"):
         appended_objects(file, ["A", "C"])
     assert not bpy.data.objects
 

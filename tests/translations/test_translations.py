@@ -154,10 +154,10 @@ def test_what_cannot_be_translated_is_found(source, wrong):
 def test_a_sentence_is_translated_with_what_it_holds():
     inner = Sentence("{names} and {more} more", {"names": "A, B", "more": 3})
     sentence = Sentence(
-        "{file} has no object {name!r}; it holds {listed}.", {"file": "a", "name": "b", "listed": inner}
+        "{file} has no object {name!r}; it contains {listed}.", {"file": "a", "name": "b", "listed": inner}
     )
     assert translated(sentence) == "a hat kein Objekt 'b'; die Datei enthält A, B und 3 weitere."
-    assert str(sentence) == "a has no object 'b'; it holds A, B and 3 more."
+    assert str(sentence) == "a has no object 'b'; it contains A, B and 3 more."
     assert translated(Sentence("Blend {done} of {total}", {"done": 1, "total": 9})) == "Mischung 1 von 9"
     assert translated(Sentence("Unheard of {so}", {"so": "{far}"})) == "Unheard of {far}"
 
