@@ -247,4 +247,4 @@ def test_a_hidden_rig(tmp_path, capfd):
     chain(2).hide_viewport = True
     path = save(tmp_path / "hidden.blend")
     assert run(tmp_path, path, path, "--pin", "A.head") == 3
-    assert "Rig is hidden" in capfd.readouterr().err
+    assert "Rig or its collection is hidden" in capfd.readouterr().err

@@ -162,7 +162,7 @@ def test_all_arrays_together_are_bounded():
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        (b"[1, 2]", "no table"),
+        (b"[1, 2]", "not a table"),
         (b"\xff\xfe", "cannot be unpacked"),
         (b"[" * 100_000, "cannot be unpacked"),
         (b" " * (1 << 22) + b"{}", "header.json is too large"),

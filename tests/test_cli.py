@@ -465,9 +465,9 @@ def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('[{"points": {"Cube": 0, "Nobody": 3}}]', "name Nobody, which is none of the shapes; those are Cube, Ball"),
-        ('[{"points": {"Cube": 0, "Ball": 900}}]', "Guide 1 is at vertex 900 of Ball, which has 42 vertices"),
-        ("[]", "There are no guides in"),
+        ('[{"points": {"Cube": 0, "Nobody": 3}}]', "refer to Nobody, which is not one of the shapes: Cube, Ball"),
+        ('[{"points": {"Cube": 0, "Ball": 900}}]', "Guide 1 refers to vertex 900 of Ball, which has 42 vertices"),
+        ("[]", "contains no guides"),
         ("{", "cannot be read"),
         (None, "No such file"),
     ],

@@ -322,4 +322,4 @@ def test_modifiers_that_are_left_out_are_told(files, tmp_path, capfd):
     bpy.ops.wm.save_mainfile()
     code, _, said = run(capfd, f"{files / 'scene.blend'}:Ball", "--measure", "East", "North")
     assert code == 0
-    assert "left out: Finer" in said
+    assert "ignored: Finer" in said

@@ -93,7 +93,7 @@ def test_what_cannot_be_read_is_told(files, capsys, shape, message):
     ("options", "message"),
     [
         (["--output", "volume"], "Flat shapes have no volume"),
-        (["--cache", "{files}/cache"], "neither cached nor sent"),
+        (["--cache", "{files}/cache"], "cannot be cached or computed on other machines"),
     ],
 )
 def test_options_that_mean_nothing_are_refused(files, capsys, options, message):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs of Geometry Nodes modifiers, which Blender 5.2 keeps in another place than its predecessors."""
+"""Inputs of Geometry Nodes modifiers, which are stored differently from Blender 5.2 on."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from ..errors import InputError
 
 @dataclass(frozen=True)
 class NodeInput:
-    """One input of a Geometry Nodes modifier, as ``owner.keyframe_insert(path)`` and ``layout.prop(owner, path)`` want.
+    """An input of a Geometry Nodes modifier, for ``owner.keyframe_insert(path)`` and ``layout.prop(owner, path)``.
 
     Attributes
     ----------
     modifier : bpy.types.NodesModifier
-        Whose input it is.
+        The modifier with the input.
     owner : bpy.types.bpy_struct
-        What holds the value.
+        Holds the value.
     path : str
-        Where in `owner`.
+        Path of the value within `owner`.
     data_path : str
-        Where in the object, as F-curves and drivers name it.
+        Path within the object, for F-curves and drivers.
     """
 
     modifier: bpy.types.NodesModifier
@@ -33,32 +33,32 @@ class NodeInput:
     data_path: str
 
     def get(self) -> object:
-        """Return the value; of a menu its text from Blender 5.2 on, and its number before."""
+        """Return the value; for a menu, its text from Blender 5.2 on, and its index before."""
         return self.owner.path_resolve(self.path)
 
     def set(self, value: object) -> None:
-        """Set the value; of a menu in the same way."""
+        """Set the value, in the form that `get` returns."""
         if self.path.startswith("["):
             self.owner[self.path[2:-2]] = value
         else:
             setattr(self.owner, self.path, value)
-        # Blender 4.5 does not notice otherwise.
+        # Blender 4.5 does not update otherwise.
         self.modifier.id_data.update_tag()
 
     def set_item(self, items: tuple[str, ...], item: str) -> None:
-        """Choose one of the items of a menu, numbered from 0 in the order of `items`."""
+        """Select an item of a menu, given all `items` in order."""
         self.set(items.index(item) if self.path.startswith("[") else item)
 
 
 def node_input(modifier: bpy.types.NodesModifier, name: str) -> NodeInput:
-    """Find an input of a modifier by the name that the user sees.
+    """Find an input of a modifier by its displayed name.
 
     Parameters
     ----------
     modifier : bpy.types.NodesModifier
-        With a node group.
+        A modifier with a node group.
     name : str
-        Such as "Material".
+        Name of the input, such as "Material".
 
     Raises
     ------
@@ -70,7 +70,7 @@ def node_input(modifier: bpy.types.NodesModifier, name: str) -> NodeInput:
     socket = next(found, None)
     if socket is None:
         raise InputError(
-            "The modifier {modifier} of {object} has no input {name}; make it anew.",
+            "The modifier {modifier} of {object} has no input {name}; create it again.",
             modifier=modifier.name,
             object=modifier.id_data.name,
             name=name,

@@ -8,7 +8,7 @@ import bpy
 
 
 def own_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
-    """Return the node tree of a data-block, which it gets where it has none."""
-    if block.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+    """Return the node tree of a data-block; created if missing."""
+    if block.node_tree is None:  # Blender 4.5; later versions always use nodes and warn about this property
         block.use_nodes = True
     return block.node_tree

@@ -1,30 +1,29 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of files that Blender plays as one sequence."""
+"""Names of files in a sequence for Blender."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
-# As Blender numbers what it renders.
+# As in Blender's render output.
 _LEAST_DIGITS = 4
 
 
 def numbered_paths(folder: Path, before: str, suffix: str, numbers: Sequence[int]) -> list[Path]:
-    """Return a path for each number, between what comes before it and the ending.
+    """Return a numbered path for each number.
 
-    All of them have as many digits as the largest one, four at least: Blender finds no file with more digits than the
-    first one has.
+    All have the same number of digits, at least four: Blender does not find files with more digits than the first one.
 
     Parameters
     ----------
     folder : Path
-        Where they are.
+        Folder of the files.
     before, suffix : str
-        Such as "sky." and ".exr".
+        Parts before and after the number, such as "sky." and ".exr".
     numbers : sequence of int
-        0 or more.
+        Non-negative numbers.
     """
     digits = max([_LEAST_DIGITS, *(len(str(number)) for number in numbers)])
     return [folder / f"{before}{number:0{digits}d}{suffix}" for number in numbers]

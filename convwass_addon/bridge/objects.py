@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mesh objects of the scene as arrays, and arrays as meshes."""
+"""Convert mesh objects of the scene to arrays, and arrays to meshes."""
 
 from __future__ import annotations
 
@@ -22,37 +22,38 @@ if TYPE_CHECKING:
 _PLACES = 17
 
 MESHED = ("MESH", "FONT", "CURVE")
-"""Types of objects of which Blender makes a mesh that may be solid."""
+"""Object types that Blender can convert to possibly solid meshes."""
 
 FLATTENED = 1e-6
-"""Ratio of the smallest to the largest scale at which an object counts as squashed; single precision leaves 1e-7."""
+"""Ratio of the smallest to the largest scale at which an object counts as flattened; single precision gives 1e-7."""
 
 
 def triangle_mesh(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
 ) -> TriangleMesh:
-    """Read an object as it stands in the scene: modifiers applied, in world space.
+    """Read an object in world space with modifiers applied.
 
-    The object may be in edit mode, hidden, or in a collection that is hidden or excluded from the view layer.
+    The object may be in Edit Mode, hidden, or in a collection that is hidden or excluded from the view layer.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object, as it is in the file (not an evaluated one).
+        The original (not evaluated) mesh object.
     depsgraph : bpy.types.Depsgraph
-        ``context.evaluated_depsgraph_get()``; brought up to date here.
+        ``context.evaluated_depsgraph_get()``; updated here.
     kinds : tuple of str
-        Types of objects that are taken, such as `MESHED`.
+        Allowed object types, such as `MESHED`.
 
     Returns
     -------
     TriangleMesh
-        World space. Faces look the way they look in the scene, under mirroring transforms too.
+        World space. The orientation of faces is preserved, also under mirroring transforms.
 
     Raises
     ------
     InputError
-        Not a mesh, no faces, a scale of zero, or coordinates that are not numbers; the message names the object.
+        The object is not a mesh, has no faces, a scale of zero, or coordinates that are not finite; the message names
+        the object.
     """
     with _evaluated(obj, depsgraph, kinds) as evaluated:
         try:
@@ -63,7 +64,7 @@ def triangle_mesh(
 
 @dataclass(frozen=True)
 class LabeledMesh:
-    """A mesh in parts.
+    """A mesh with labeled parts.
 
     Attributes
     ----------
@@ -83,19 +84,19 @@ def labeled_mesh(
     kind: Literal["vertex-groups", "materials"],
     kinds: tuple[str, ...] = ("MESH",),
 ) -> LabeledMesh:
-    """Read an object as `triangle_mesh` does, and which part every triangle belongs to, as modifiers leave it.
+    """Read an object as `triangle_mesh` does, with the part of every triangle after modifiers.
 
     Parameters
     ----------
     obj, depsgraph, kinds
         As for `triangle_mesh`.
     kind : "vertex-groups" or "materials"
-        What tells the parts.
+        What defines the parts.
 
     Raises
     ------
     InputError
-        As `triangle_mesh`.
+        As for `triangle_mesh`.
     """
     from .face_labels import LABELS
 
@@ -110,9 +111,9 @@ def labeled_mesh(
 def frozen_copy(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
 ) -> bpy.types.Mesh:
-    """Make a new mesh of an object as it stands in the scene: modifiers applied, in world space.
+    """Create a new mesh from an object in world space with modifiers applied.
 
-    Polygons, materials, UV maps and attributes stay.
+    Polygons, materials, UV maps and attributes are kept.
 
     Parameters
     ----------
@@ -122,12 +123,12 @@ def frozen_copy(
     Returns
     -------
     bpy.types.Mesh
-        A data-block without users, named like the object.
+        A data-block without users, named after the object.
 
     Raises
     ------
     InputError
-        As `triangle_mesh`, except that coordinates are not checked.
+        As for `triangle_mesh`, but coordinates are not checked.
     """
     with _evaluated(obj, depsgraph, kinds) as evaluated:
         matrix = _checked_matrix(evaluated)
@@ -150,23 +151,23 @@ def frozen_copy(
 
 
 def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons | None = None) -> None:
-    """Replace the geometry of a mesh, smooth shaded.
+    """Replace the geometry of a mesh, with smooth shading.
 
     Parameters
     ----------
     mesh_data : bpy.types.Mesh
-        Its materials stay.
+        Its materials are kept.
     mesh : TriangleMesh
         In the local space of the objects that use `mesh_data`.
     polygons : Polygons, optional
-        The faces instead of the triangles.
+        Faces to use instead of triangles.
     """
     polygons = polygons or Polygons.of_triangles(mesh.faces)
     mesh_data.clear_geometry()
     mesh_data.vertices.add(len(mesh.vertices))
     mesh_data.loops.add(len(polygons.corners))
     mesh_data.polygons.add(len(polygons.starts))
-    # Only contiguous arrays of exactly these types are copied at once; others go element by element.
+    # Only contiguous arrays of exactly these types are copied in one operation; others are copied element by element.
     mesh_data.vertices.foreach_set("co", _short(mesh.vertices).ravel())
     mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(polygons.corners, dtype=np.int32))
     mesh_data.polygons.foreach_set("loop_start", np.ascontiguousarray(polygons.starts, dtype=np.int32))
@@ -175,7 +176,7 @@ def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons
 
 
 def _short(vertices: np.ndarray) -> np.ndarray:
-    """Round points to some 17 binary places of their extent: finer than any grid shows, and files get smaller."""
+    """Round points to 17 binary digits of their extent: finer than any grid, and files compress better."""
     extent = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
     if not extent > 0.0:
         return np.ascontiguousarray(vertices, dtype=np.float32)
@@ -186,7 +187,7 @@ def _short(vertices: np.ndarray) -> np.ndarray:
 def _evaluated(
     obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
 ) -> AbstractContextManager[bpy.types.Object]:
-    """Give the evaluated object if it is of one of some kinds."""
+    """Provide the evaluated object if its type is allowed."""
     if obj.type not in kinds:
         kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
         raise InputError(
@@ -197,14 +198,15 @@ def _evaluated(
 
 @contextmanager
 def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Give the evaluated object, though it be hidden, and leave the scene as it was."""
+    """Provide the evaluated object, even if it is hidden, without changing the scene permanently."""
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     depsgraph.update()
     if obj.evaluated_get(depsgraph).is_evaluated:
         yield obj.evaluated_get(depsgraph)
         return
-    # Blender does not evaluate what is hidden from all viewports; nothing hides the scene's own collection.
+    # Blender does not evaluate objects hidden in all viewports, but always evaluates those in the scene's own
+    # collection.
     hidden, home = obj.hide_viewport, depsgraph.scene.collection
     visitor = obj not in set(home.objects)
     obj.hide_viewport = False
@@ -220,7 +222,7 @@ def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> I
 
 
 def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
-    """Return the (4, 4) world matrix, unless it squashes the object."""
+    """Return the (4, 4) world matrix; raises InputError if it flattens the object."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     if not np.isfinite(matrix).all():
         raise InputError(
@@ -236,7 +238,7 @@ def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
 
 
 def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> TriangleMesh:
-    """Check an evaluated object and its mesh, and bring the mesh to world space."""
+    """Check an evaluated object and its mesh, and transform the mesh to world space."""
     matrix = _checked_matrix(evaluated)
     vertices, faces = _arrays(mesh)
     _check_faces(name, mesh)
@@ -251,7 +253,7 @@ def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) ->
 
 
 def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Return vertices (n, 3) float64 and triangles (m, 3) int32, in local space."""
+    """Return vertices, (n, 3) float64, and triangles, (m, 3) int32, in local space."""
     mesh.calc_loop_triangles()
     vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", vertices)
@@ -261,7 +263,7 @@ def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
-    """Refuse a mesh that has no faces."""
+    """Raise InputError if a mesh has no faces."""
     if len(mesh.polygons):
         return
     if len(mesh.edges):
@@ -277,7 +279,7 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
 
 
 def hide(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
-    """Hide objects in renders, and with the eye of every view layer that has them."""
+    """Hide objects in renders and in all view layers."""
     for obj in objects:
         obj.hide_render = True
         for layer in scene.view_layers:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The empty that is dragged on a pad."""
+"""The Empty that is dragged on a pad."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from numpy.typing import NDArray
 
 
 def pad_handle(name: str, size: float, points: NDArray[np.float64], pad: bpy.types.Object) -> bpy.types.Object:
-    """Make an empty that cannot be dragged out of the bounds of a pad, nor off its plane.
+    """Create an Empty that cannot leave the bounds or the plane of a pad.
 
     Parameters
     ----------
     name : str
-        Of the empty.
+        Name of the Empty.
     size : float
-        Its radius as it is drawn.
+        Display radius.
     points : (n, 3) float64
-        Of the pad, in its local space: X and Z are its plane.
+        Points of the pad in local space; X and Z span its plane.
     pad : bpy.types.Object
-        What the empty hangs on, at its origin.
+        Parent of the Empty, at its origin.
 
     Returns
     -------
     bpy.types.Object
-        In no collection yet.
+        Not in a collection yet.
     """
     handle = bpy.data.objects.new(name, None)
     handle.empty_display_type, handle.empty_display_size = "SPHERE", size

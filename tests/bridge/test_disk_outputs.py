@@ -167,18 +167,18 @@ def test_no_frames_and_no_folder_are_said(collection, tmp_path):
     with pytest.raises(InputError, match="save that first"):
         output_folder("//convwass", collection)
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be made"):
+    with pytest.raises(InputError, match="cannot be created"):
         output_folder(str(tmp_path / "file"), collection)
     remove_frames(collection)
-    with pytest.raises(InputError, match="holds no frames"):
+    with pytest.raises(InputError, match="contains no frames"):
         drained(as_volume(collection, tmp_path))
-    with pytest.raises(InputError, match="holds no frames"):
+    with pytest.raises(InputError, match="contains no frames"):
         as_cache(collection, tmp_path, "usd")
 
 
 def test_a_blender_without_openvdb_is_said_to_be_one(collection, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "openvdb", None)
-    with pytest.raises(InputError, match="this Blender was built without; use another Blender, or Make Cache"):
+    with pytest.raises(InputError, match="this Blender lacks; use another Blender, or Make Cache"):
         drained(as_volume(collection, tmp_path / "volumes"))
 
 

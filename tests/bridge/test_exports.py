@@ -228,7 +228,7 @@ def test_folder_that_does_not_exist(collection, tmp_path):
 
 
 def test_collection_without_frames(tmp_path):
-    with pytest.raises(InputError, match="Props holds no frames"):
+    with pytest.raises(InputError, match="Props contains no frames"):
         export_frames(bpy.data.collections.new("Props"), tmp_path, "obj")
 
 

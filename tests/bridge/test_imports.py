@@ -198,7 +198,7 @@ def test_mesh_without_faces(tmp_path):
 def test_damaged_file(tmp_path, suffix):
     file = tmp_path / f"broken{suffix}"
     file.write_bytes(b"\x00garbage\xff" * 50)
-    refused(file, None, f"broken{suffix} (could not be read|holds no mesh)")
+    refused(file, None, f"broken{suffix} (could not be read|contains no mesh)")
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".glb", ".usdc", ".blend"])
@@ -222,7 +222,7 @@ def test_unknown_format(tmp_path):
 
 def test_name_in_another_format(tmp_path):
     (tmp_path / "a.obj").write_text("x")
-    refused(tmp_path / "a.obj", ["A"], "in .blend files only")
+    refused(tmp_path / "a.obj", ["A"], "only .blend files support object names")
 
 
 def test_file_that_may_not_be_read(tmp_path, monkeypatch):

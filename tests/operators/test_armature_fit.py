@@ -75,7 +75,7 @@ def test_free_joints_are_moved_and_pinned_ones_stay(rig, capfd):
     assert call("fit_armature") == {"FINISHED"}
     assert is_straight(rig)
     assert pinned_ends(rig) == ["A.head", "D.tail"]
-    assert "Rig is fitted into Tube: 5 of 5 joints are inside" in capfd.readouterr().out
+    assert "Rig fitted into Tube: 5 of 5 joints are inside" in capfd.readouterr().out
     assert rig.mode == "OBJECT"
 
 

@@ -142,7 +142,7 @@ def test_what_are_no_points_is_refused(cubes, points):
 
 def test_a_vertex_is_in_one_guide(cubes):
     bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
-    with pytest.raises(RuntimeError, match="Vertex 5 of Two is in guide 1 already"):
+    with pytest.raises(RuntimeError, match="Vertex 5 of Two is already in guide 1"):
         bpy.ops.convwass.add_morph_guide(points='{"One": 4, "Two": 5}')
     assert len(guides().items) == 1
 
@@ -157,7 +157,7 @@ def test_guides_about_other_shapes_are_left_out(cubes):
 
 
 def test_an_argument_about_other_shapes_is_refused(cubes):
-    with pytest.raises(RuntimeError, match="name Nobody, which is none of the shapes; those are One, Two"):
+    with pytest.raises(RuntimeError, match="refer to Nobody, which is not one of the shapes: One, Two"):
         bake(guides='[{"points": {"One": 1, "Nobody": 2}}]')
 
 

@@ -205,7 +205,7 @@ def test_a_shape_that_was_deleted_is_told(shapes):
     bpy.ops.convwass.add_morph_inputs()
     select(shapes[0])
     bpy.ops.object.delete()
-    with pytest.raises(RuntimeError, match="has been deleted"):
+    with pytest.raises(RuntimeError, match="was deleted"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     bpy.ops.convwass.check_morph_inputs()
     assert settings().inputs[1].verdict == "UNUSABLE"

@@ -152,7 +152,7 @@ def test_shapes_that_only_the_list_holds_are_gone(morph):
     assert gone.name in bpy.data.objects
     assert changed_inputs(morph) == [gone.name]
     for operator in (bpy.ops.convwass.rebake_morph, bpy.ops.convwass.select_morph_inputs):
-        with pytest.raises(RuntimeError, match=f"was baked from {gone.name}, which the file no longer holds"):
+        with pytest.raises(RuntimeError, match=f"was baked from {gone.name}, which no longer exists under that name"):
             operator()
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
 

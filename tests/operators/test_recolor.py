@@ -93,7 +93,7 @@ def test_masks(own):
 def test_what_is_missing_is_said(own):
     with pytest.raises(RuntimeError, match="Open an image in the Image Editor first"):
         call("recolor_image")
-    with pytest.raises(RuntimeError, match="no image Nobody"):
+    with pytest.raises(RuntimeError, match="no image named Nobody"):
         call("recolor_image", image="Nobody")
     own.mask = own.palette
     red_image()

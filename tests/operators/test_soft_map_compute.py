@@ -105,7 +105,7 @@ def test_other_texts_are_no_pairs(pair, asked, text):
 def test_a_pair_that_has_lost_its_vertex_is_named(pair, asked):
     call("add_map_pair", source_vertex=3, target_vertex=4)
     own().pairs[0].target_vertex = 5000
-    with pytest.raises(RuntimeError, match="Pair 1 names vertex 5000, and Horse has 266 vertices; remove the pair"):
+    with pytest.raises(RuntimeError, match="Pair 1 refers to vertex 5000, but Horse has 266 vertices; remove the pair"):
         call("compute_soft_map")
 
 

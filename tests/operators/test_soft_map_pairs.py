@@ -38,7 +38,7 @@ def test_vertices_that_are_named(pair):
     assert own().active_pair == 1
     with pytest.raises(RuntimeError, match="There is no vertex 9999; Horse has 482 vertices"):
         call("add_map_pair", source_vertex=1, target_vertex=9999)
-    with pytest.raises(RuntimeError, match="Vertex 7 of Horse is in pair 1 already; remove that first"):
+    with pytest.raises(RuntimeError, match="Vertex 7 of Horse is already in pair 1; remove that pair first"):
         call("add_map_pair", source_vertex=1, target_vertex=7)
     own().pairs[0].enabled = False
     assert call("add_map_pair", source_vertex=1, target_vertex=7) == {"FINISHED"}
@@ -92,7 +92,7 @@ def test_groups_and_empties_add_what_is_new(pair, capfd):
     call("add_map_pair", source_vertex=3, target_vertex=9)
     assert call("map_pairs_from_groups") == {"FINISHED"}
     assert listed()[1:] == [("tail", 4, 4)]
-    assert "1 pairs added; left out: bone" in capfd.readouterr().out
+    assert "1 pairs added; ignored: bone" in capfd.readouterr().out
     assert call("map_pairs_from_groups", pattern="t*") == {"CANCELLED"}
     with pytest.raises(RuntimeError, match="Cow and Horse have no small vertex groups of the same name"):
         call("map_pairs_from_groups", pattern="b*")
@@ -205,7 +205,7 @@ def test_clicks_make_pairs_until_escape(pair, clicking):
     assert listed() == [("", -1, listed()[0][2])]
     assert "Pair 1: now click on Cow" in clicking.said[-1]
     click(clicking, pressed, 1500, 1500)
-    assert "There is nothing" in pressed.reports[-1][1]
+    assert "This is not on the source or the target" in pressed.reports[-1][1]
     click(clicking, pressed, 200, 205)
     ((_, source, target),) = listed()
     top = max(pair[0].data.vertices, key=lambda vertex: vertex.co.z).index

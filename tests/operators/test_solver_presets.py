@@ -194,7 +194,7 @@ def test_a_cache_folder_that_depends_on_the_open_file_is_refused(monkeypatch, tm
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: read)
     monkeypatch.chdir(tmp_path)
     two_shapes()
-    with pytest.raises(RuntimeError, match="The cache folder frames would be another one with every file"):
+    with pytest.raises(RuntimeError, match="The cache folder frames is relative, so it depends on the file"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     assert not list(tmp_path.iterdir())
     assert len(bpy.data.collections) == 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph from objects of the scene to objects of the scene: reads, hands arrays over, writes what comes back."""
+"""Morph objects of the scene: read the inputs, run the computation, write the frames."""
 
 from __future__ import annotations
 
@@ -29,31 +29,31 @@ from .shape_reading import read_shapes
 
 
 class MorphJob:
-    """One bake. Everything but :meth:`steps` belongs on the main thread.
+    """Bakes a morph. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     scene : bpy.types.Scene
-        Where the morph goes.
+        The scene to add the morph to.
     depsgraph : bpy.types.Depsgraph
-        For the inputs as modifiers leave them.
+        Used to evaluate the modifiers of the inputs.
     inputs : sequence of bpy.types.Object
-        The shapes, in order.
+        The shapes in order.
     blends : sequence of Blend
-        What to make of them.
+        The blends to compute.
     settings : MorphSettings
-        How.
+        Settings of the morph.
     options : dict
         What else to store with the morph, so that it can be repeated: the layout and its numbers. `grouping`, as
         for :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for :func:`.alignment.aligned`, and
         `guides` are heeded here.
     first_frame : int
-        Scene frame of the first shape in a path.
+        Scene frame of the first shape of a path.
 
     Raises
     ------
     InputError
-        Inputs that have no faces, no size, or are no meshes; no part that all of them have, where parts are asked for.
+        An input has no faces, no size, or is not a mesh; or the requested parts have no match.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class MorphJob:
         first_frame: int,
     ) -> None:
         if len(inputs) < 2:
-            raise InputError("A morph needs at least two shapes; select or name one more.")
+            raise InputError("A morph needs at least two shapes; select or name another one.")
         self._records: dict[Blend, dict[str, object]] = {}
         sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
         self._animated = animation_notices([part for one in sources for part in one.parts], scene.frame_current)
@@ -80,7 +80,7 @@ class MorphJob:
         self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends) if settings.carry else None
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
-        """Return the work of computing; it touches nothing of Blender. See :func:`.morph.morph`."""
+        """Return the computation, which does not access Blender's data. See :func:`.morph.morph`."""
         how = how or Computation()
         work = morph(
             self._shapes,
@@ -109,7 +109,7 @@ class MorphJob:
         workers: int | None = None,
         executor: Executor | None = None,
     ) -> Work[None]:
-        """Return the same for a job whose blends lie between the frames of a path.
+        """Return the computation of blends between the frames of a path.
 
         See :func:`.between_frames.between_frames`.
         """
@@ -130,19 +130,19 @@ class MorphJob:
 
     @property
     def records(self) -> list[dict[str, object]]:
-        """What the solver says about every finished frame, in the order of the frames."""
+        """The solver's record of every finished frame, in frame order."""
         return list(self._records.values())
 
     @property
     def notices(self) -> list[Sentence]:
-        """What the user should know about the inputs and their parts, once frames are finished."""
+        """Messages about the inputs and their parts, once frames are finished."""
         found = dict.fromkeys(notice for record in self.records for notice in part_notices(record))
         dropped = self._carrying.dropped if self._carrying else []
         unshown = [note.sentence for note in dropped if note.severity != "INFO"]
         return [*self._animated, *(notice.sentence for notice in found), *unshown]
 
     def write(self, report: Progress[MorphFrame | MorphPreview]) -> None:
-        """Put a finished frame into the scene, or a preview until there is one."""
+        """Add a finished frame or a preview to the scene."""
         found = report.payload
         if isinstance(found, MorphPreview):
             self._bake.preview(found.frame)
@@ -153,34 +153,34 @@ class MorphJob:
             self._records[found.blend] = found.record
 
     def finish(self, hide_inputs: bool) -> bpy.types.Collection:
-        """Make what has been written a morph; see :meth:`.bake.MorphBake.finish`."""
+        """Finish the bake; see :meth:`.bake.MorphBake.finish`."""
         try:
             return self._bake.finish(hide_inputs, self._carrying.dropped if self._carrying else ())
         finally:
             self._drop_unused()
 
     def keep_previews(self) -> bool:
-        """Make the previews the frames, where nothing else is there; see :meth:`.bake.MorphBake.keep_previews`."""
+        """Keep the previews if nothing else is finished; see :meth:`.bake.MorphBake.keep_previews`."""
         return self._bake.keep_previews()
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """When it plays; see :attr:`.bake.MorphBake.span`."""
+        """First and last frame; see :attr:`.bake.MorphBake.span`."""
         return self._bake.span
 
     def discard(self) -> None:
-        """Remove everything that has been written."""
+        """Remove everything written so far."""
         self._bake.discard()
         self._drop_unused()
 
     def _drop_unused(self) -> None:
-        """Remove materials that were made for the frames and are not used."""
+        """Remove materials made for the frames that are not used."""
         if self._carrying is not None:
             self._carrying.drop_unused()
 
 
 def _looked_at(blends: Sequence[Blend], frame: int) -> int:
-    """Return the number of the blend that a frame after the first one of a path shows; on a sheet the first one."""
+    """Return the index of the blend nearest to a frame counted from the start of a path; 0 for a sheet."""
     if blends[0].frame is None:
         return 0
     return min(range(len(blends)), key=lambda number: abs(blends[number].frame - frame))

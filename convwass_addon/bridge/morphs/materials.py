@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The materials of morph frames, and the colors they mix."""
+"""Materials of morph frames, and colors of materials."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from ..node_trees import own_tree
 MATERIAL_NAME = "Convwass Morph"
 
 _CARRIES_KEY = "convwass_carries"
-"""Custom property of a material that was made for the frames of one morph."""
+"""Custom property of a material that belongs to the frames of one morph."""
 
 ROUGHNESS = 0.45
 
 
 def morph_material() -> bpy.types.Material:
-    """Return the material that all morph frames share; made if the file has none.
+    """Return the default material of morph frames; created if missing.
 
-    Its base color is the color of the object that wears it (Object Properties > Viewport Display > Color).
+    Its base color is the color of the object (Object Properties > Viewport Display > Color).
     """
     material = bpy.data.materials.get(MATERIAL_NAME)
     if material is None:
@@ -29,10 +29,10 @@ def morph_material() -> bpy.types.Material:
 
 
 def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
-    """Return the color that stands for an object: RGBA, scene linear.
+    """Return the representative color of an object as scene linear RGBA.
 
-    That is the base color of its first material, or the material's viewport color where a texture gives the base color;
-    for an object without a material, and for a morph frame, the object's own color.
+    This is the base color of its first material, or that material's viewport color if the base color is linked; without
+    a material, and for morph frames, the object's color.
     """
     material = next((slot.material for slot in obj.material_slots if slot.material), None)
     if material is None:
@@ -46,9 +46,9 @@ def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
 
 
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:
-    """Return a copy of a morph material whose base color is `color` itself, for files that know no object colors.
+    """Return a copy of a morph material with a constant base color, for file formats without object colors.
 
-    Where it is a color attribute, that stays for those who can read it.
+    A linked color attribute is kept, for programs that support it.
     """
     copy = material.copy()
     base = base_color(copy)
@@ -61,39 +61,39 @@ def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, f
 
 
 def wears_object_color(material: bpy.types.Material | None) -> bool:
-    """Tell whether a material takes its base color from the object."""
+    """Return whether a material reads its base color from the object."""
     return _color_source(material) == "OBJECT_INFO"
 
 
 def wears_color_attribute(material: bpy.types.Material | None) -> bool:
-    """Tell whether a material takes its base color from a color attribute, as the material of the frames does."""
+    """Return whether a material reads its base color from a color attribute, as the material of frames does."""
     return _color_source(material) == "VERTEX_COLOR"
 
 
 def _color_source(material: bpy.types.Material | None) -> str | None:
-    """Return the type of the node that gives the base color; None where it is plain."""
+    """Return the type of the node linked to the base color, or None."""
     base = base_color(material) if material else None
     return base.links[0].from_node.type if base is not None and base.is_linked else None
 
 
 def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
-    """Return the base color of the first Principled BSDF; None where there is none."""
+    """Return the base color socket of the first Principled BSDF, or None."""
     principled = principled_of(material)
     return principled.inputs["Base Color"] if principled else None
 
 
 def mark_as_frames(material: bpy.types.Material) -> None:
-    """Note that a material was made for the frames of one morph, and goes with them."""
+    """Mark a material as belonging to the frames of one morph, so that it is removed with them."""
     material[_CARRIES_KEY] = True
 
 
 def is_carrying(material: bpy.types.Material | None) -> bool:
-    """Tell whether a material was made for the frames of one morph."""
+    """Return whether a material belongs to the frames of one morph."""
     return material is not None and _CARRIES_KEY in material
 
 
 def attribute_material(name: str, color: str) -> bpy.types.Material:
-    """Return the material whose base color is a color attribute; made if the file has none of this name."""
+    """Return the material whose base color is a color attribute; created if missing."""
     material = bpy.data.materials.get(name)
     if material is None:
         material = bpy.data.materials.new(name)
@@ -103,7 +103,7 @@ def attribute_material(name: str, color: str) -> bpy.types.Material:
 
 
 def object_property_material(name: str, key: str) -> bpy.types.Material:
-    """Return the material whose base color is a custom property of the object that wears it; made if there is none."""
+    """Return the material whose base color is a custom property of the object; created if missing."""
     material = bpy.data.materials.get(name)
     if material is None:
         material = bpy.data.materials.new(name)
@@ -130,13 +130,13 @@ def take_color_from(material: bpy.types.Material, attribute: str) -> None:
 
 
 def principled_of(material: bpy.types.Material) -> bpy.types.Node | None:
-    """Return the first Principled BSDF of a material; None where there is none."""
+    """Return the first Principled BSDF of a material, or None."""
     nodes = material.node_tree.nodes if material.node_tree else ()
     return next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
 
 
 def wire(material: bpy.types.Material) -> None:
-    """Give a material new nodes: let the object's color be the base color."""
+    """Replace the nodes of a material by a Principled BSDF with the object's color."""
     tree = own_tree(material)
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")

@@ -13,10 +13,10 @@ from ..handles import Handle, found
 from .materials import ROUGHNESS, mark_as_frames, principled_of, take_color_from, wire
 
 EMISSION = "Emission Color"
-"""Socket whose value stands for the emitted light: color times strength."""
+"""Key of the emitted light: color times strength."""
 
 _STRENGTH = "Emission Strength"
-# Emitted light is mixed as a whole, and the base color comes from an attribute.
+# Emission is mixed as one value, and the base color comes from an attribute.
 _LEFT_OUT = ("Base Color", EMISSION, _STRENGTH, "Weight")
 
 Value = tuple[float, ...]
@@ -24,20 +24,20 @@ Value = tuple[float, ...]
 
 @dataclass(frozen=True)
 class ShaderValues:
-    """The plain values of a material's shader, by the names of the Principled BSDF's sockets.
+    """The unlinked values of a material's shader, by the socket names of the Principled BSDF.
 
     Attributes
     ----------
     values : dict of str to tuple of float
-        Numbers have one component and colors four. Sockets that something is linked to are left out, as are those of
-        other shaders; `EMISSION` is there where light is emitted.
+        Scalars have one component, colors four. Linked sockets and sockets of other shaders are left out; `EMISSION` is
+        only present if light is emitted.
     """
 
     values: Mapping[str, Value] = field(default_factory=dict)
 
     @classmethod
     def of(cls, material: bpy.types.Material | None) -> ShaderValues:
-        """Read a material."""
+        """Read the values of a material."""
         if material is None:
             return cls()
         emitter = emission_node(material)
@@ -52,7 +52,7 @@ class ShaderValues:
 
 
 def emission_node(material: bpy.types.Material) -> bpy.types.Node | None:
-    """Return the Emission shader that is all of a material's surface, if it is."""
+    """Return the Emission shader if it is linked directly to the surface output, else None."""
     nodes = material.node_tree.nodes if material.node_tree else ()
     output = next((node for node in nodes if node.type == "OUTPUT_MATERIAL" and node.is_active_output), None)
     links = output.inputs["Surface"].links if output is not None else ()
@@ -61,15 +61,15 @@ def emission_node(material: bpy.types.Material) -> bpy.types.Node | None:
 
 
 class MixedMaterials:
-    """The materials of one morph's frames, one for every combination of the inputs' slots that meets on a face.
+    """Materials of a morph's frames, one for every combination of input material slots that occurs on a face.
 
     Parameters
     ----------
     name : str
-        What to call the material of the first slots; Blender may add a number.
+        Name of the material of the first slots; Blender may append a number.
     color, weight : str
-        Names of the attribute of the base color, and of those that hold the shares of the inputs, with ``{}`` for the
-        number of an input from 1.
+        Name of the base color attribute, and pattern of the attributes with the shares of the inputs, where ``{}`` is
+        the input's number from 1.
     slots : sequence of sequence of bpy.types.Material or None
         The material slots of every input, at least one each.
     """
@@ -84,7 +84,7 @@ class MixedMaterials:
         self._make((0,) * len(slots), name)
 
     def of(self, slots: Sequence[int]) -> bpy.types.Material | None:
-        """Return the material of faces that come from these slots, one per input; None where it was deleted."""
+        """Return the material of faces that come from these slots, one per input; None if it was deleted."""
         key = tuple(slots)
         if key not in self._made:
             own = [names[slot] for names, slot in zip(self._names, key, strict=True)]
@@ -92,7 +92,7 @@ class MixedMaterials:
         return self._made[key].find()
 
     def drop_unused(self) -> None:
-        """Remove those that no frame wears."""
+        """Remove materials that no frame uses."""
         bpy.data.batch_remove([block for block in found(list(self._made.values())) if block.users == 0])
 
     def _make(self, key: tuple[int, ...], name: str) -> None:
@@ -101,19 +101,19 @@ class MixedMaterials:
 
 
 def carrying_material(name: str, color: str, weight: str, shaders: Sequence[ShaderValues]) -> bpy.types.Material:
-    """Make a material that mixes shaders at every point.
+    """Create a material that mixes shaders at every point.
 
-    Its base color is a color attribute. All other plain values of the shaders are mixed by the share of every input;
-    what has no such attributes, and values that a shader lacks, are as in other frames.
+    Its base color is a color attribute. All other unlinked values are mixed with the shares of the inputs. Without
+    these attributes, and for values that a shader lacks, the defaults of frames are used.
 
     Parameters
     ----------
     name : str
-        What to call it; Blender may add a number.
+        Name of the material; Blender may append a number.
     color : str
         Name of the color attribute.
     weight : str
-        Name of the attributes that hold the shares of the inputs, with ``{}`` for the number of an input from 1.
+        Pattern of the attributes with the shares of the inputs, where ``{}`` is the input's number from 1.
     shaders : sequence of ShaderValues
         One per input.
     """
@@ -135,7 +135,7 @@ def carrying_material(name: str, color: str, weight: str, shaders: Sequence[Shad
 
 
 def _shares(tree: bpy.types.NodeTree, weight: str, count: int) -> list[bpy.types.NodeSocket]:
-    """Return the shares of the inputs."""
+    """Return the sockets with the shares of the inputs."""
     sockets = []
     for index in range(1, count + 1):
         share = tree.nodes.new("ShaderNodeAttribute")
@@ -152,7 +152,7 @@ def _mix(
     values: Sequence[Value],
     usual: Value,
 ) -> None:
-    """Let a socket be the usual value plus the differences of the inputs from it, by their shares."""
+    """Set a socket to the default plus the inputs' differences from it, weighted by their shares."""
     if all(own == values[0] for own in values):
         _set(socket, values[0])
         return
@@ -172,7 +172,7 @@ def _mix(
 
 
 def _is_mixed(socket: bpy.types.NodeSocket) -> bool:
-    """Tell whether a socket of a shader has a plain value that frames mix."""
+    """Return whether a socket has an unlinked value that frames mix."""
     return socket.type in ("VALUE", "RGBA") and socket.name not in _LEFT_OUT and not socket.is_linked
 
 
@@ -188,7 +188,7 @@ def _set(socket: bpy.types.NodeSocket, value: Value) -> None:
 
 
 def _emitted(color: bpy.types.NodeSocket, strength: bpy.types.NodeSocket) -> Value:
-    """Return color times strength as far as they are plain: something linked to the color counts as white."""
+    """Return color times strength; a linked color counts as white, a linked strength as zero."""
     power = 0.0 if strength.is_linked else float(strength.default_value)
     plain = (1.0, 1.0, 1.0) if color.is_linked else tuple(color.default_value)[:3]
     return (*(power * channel for channel in plain), 1.0)

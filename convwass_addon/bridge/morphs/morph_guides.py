@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The guides of a morph: vertices of its shapes that belong together, by the names of objects."""
+"""The guides of a morph: corresponding vertices of its shapes, by object name."""
 
 from __future__ import annotations
 
@@ -23,31 +23,31 @@ if TYPE_CHECKING:
     from ...applications.motions.guides import Guide
 
 LARGEST_GROUP = 0.05
-"""Share of the vertices that a vertex group may have to be a mark and not weights of a bone."""
+"""Largest share of the vertices for a vertex group to mark a point, rather than hold bone weights."""
 
 
 @dataclass(frozen=True)
 class NamedGuide:
-    """Vertices that belong together.
+    """Corresponding vertices.
 
     Attributes
     ----------
     name : str
-        What the user calls them, such as nose.
+        Name given by the user, such as nose.
     points : mapping of str to int
-        For some of the shapes, by the names of their objects, a vertex of the object's own mesh.
+        Vertex of the original mesh, by object name, for some of the shapes.
     """
 
     name: str
     points: Mapping[str, int]
 
     def as_dict(self) -> dict[str, object]:
-        """Return it ready for JSON."""
+        """Return the guide as a dict for JSON."""
         return {"name": self.name, "points": dict(self.points)}
 
 
 def parsed_guide(name: str, points: str) -> NamedGuide:
-    """Read one guide, of which the points are JSON; raises InputError where they are not."""
+    """Parse one guide with points as JSON; raises InputError if they are invalid."""
     try:
         entry = {"name": name, "points": json.loads(points)}
     except ValueError as error:
@@ -56,7 +56,7 @@ def parsed_guide(name: str, points: str) -> NamedGuide:
 
 
 def parsed_guides(text: str) -> list[NamedGuide]:
-    """Read guides from JSON.
+    """Parse guides from JSON.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def parsed_guides(text: str) -> list[NamedGuide]:
     Raises
     ------
     InputError
-        Anything else.
+        The text is invalid.
     """
     if not text.strip():
         return []
@@ -78,12 +78,12 @@ def parsed_guides(text: str) -> list[NamedGuide]:
 
 
 def guides_of_entries(entries: object) -> list[NamedGuide]:
-    """Return guides from what :meth:`NamedGuide.as_dict` returns of each, which may come from a file.
+    """Return guides from the results of :meth:`NamedGuide.as_dict`, which may come from a file.
 
     Raises
     ------
     InputError
-        Anything else.
+        An entry is invalid.
     """
     try:
         return [NamedGuide(str(entry.get("name", "")), _points(entry["points"])) for entry in entries]
@@ -92,7 +92,7 @@ def guides_of_entries(entries: object) -> list[NamedGuide]:
 
 
 def guides_among(guides: Sequence[NamedGuide], names: Sequence[str]) -> list[NamedGuide]:
-    """Return what guides say about some objects; those that join fewer than two of them are left out."""
+    """Restrict guides to some objects; guides with fewer than two points left are dropped."""
     kept = (
         NamedGuide(guide.name, {name: vertex for name, vertex in guide.points.items() if name in names})
         for guide in guides
@@ -101,12 +101,12 @@ def guides_among(guides: Sequence[NamedGuide], names: Sequence[str]) -> list[Nam
 
 
 def check_guide_names(guides: Sequence[NamedGuide], names: Sequence[str]) -> None:
-    """Refuse guides that somebody wrote about objects that take no part; raises InputError."""
+    """Raise InputError if guides refer to objects that are not morphed."""
     for guide in guides:
         for name in guide.points:
             if name not in names:
                 raise InputError(
-                    "The guides name {name}, which is none of the shapes; those are {names}.",
+                    "The guides refer to {name}, which is not one of the shapes: {names}.",
                     name=name,
                     names=", ".join(names),
                 )
@@ -114,7 +114,7 @@ def check_guide_names(guides: Sequence[NamedGuide], names: Sequence[str]) -> Non
 
 def _unreadable(error: Exception) -> InputError:
     return InputError(
-        "The guides cannot be read ({reason}). They look like {example}.",
+        "The guides cannot be read ({reason}). Expected format: {example}.",
         reason=str(error),
         example='[{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
     )
@@ -131,7 +131,7 @@ def _points(points: object) -> dict[str, int]:
 def guides_from_groups(
     objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, largest: float = LARGEST_GROUP
 ) -> list[NamedGuide]:
-    """Return a guide for every small vertex group that several objects have under the same name."""
+    """Return a guide for every small vertex group that several objects have."""
     marks = {obj.name: group_marks(obj, group_names(obj), depsgraph, largest) for obj in objects}
     return _shared(marks)
 
@@ -139,19 +139,19 @@ def guides_from_groups(
 def guides_from_empties(
     objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, empties: Sequence[bpy.types.Object]
 ) -> list[NamedGuide]:
-    """Return a guide for Empties of the same name on several objects; see :func:`.surface_marks.empty_marks`."""
+    """Return guides from Empties of the same name on several objects; see :func:`.surface_marks.empty_marks`."""
     return _shared({obj.name: own for obj, own in empty_marks(objects, depsgraph, empties).items()})
 
 
 def guides_from_bones(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[NamedGuide]:
-    """Return a guide for the ends of bones of the same name in several rigs; see :func:`.surface_marks.bone_marks`."""
+    """Return guides from bone ends of the same name in several rigs; see :func:`.surface_marks.bone_marks`."""
     return _shared({obj.name: bone_marks(obj, depsgraph) for obj in objects})
 
 
 def guides_asked_for(
     word: str | None, objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph
 ) -> list[NamedGuide]:
-    """Return the guides that the command line asks for.
+    """Return the guides requested on the command line.
 
     Parameters
     ----------
@@ -160,12 +160,12 @@ def guides_asked_for(
     objects : sequence of bpy.types.Object
         The inputs of the morph.
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        The dependency graph of the scene.
 
     Raises
     ------
     InputError
-        A file that cannot be read or is about other objects, or nothing of the same name.
+        The file cannot be read or refers to other objects, or no names match.
     """
     if word is None:
         return []
@@ -181,14 +181,14 @@ def guides_asked_for(
             raise InputError("The guides in {path} cannot be read ({reason}).", path=word, reason=str(error)) from error
         check_guide_names(found, [obj.name for obj in objects])
         if not found:
-            raise InputError("There are no guides in {path}.", path=word)
+            raise InputError("{path} contains no guides.", path=word)
     if not found:
-        raise InputError("There are no {word} of the same name on several shapes; --guides finds nothing.", word=word)
+        raise InputError("No {word} have the same name on several shapes, so --guides finds nothing.", word=word)
     return found
 
 
 def _shared(marks: Mapping[str, Mapping[str, int | None]]) -> list[NamedGuide]:
-    """Return a guide for every name that several objects have a vertex for."""
+    """Return a guide for every name with a vertex on several objects."""
     names = dict.fromkeys(name for own in marks.values() for name in own)
     guides = []
     for name in names:
@@ -204,24 +204,24 @@ def guides_of_shapes(
     shapes: Sequence[TriangleMesh],
     depsgraph: bpy.types.Depsgraph,
 ) -> list[Guide]:
-    """Return guides by the numbers of the shapes and their vertices.
+    """Convert guides to indices of shapes and their vertices.
 
     Parameters
     ----------
     guides : sequence of NamedGuide
-        Those about objects that take no part are left out.
+        Points on other objects are ignored.
     objects : sequence of bpy.types.Object
         The inputs of the morph.
     shapes : sequence of TriangleMesh
-        The inputs as modifiers leave them, in world space: their vertices may be others than those of the objects' own
-        meshes, and the nearest ones are taken.
+        The evaluated inputs in world space. Their vertices may differ from those of the original meshes, so the nearest
+        vertices are used.
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        The dependency graph of the scene.
 
     Raises
     ------
     InputError
-        A vertex that does not exist (any more).
+        A vertex does not exist.
     """
     numbers = {obj.name: number for number, obj in enumerate(objects)}
     own_meshes: dict[str, TriangleMesh] = {}
@@ -242,7 +242,7 @@ def guides_of_shapes(
 def _vertex_of(guide: str, name: str, vertex: int, own: TriangleMesh, shape: TriangleMesh) -> int:
     if not 0 <= vertex < len(own.vertices):
         raise InputError(
-            "Guide {guide} is at vertex {vertex} of {name}, which has {count} vertices; pick the point again.",
+            "Guide {guide} refers to vertex {vertex} of {name}, which has {count} vertices; pick the point again.",
             guide=guide,
             vertex=vertex,
             name=name,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake was asked for, as it is stored with every morph, whoever asked."""
+"""The settings of a bake that are stored with every morph, besides those of its solver."""
 
 from __future__ import annotations
 
@@ -11,45 +11,47 @@ from ...schema import Choice, Settings, setting
 from .stored import FIRST_FRAMES
 
 DEFAULT_FOLDER = "//convwass"
-"""Beside the .blend file."""
+"""Next to the .blend file."""
 
 
 @dataclass(frozen=True)
 class MorphRequest(Settings):
-    """What a bake was asked for besides the settings of its solver, so that it can be asked for again.
+    """Settings of a bake besides those of its solver, with which it can be repeated.
 
     Attributes
     ----------
     words : str
-        As :class:`.FlatSettings`, in the spelling of Blender; kept for shapes that are not flat too.
+        As in :class:`.FlatSettings`, in Blender's spelling; also stored for solid shapes.
     weights : list of float or None
-        Of a single blend, one per shape.
+        Weights of a single blend, one per shape.
     guides : list of dict
-        Points that belong together; see :class:`.morph_guides.NamedGuide`.
+        Corresponding points; see :class:`.morph_guides.NamedGuide`.
     at : list of float or None
-        The frame numbers of a path, such as 7.35, that the blends are at where they are a sheet of such ones.
+        Fractional frame numbers of a path, such as 7.35, if the morph is a sheet of such blends.
     """
 
     layout: str = setting(
         "PATH",
         "Layout",
-        "What to make of the shapes",
+        "The kind of morph to make",
         choices=(
-            Choice("PATH", "Animation", "Walk through the shapes in order, one mesh per frame"),
-            Choice("GRID", "Grid of Four", "Blend four shapes on a square sheet, one shape per corner"),
-            Choice("TRIANGLE", "Triangle of Three", "Blend three shapes on a triangular sheet, one shape per corner"),
-            Choice("BLEND", "Single Blend", "Blend all shapes into one mesh, by their weights on the list of inputs"),
+            Choice("PATH", "Animation", "Morph the shapes one after another, with one mesh per frame"),
+            Choice("GRID", "Grid of Four", "Blend four shapes on a square sheet, with one shape per corner"),
+            Choice(
+                "TRIANGLE", "Triangle of Three", "Blend three shapes on a triangular sheet, with one shape per corner"
+            ),
+            Choice("BLEND", "Single Blend", "Blend all shapes into one mesh, with their weights on the input list"),
         ),
-        help="path: an animation through the shapes in order; grid: a sheet between four shapes; triangle: a sheet "
-        "between three; blend: one blend of all, which --weights asks for too",
+        help="path: an animation through the shapes in order; grid: a sheet of four shapes; triangle: a sheet of "
+        "three shapes; blend: a single blend of all shapes, implied by --weights",
     )
     order: str = setting(
         "NAME",
         "Order",
-        "Order of the selected shapes; those on the list of inputs have the order of the list",
+        "Order of the selected shapes; the input list has its own order",
         choices=(
-            Choice("NAME", "By Name", "In the order of their names"),
-            Choice("LEFT_TO_RIGHT", "Left to Right", "In the order of their places along the scene's X axis"),
+            Choice("NAME", "By Name", "Sorted by name"),
+            Choice("LEFT_TO_RIGHT", "Left to Right", "Sorted by position along the scene's X axis"),
         ),
         option=None,
     )
@@ -68,18 +70,18 @@ class MorphRequest(Settings):
     alignment: str = setting(
         "PLACED",
         "Alignment",
-        "How the shapes are laid onto the first one before they are morphed",
+        "How the shapes are aligned with the first one before the morph",
         choices=(
-            Choice("PLACED", "As Placed", "Shapes travel from where one stands to where the next one stands"),
+            Choice("PLACED", "As Placed", "Shapes move from their own position to that of the next one"),
             Choice(
                 "CENTERED",
                 "Centered",
-                "All shapes stand where the first one stands, center of mass on center of mass",
+                "All shapes are moved to the center of mass of the first one",
             ),
             Choice(
                 "PRINCIPAL_AXES",
                 "Principal Axes",
-                "Centered, and turned so that long sides lie on long sides and heavy ends on heavy ends",
+                "Centered, and rotated so that the principal axes match, with the heavy ends on the same side",
             ),
         ),
         option="--align",
@@ -88,19 +90,21 @@ class MorphRequest(Settings):
     scaling: str = setting(
         "PLACED",
         "Scale",
-        "How large the shapes are",
+        "Size of the shapes",
         choices=(
-            Choice("PLACED", "As Placed", "As large as in the scene; blends grow or shrink from one to the next"),
-            Choice("EQUAL_VOLUME", "Equal Volume", "All shapes get the volume of the first one"),
+            Choice("PLACED", "As Placed", "As in the scene; blends grow or shrink in between"),
+            Choice("EQUAL_VOLUME", "Equal Volume", "All shapes are scaled to the volume of the first one"),
         ),
         option="--scale",
         panel="matching",
     )
-    frames: int = setting(24, "Frames", "Scene frames from each shape to the next", least=2, most=10_000, soft_most=250)
+    frames: int = setting(
+        24, "Frames", "Number of scene frames between two shapes", least=2, most=10_000, soft_most=250
+    )
     frame_step: int = setting(
         1,
         "Step",
-        "Make a mesh for every so many frames only, which shows until the next one",
+        "Make a mesh only for every n-th frame, which is shown until the next one",
         least=1,
         most=1000,
         soft_most=12,
@@ -109,11 +113,11 @@ class MorphRequest(Settings):
     start: str = setting(
         "SCENE",
         "Start",
-        "Frame of the scene in which the morph begins",
+        "Scene frame at which the morph starts",
         choices=(
-            Choice("SCENE", "Scene Start", "At the start of the scene"),
-            Choice("CURRENT", "Current Frame", "At the frame that is shown now"),
-            Choice("CUSTOM", "Custom", "At a frame of your choice"),
+            Choice("SCENE", "Scene Start", "The first frame of the scene"),
+            Choice("CURRENT", "Current Frame", "The current frame"),
+            Choice("CUSTOM", "Custom", "A given frame"),
         ),
         option=None,
     )
@@ -121,64 +125,67 @@ class MorphRequest(Settings):
         1, "Start Frame", "Frame of the first shape", least=FIRST_FRAMES[0], most=FIRST_FRAMES[1], option=None
     )
     steps: int = setting(
-        5, "Steps", "Blends along each side of the sheet, corners included", least=2, most=50, soft_most=12
+        5,
+        "Steps",
+        "Number of blends along each side of the sheet, including the corners",
+        least=2,
+        most=50,
+        soft_most=12,
     )
     flat_output: str = setting(
         "CURVE",
         "Flat Frames",
-        "What frames of flat shapes are",
+        "Object type of flat frames",
         choices=(
-            Choice("CURVE", "Curves", "Curve objects with the bevel, the extrusion and the fill of the shapes"),
-            Choice("MESH", "Meshes", "Meshes, filled, beveled and extruded as the curves would be"),
-            Choice("DRAWING", "Drawings", "One Grease Pencil object with a filled drawing on a keyframe per frame"),
+            Choice("CURVE", "Curves", "Curve objects with the bevel, extrusion and fill of the shapes"),
+            Choice("MESH", "Meshes", "Meshes with fill, bevel and extrusion"),
+            Choice("DRAWING", "Drawings", "One Grease Pencil object with a filled drawing per frame"),
             Choice(
                 "PICTURE",
                 "Pictures",
-                "A sequence of image files, and a plane that shows it; of images, grays travel too",
+                "A sequence of image files, and a plane that shows it; images are morphed with their shades of gray",
             ),
         ),
-        help="flat shapes: an object per frame is a curve with bevel and extrusion, or a mesh; or all frames are the "
-        "drawings of one Grease Pencil object, or a sequence of PNG files beside the .blend and a plane that shows it; "
-        "anything else than objects, --render and --export take meshes",
+        help="flat shapes: one curve or mesh object per frame, one Grease Pencil object with a drawing per frame, or "
+        "a sequence of PNG files next to the .blend with a plane that shows it; other outputs, --render and "
+        "--export require meshes",
     )
     faces: str = setting(
         "TRIANGLES",
         "Faces",
-        "What the meshes of blends are made of",
+        "Faces of the blended meshes",
         choices=(
-            Choice("TRIANGLES", "Triangles", "Triangles of even size"),
-            Choice("QUADS", "Quads", "Quads, and triangles where fine detail leaves some over; to sculpt or subdivide"),
+            Choice("TRIANGLES", "Triangles", "Triangles of similar size"),
+            Choice("QUADS", "Quads", "Quads, with some triangles at fine details; for sculpting or subdivision"),
         ),
     )
     grays: str = setting(
         "IMAGES",
         "Grays",
-        "How pictures are made of what the transport leaves blurred",
+        "Treatment of the blur that the transport adds to pictures",
         choices=(
-            Choice(
-                "IMAGES", "As in the Images", "Pixels get the grays of the images, from the darkest to the brightest"
-            ),
-            Choice("THRESHOLD", "Threshold", "What is dense enough is filled, with a sharp edge"),
-            Choice("DENSITY", "As Transported", "Densities as they are, blurred"),
+            Choice("IMAGES", "As in the Images", "Match the distribution of grays in the images"),
+            Choice("THRESHOLD", "Threshold", "Fill everything above a threshold, with sharp edges"),
+            Choice("DENSITY", "As Transported", "Show the blurred densities unchanged"),
         ),
     )
     output: str = setting(
         "OBJECTS",
         "Output",
-        "What a bake leaves in the scene",
+        "Result of the bake in the scene",
         choices=(
-            Choice("OBJECTS", "Objects", "One mesh object per frame, each visible in its frame alone"),
+            Choice("OBJECTS", "Objects", "One mesh object per frame, visible only in its frame"),
             Choice(
                 "PLAYER",
                 "Player",
-                "One object with a value to animate that chooses the mesh; for a sheet, a pad to drag on",
+                "One object with an animatable value that selects the mesh; for a sheet, a pad to drag on",
             ),
-            Choice("VOLUME", "Volume", "VDB files, and a mesh made of them whose level and smoothing stay editable"),
+            Choice("VOLUME", "Volume", "VDB files, and a mesh made from them with adjustable level and smoothing"),
             Choice("CACHE", "Cache", "An Alembic or USD file, and one object that reads it"),
             Choice(
                 "SHAPE_KEYS",
                 "Shape Keys",
-                "The mesh of the first shape, with shape keys that lead to the others; for shapes of one build",
+                "The mesh of the first shape, with shape keys to the other shapes; for shapes of similar build",
             ),
         ),
         option=None,
@@ -200,7 +207,7 @@ class MorphRequest(Settings):
     key_error: float = setting(
         0.5,
         "Key Error",
-        "How far vertices may leave their path between two shape keys, in percent of the size; less takes more keys",
+        "Largest error of vertex paths between two shape keys, in percent of the size; smaller values need more keys",
         least=0.01,
         most=10.0,
         unit="percent",
@@ -208,16 +215,16 @@ class MorphRequest(Settings):
     folder: str = setting(
         DEFAULT_FOLDER,
         "Folder",
-        "Where the files go, in a folder named after the morph; // is the folder of the .blend file",
+        "Parent folder of the files, which are in a folder named after the morph; // is the folder of the .blend file",
         subtype="DIR_PATH",
         option=None,
     )
     cache_format: str = setting(
         "alembic",
         "Format",
-        "Which file is written",
+        "File format of the cache",
         choices=(
-            Choice("alembic", "Alembic", "One .abc file, which most programs read", identifier="alembic"),
+            Choice("alembic", "Alembic", "One .abc file, which most programs can read", identifier="alembic"),
             Choice("usd", "USD", "One .usdc file", identifier="usd"),
         ),
         option=None,
@@ -228,9 +235,9 @@ class MorphRequest(Settings):
     at: list[float] | None = None
 
     def blends(self, count: int) -> list[Blend]:
-        """Return the blends of `count` shapes that the layout asks for; raises InputError for a wrong count.
+        """Return the blends of `count` shapes in this layout; raises InputError if the count does not suit it.
 
-        A single blend takes the weights; all alike where there are none.
+        A single blend uses the weights; equal weights if there are none.
         """
         if self.layout == "GRID":
             return grid_blends(count, self.steps)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may stand in for the frame objects of a morph in a file that is written."""
+"""The outputs of a morph in a saved file."""
 
 from __future__ import annotations
 
@@ -26,52 +26,52 @@ PACKED: dict[str, Callable[..., object] | None] = {
     "player": make_player,
     "pad": make_blend_pad,
 }
-"""Outputs that live in the .blend, and what makes them of a morph."""
+"""Outputs within the .blend, and their functions."""
 
 ON_DISK: dict[str, Callable[[bpy.types.Collection, Path], DiskOutput]] = {
     "volume": lambda collection, folder: drained(as_volume(collection, folder)),
     "alembic": lambda collection, folder: as_cache(collection, folder, "alembic"),
     "usd": lambda collection, folder: as_cache(collection, folder, "usd"),
 }
-"""Outputs that read files beside the .blend, and what makes them of a morph."""
+"""Outputs as files next to the .blend, and their functions."""
 
 SHAPE_KEYS = "shape-keys"
-"""The output that is no morph of frames: one mesh with shape keys."""
+"""The output without frames: one mesh with shape keys."""
 
 
 def folder_beside(target: Path) -> str:
-    """Return where the files of outputs on disk go: a folder beside the .blend file, named after it."""
+    """Return the folder for files of outputs on disk: next to the .blend and named after it."""
     return f"//{target.stem} files"
 
 
 def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list[Path]:
-    """Save the open file with a morph in one of the outputs.
+    """Save the open file with one output of a morph.
 
     Parameters
     ----------
     collection : bpy.types.Collection
-        The morph; its frames are removed from the file where they are on disk.
+        The morph; its frames are removed from the file if they are on disk.
     output : str
-        A key of `PACKED` or of `ON_DISK`.
+        A key of `PACKED` or `ON_DISK`.
     target : Path
-        The .blend file. With an output on disk it becomes the open file.
+        The .blend file. With an output on disk, it becomes the open file.
 
     Returns
     -------
     list of Path
-        All files that have been written.
+        All written files.
 
     Raises
     ------
     InputError, ConvwassError
-        What the output or the file system refuses.
+        The output or the file system reported an error.
     """
     if output in PACKED:
         make = PACKED[output]
         if make is not None:
             make(collection, between=stored_settings(collection).get("between", "NEAREST"))
         return [save_blend(target)]
-    # Paths are relative to a file that is there.
+    # Saved first, since paths are relative to the .blend.
     saved = save_blend(target)
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(saved), check_existing=False, compress=True)

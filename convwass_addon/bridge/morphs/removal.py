@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes morphs, or their frames, out of the scene."""
+"""Remove morphs or their frames from the scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .stored import frame_objects
 
 
 def remove_bake(collection: bpy.types.Collection) -> None:
-    """Remove a morph with its frames; whatever else was put into its collection moves up one level."""
+    """Remove a morph with its frames; other contents of its collection move up one level."""
     remove_stand_ins(collection)
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     parents = [parent for parent in roots if collection in set(parent.children)]
@@ -28,7 +28,7 @@ def remove_bake(collection: bpy.types.Collection) -> None:
 
 
 def remove_frames(collection: bpy.types.Collection) -> None:
-    """Remove a morph's frames and keep everything else of it: something other shows them now."""
+    """Remove the frames of a morph that is shown by something else now."""
     frames = frame_objects(collection)
     worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
     remove_objects(frames)
@@ -36,7 +36,7 @@ def remove_frames(collection: bpy.types.Collection) -> None:
 
 
 def remove_objects(objects: list[bpy.types.Object]) -> None:
-    """Remove frame objects, and their meshes and actions where nothing else uses them."""
+    """Remove frame objects, with meshes and actions that nothing else uses."""
     data = {obj.data for obj in objects if obj.data}
     data |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
     bpy.data.batch_remove(objects)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""New frames in the place of a morph's old ones, for whoever shows or uses that morph."""
+"""Replace the frames of a morph by those of a new bake."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .written_files import WRITTEN_KEY
 
 
 def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.types.Collection:
-    """Give a morph the frames and the description of another one, whose collection is removed.
+    """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
-    A player keeps its keys, materials and modifiers. A blend pad is made anew. Objects that read files are removed.
+    A player keeps its keys, materials and modifiers. A blend pad is rebuilt. Objects that read files are removed.
 
     Parameters
     ----------
     old : bpy.types.Collection
-        Keeps its name and its place.
+        Keeps its name and place.
     new : bpy.types.Collection
-        A morph that has just been baked.
+        A newly baked morph.
 
     Returns
     -------

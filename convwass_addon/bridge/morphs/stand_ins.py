@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that show a morph in the place of its own objects: players and blend pads."""
+"""Objects that show a morph instead of its frame objects: players and blend pads."""
 
 from __future__ import annotations
 
@@ -12,45 +12,45 @@ from ...errors import InputError
 from .stored import FRAMES_KEY, frame_objects, hidden_frames
 
 SHOWS_KEY = "convwass_shows"
-"""Custom property of all that stands in for a morph: the morph's collection."""
+"""Custom property of everything that shows a morph: the morph's collection."""
 
 
 def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> None:
-    """Note that data-blocks (objects, collections, node groups) stand in for a morph and go with it."""
+    """Mark data-blocks (objects, collections, node groups) that show a morph and are removed with it."""
     for block in blocks:
         block[SHOWS_KEY] = collection
 
 
 def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
-    """Return the morph that an object stands in for, or None."""
+    """Return the morph that an object shows, or None."""
     shown = None if obj is None else obj.get(SHOWS_KEY)
     return shown if isinstance(shown, bpy.types.Collection) else None
 
 
 def stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects that stand in for a morph."""
+    """Return the objects that show a morph."""
     return [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection]
 
 
 def require_none(collection: bpy.types.Collection) -> None:
-    """Refuse a morph that something in a scene stands in for, since two would be seen at once.
+    """Check that no object in a scene already shows a morph, since both would be visible.
 
     Raises
     ------
     InputError
-        It names what stands in.
+        Names the object.
     """
     found = next((obj for obj in stand_ins(collection) if obj.users_scene), None)
     if found is not None:
         raise InputError(
-            "{name} is shown by {other} already; duplicate that, or remove it first.",
+            "{name} is already shown by {other}; duplicate that, or remove it first.",
             name=collection.name,
             other=found.name,
         )
 
 
 def remove_stand_ins(collection: bpy.types.Collection) -> None:
-    """Remove what stands in for a morph, and show its own objects again; what something else uses, too, is kept."""
+    """Remove the objects that show a morph, and show its frame objects again; data with other users is kept."""
     objects = stand_ins(collection)
     spare = [obj.data for obj in objects if obj.data]
     spare += [obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action]
@@ -81,10 +81,10 @@ def remove_unused(collection: bpy.types.Collection) -> None:
 
 
 def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
-    """Show or hide the frame objects of a morph in all viewports and renders; their own visibility is left alone.
+    """Show or hide the frame objects of a morph in all viewports and renders, without changing their own visibility.
 
-    Hidden ones are in a collection of their own inside that of the morph, so that the morph's can be linked or appended
-    with what shows it.
+    Hidden frame objects are in a subcollection of the morph, so that the morph can be linked or appended with its
+    player.
     """
     hidden = hidden_frames(collection)
     if not shown:
@@ -99,12 +99,12 @@ def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
 
 
 def shows_frames(collection: bpy.types.Collection) -> bool:
-    """Tell whether the frame objects of a morph are shown."""
+    """Return whether the frame objects of a morph are shown."""
     return hidden_frames(collection) is None and not (collection.hide_viewport or collection.hide_render)
 
 
 def homes(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
-    """Return where what stands in for a morph goes: its collection, or the context's scene where no scene has that."""
+    """Return the collections for objects that show a morph: its own, or the scene's if that is in no scene."""
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     is_linked = any(collection in set(root.children) for root in roots)
     return [collection] if is_linked else [bpy.context.scene.collection]

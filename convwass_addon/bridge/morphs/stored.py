@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a finished bake keeps in the file about itself, and how it is read back."""
+"""Store the description of a bake with its collection, and read it back."""
 
 from __future__ import annotations
 
@@ -20,42 +20,41 @@ from ..shape_sources import OBJECTS, shape_source
 SCHEMA = 1
 
 MORPH_KEY = "convwass_morph"
-"""Custom property of a morph's collection: JSON of a `StoredMorph` and the schema number."""
+"""Custom property of a morph's collection: JSON of a `StoredMorph` with the schema number."""
 
 WEIGHTS_KEY = "convwass_weights"
 """Custom property of a frame object: one weight per input."""
 
 INDEX_KEY = "convwass_index"
-"""Custom property of a frame object: its place in the order of frames, from 0."""
+"""Custom property of a frame object: its index in frame order, from 0."""
 
 ALONE_KEY = "convwass_alone"
-"""Custom property of a frame object that shows all frames of its morph by itself."""
+"""Custom property of a single object that shows all frames of its morph."""
 
 DIAGNOSTICS_KEY = "convwass_health"
-"""Custom property of a morph's collection: JSON of what to know about the bake, kinds of notes and their values."""
+"""Custom property of a morph's collection: JSON of the diagnostics, as kinds and values."""
 
 FRAMES_KEY = "convwass_frames_of"
-"""Custom property of the collection that holds the frame objects of a morph while they are hidden: the morph's own."""
+"""Custom property of the collection for the hidden frame objects of a morph: the morph's collection."""
 
 FIRST_FRAMES = (0, 1_048_574)
-"""Least and greatest frame that Blender lets a scene start with."""
+"""Lowest and highest start frame of a scene in Blender."""
 
 
 @dataclass(frozen=True)
 class StoredMorph:
-    """A bake as its collection remembers it.
+    """The stored description of a bake.
 
     Attributes
     ----------
     inputs : list of str
-        Names of the objects that were morphed.
+        Names of the morphed objects.
     settings : dict
-        What the bake was asked for; numbers, texts, booleans, None and lists of these, and the guides as a list of
-        tables.
+        Settings of the bake: numbers, strings, booleans, None and lists of these, and the guides as a list of dicts.
     first_frame : int
         Scene frame at which the morph starts.
     records : list of dict
-        The solver's figures for each finished frame, without its arrays and histories.
+        The solver's figures for each finished frame, without arrays and histories.
     """
 
     inputs: list[str]
@@ -65,17 +64,17 @@ class StoredMorph:
 
 
 def store(collection: bpy.types.Collection, morph: StoredMorph) -> None:
-    """Write a bake's description onto its collection."""
+    """Store the description of a bake with its collection."""
     collection[MORPH_KEY] = json.dumps({"schema": SCHEMA, **vars(morph)}, allow_nan=False)
 
 
 def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
-    """Read and check what `store` wrote.
+    """Read and check a description written by `store`.
 
     Raises
     ------
     InputError
-        The collection is no morph, or its description is damaged or from a newer version.
+        The collection is not a morph, or its description is damaged or from a newer version.
     """
     text = collection.get(MORPH_KEY)
     if text is None:
@@ -88,12 +87,12 @@ def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
 
 @contextmanager
 def refusing_damage(name: str) -> Iterator[None]:
-    """Read what is stored with a morph of this name in the block; what Python says of wrong values is told the user.
+    """Convert Python's errors on damaged data of a morph to InputError.
 
     Raises
     ------
     InputError
-        Something is missing, or is not what it should be.
+        Data is missing or invalid.
     """
     try:
         yield
@@ -113,7 +112,7 @@ def stored_settings(collection: bpy.types.Collection) -> dict[str, object]:
     Raises
     ------
     InputError
-        As `stored_morph`.
+        As for `stored_morph`.
     """
     return stored_morph(collection).settings
 
@@ -129,14 +128,14 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     Raises
     ------
     InputError
-        As `stored_morph`, or some of the objects are no longer there.
+        As for `stored_morph`, or an object no longer exists.
     """
     names = stored_morph(collection).inputs
     missing = [name for name in dict.fromkeys(names) if not is_there(name)]
     if missing:
         raise InputError(
-            "{name} was baked from {missing}, which the file no longer holds under that name; rename it back, or "
-            "select the shapes and bake a new morph.",
+            "{name} was baked from {missing}, which no longer exists under that name; rename it back, or select the "
+            "shapes and bake a new morph.",
             name=collection.name,
             missing=", ".join(missing),
         )
@@ -156,13 +155,13 @@ def stored_parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 
 def is_there(name: str) -> bool:
-    """Tell whether an object of a name is in a scene; what was deleted may still be held, by the list of inputs say."""
+    """Return whether an object is in a scene; deleted objects may still exist if something refers to them."""
     obj = bpy.data.objects.get(name)
     return obj is not None and bool(obj.users_scene)
 
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the frame objects of a morph in their order."""
+    """Return the frame objects of a morph in order."""
     hidden = hidden_frames(collection)
     there = [*collection.objects, *(() if hidden is None else hidden.objects)]
     frames = sorted((obj for obj in there if _weight_count(obj)), key=_place)
@@ -170,14 +169,14 @@ def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 
 def hidden_frames(collection: bpy.types.Collection) -> bpy.types.Collection | None:
-    """Return the collection inside that of a morph which holds its frame objects while something else shows it."""
+    """Return the subcollection with the hidden frame objects of a morph, or None."""
     return next((child for child in collection.children if FRAMES_KEY in child), None)
 
 
 def shown_frames(collection: bpy.types.Collection) -> range:
-    """Return the scene frames in which a morph goes from its first shape to its last one; empty where nothing moves.
+    """Return the scene frames of a morph from its first to its last shape; empty if it is static.
 
-    The range of the scene has no say in it: that may be another morph's.
+    The range of the scene is not used, since it may belong to another morph.
 
     Parameters
     ----------
@@ -188,14 +187,14 @@ def shown_frames(collection: bpy.types.Collection) -> range:
     if not keyed:
         return keyed
     try:
-        # A first shape that lasts for several frames has its key at the end of them.
+        # If the first shape lasts for several frames, its key is at their end.
         return range(min(keyed.start, stored_morph(collection).first_frame), keyed.stop)
     except InputError:
         return keyed
 
 
 def _weight_count(obj: bpy.types.Object) -> int:
-    """Return how many weights are stored on a frame object; 0 where there is something else."""
+    """Return the number of weights stored on a frame object, or 0."""
     stored = obj.get(WEIGHTS_KEY)
     return len(stored) if getattr(stored, "typecode", "") in ("f", "d") else 0
 
@@ -206,7 +205,7 @@ def _place(obj: bpy.types.Object) -> float:
 
 
 def summary(record: dict[str, object]) -> dict[str, object]:
-    """Return the single figures of a record; its lists would swell the file, and JSON has no word for NaN."""
+    """Return the scalar figures of a record; lists would bloat the file, and JSON does not support NaN."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
         for name, value in {**record, **diagnostic_figures(record)}.items()
@@ -215,12 +214,12 @@ def summary(record: dict[str, object]) -> dict[str, object]:
 
 
 def store_diagnostics(collection: bpy.types.Collection, notes: Sequence[Diagnostic]) -> None:
-    """Write what is to be known about a bake onto its collection."""
+    """Store the diagnostics of a bake with its collection."""
     collection[DIAGNOSTICS_KEY] = json.dumps([[note.kind, note.values] for note in notes], allow_nan=False)
 
 
 def stored_diagnostics(collection: bpy.types.Collection) -> list[Diagnostic]:
-    """Read what `store_diagnostics` wrote; nothing where it is missing or damaged."""
+    """Read the diagnostics written by `store_diagnostics`; empty if they are missing or damaged."""
     try:
         notes = [Diagnostic(kind, values) for kind, values in json.loads(collection.get(DIAGNOSTICS_KEY, "[]"))]
         return [note for note in notes if note.text]
@@ -229,7 +228,7 @@ def stored_diagnostics(collection: bpy.types.Collection) -> list[Diagnostic]:
 
 
 def _checked(data: object) -> StoredMorph:
-    """Return the description, or raise an error that says what is wrong with it."""
+    """Return the description; raises an error that says what is wrong with it."""
     if not isinstance(data, dict):
         raise TypeError("not a table")
     if data["schema"] != SCHEMA:
@@ -240,12 +239,12 @@ def _checked(data: object) -> StoredMorph:
     if not isinstance(settings, dict):
         raise TypeError("settings are not a table")
     for name, value in settings.items():
-        # Guides are tables; whoever uses them checks them.
+        # Guides are dicts, which are checked where they are used.
         kinds = dict if name == "guides" else (str, bool, int, float, None.__class__)
         if not all(isinstance(item, kinds) for item in _items(value)):
             raise TypeError(f"setting {name} is neither a number, a text nor a list of these")
     if isinstance(first_frame, bool) or not isinstance(first_frame, int):
-        raise TypeError("first_frame is not a whole number")
+        raise TypeError("first_frame is not an integer")
     if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
         raise ValueError(f"first_frame is {first_frame}")
     if not (isinstance(records, list) and all(isinstance(record, dict) for record in records)):
@@ -254,7 +253,7 @@ def _checked(data: object) -> StoredMorph:
 
 
 def _items(value: object) -> list[object]:
-    """Return a list as it is, and anything else as a list of one."""
+    """Return a list unchanged, and any other value as a list of one."""
     return value if isinstance(value, list) else [value]
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph as VDB files: a Volume object reads them, and the level and the smoothing of its mesh can be edited."""
+"""Write a morph as VDB files, shown by a Volume object and a mesh with adjustable level and smoothing."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .stored import frame_objects, shown_frames, stored_morph
 
 GRID_NAME = "density"
 
-# Cells over which the filled share is averaged: what a level other than a half can move the surface by.
+# Cells over which coverage is averaged: this limits how far other levels can move the surface.
 _BLUR = 1.0
 _MARGIN = 4
 # Values below this are empty space in the file.
@@ -39,19 +39,19 @@ _FALLBACK_RESOLUTION = 100
 
 
 def as_volume(collection: bpy.types.Collection, folder: Path, control: Control = UNINTERRUPTED) -> Work[DiskOutput]:
-    """Write a morph as VDB files, one for each of its own scene frames, and make the objects that show them.
+    """Write a morph as VDB files, one per scene frame, and create the objects that show them.
 
-    A file holds one grid, "density": the share of every cell that is filled, averaged over a cell; its level of a half
-    is the surface of the frame.
+    A file contains one grid, "density": the covered share of every cell, averaged over a cell. The surface of the frame
+    is its level set at one half.
 
     Parameters
     ----------
     collection : bpy.types.Collection
-        A baked morph with its frames; they stay.
+        A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder; files of the same names in it are replaced.
+        An existing folder; files of the same name are replaced.
     control : Control
-        Ends the work when cancelled.
+        Stops the work when cancelled.
 
     Yields
     ------
@@ -65,7 +65,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     Raises
     ------
     InputError
-        A Blender without OpenVDB's Python module (it comes with 4.5), or a collection without frames.
+        Blender lacks OpenVDB's Python module (included from 4.5), or the collection has no frames.
     """
     openvdb = openvdb_module()
     if openvdb is None:
@@ -74,7 +74,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
         )
     frames = frame_objects(collection)
     if not frames:
-        raise InputError("The collection {name} holds no frames of a morph; bake one first.", name=collection.name)
+        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
@@ -84,13 +84,13 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
         _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
         yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
         control.check()
-    # Until Blender 5 Volume to Mesh puts values at the corners of their cells.
+    # Before Blender 5, Volume to Mesh places values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
 
 
 def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> float:
-    """Return the size of a cell: as many along the longest side of all that is shown as the morph was baked with."""
+    """Return the cell size: the resolution of the bake applied to the longest side of all frames."""
     bounds = np.array([mesh.bounds for mesh in meshes])
     longest = float((bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)).max())
     return longest / int(settings.get("resolution") or _FALLBACK_RESOLUTION)
@@ -99,7 +99,7 @@ def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> flo
 def _timeline(
     collection: bpy.types.Collection, frames: list[bpy.types.Object]
 ) -> tuple[range, list[list[bpy.types.Object]]]:
-    """Return the scene frames of a morph and what is shown at each; a sheet is one frame that shows all."""
+    """Return the scene frames of a morph with the visible objects at each; a sheet is one frame with all objects."""
     span = shown_frames(collection)
     if not span:
         now = bpy.context.scene.frame_current
@@ -108,7 +108,7 @@ def _timeline(
 
 
 def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spacing: float) -> None:
-    """Write a file whole or not at all."""
+    """Write a VDB file atomically."""
     grid = openvdb.FloatGrid()
     grid.name = GRID_NAME
     grid.gridClass = openvdb.GridClass.FOG_VOLUME
@@ -117,7 +117,7 @@ def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spac
         high = np.max([mesh.bounds[1] for mesh in meshes], axis=0) + _MARGIN * spacing
         shape = tuple(int(n) for n in np.ceil((high - low) / spacing))
         grid.copyFromArray(_filled(meshes, low, spacing, shape), tolerance=_EMPTY)
-        # A value belongs to the center of its cell.
+        # Values are located at cell centers.
         grid.transform = openvdb.createLinearTransform(voxelSize=spacing)
         grid.transform.postTranslate(tuple(float(x) for x in low + spacing / 2))
     with written_whole(file) as draft:
@@ -137,7 +137,7 @@ def _filled(
 def _objects(
     collection: bpy.types.Collection, files: list[Path], scene_frames: range, offset: float
 ) -> bpy.types.Object:
-    """Make the Volume object, hidden and moved by an offset along all axes, and the mesh object that is made of it."""
+    """Create the hidden Volume object, shifted along all axes, and the mesh object made from it."""
     data = bpy.data.volumes.new(f"{collection.name} Volume")
     data.filepath = for_blender(files[0])
     if len(files) > 1:
@@ -157,7 +157,7 @@ def _objects(
     modifier.threshold = _LEVEL
     modifier.resolution_mode = "GRID"
     modifier.use_smooth_shade = True
-    # What the solver made is smooth already; to be turned up by hand.
+    # The solver's result is already smooth; the user can increase this.
     smooth = shown.modifiers.new("Smooth", "SMOOTH")
     smooth.iterations = 0
     for obj in (volume, shown):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake has written beside the .blend, so that the next one in its place takes away what it has no use for."""
+"""Track the files written by a bake, so that a later bake can remove surplus ones."""
 
 from __future__ import annotations
 
@@ -13,28 +13,27 @@ from pathlib import Path
 import bpy
 
 WRITTEN_KEY = "convwass_written"
-"""Custom property of a morph's collection: names of files, and digests of what was written to them."""
+"""Custom property of a morph's collection: names and digests of the written files."""
 
 
 def store_written(morph: bpy.types.Collection, files: Sequence[Path]) -> None:
-    """Note on a morph which files it has written, all in one folder."""
+    """Store which files a morph has written, all in one folder."""
     morph[WRITTEN_KEY] = json.dumps({path.name: _digest(path) for path in files})
 
 
 def drop_surplus(morph: bpy.types.Collection, folder: Path, stem: str, kept: Sequence[Path]) -> None:
-    """Remove those numbered files of an earlier bake from a folder that a later one has not written again.
+    """Remove numbered files of an earlier bake that a later bake has not written again.
 
-    Only files that hold what the earlier bake wrote to them: one that was painted over, or put there by anybody else,
-    stays.
+    Only unchanged files are removed: files that were modified, or added by others, are kept.
 
     Parameters
     ----------
     morph : bpy.types.Collection
-        The earlier bake; what is noted on it may come from any file, and is not trusted.
+        The earlier bake; its stored data may come from any file and is not trusted.
     folder : Path
-        Where the later one has written.
+        The folder of the later bake.
     stem : str
-        What the names of its files begin with, before the number.
+        Common prefix of the file names, before the number.
     kept : sequence of Path
         The files of the later bake.
     """
@@ -44,7 +43,7 @@ def drop_surplus(morph: bpy.types.Collection, folder: Path, stem: str, kept: Seq
         if name in names or name != f"{stem}_{number}.png" or not (number.isascii() and number.isdigit()):
             continue
         path = folder / name
-        # What cannot be read or removed is left.
+        # Files that cannot be read or removed are kept.
         with suppress(OSError):
             if path.is_file() and not path.is_symlink() and _digest(path) == digest:
                 path.unlink()

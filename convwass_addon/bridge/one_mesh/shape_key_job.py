@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One mesh with shape keys, from objects of the scene to an object of the scene."""
+"""Morph one mesh into other shapes with shape keys."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ from .shape_keys import animate_sliders, object_with_keys
 
 
 class ShapeKeyJob:
-    """One mesh on its way to other shapes. Everything but :meth:`steps` belongs on the main thread.
+    """Computes shape keys. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
     scene : bpy.types.Scene
-        Where the object goes.
+        The scene to add the object to.
     depsgraph : bpy.types.Depsgraph
-        For the inputs as modifiers leave them.
+        Used to evaluate the modifiers of the inputs.
     inputs : sequence of bpy.types.Object
-        The mesh, and the shapes that it is to take.
+        The mesh, and the shapes to morph it into.
     request : MorphRequest
-        What was asked for: `alignment`, `scaling`, `guides`, `key_error` and `frames` are heeded.
+        `alignment`, `scaling`, `guides`, `key_error` and `frames` are used.
     coherence : float
         From 0.5 to 1.
     first_frame : int
-        Scene frame in which the mesh begins to change.
+        Scene frame at which the morph starts.
 
     Raises
     ------
     InputError
-        Inputs that have no faces, or are no meshes.
+        An input has no faces, or is not a mesh.
     """
 
     def __init__(
@@ -74,16 +74,16 @@ class ShapeKeyJob:
         self.paths: list[KeyPath] = []
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
-        """Find the way; it touches nothing of Blender, and is not divided among workers."""
+        """Compute the paths of the vertices without accessing Blender's data; not parallelized over workers."""
         self.paths = yield from key_paths(
             self._shapes, self._names, self._accuracy, self._settings, self._guides, control
         )
 
     def write(self, report: Progress[object]) -> None:
-        """Leave the file as it is until the end."""
+        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
-        """Remove what was prepared."""
+        """Remove the prepared copy."""
         mesh = self._mesh.find()
         if mesh is not None and not mesh.users:
             bpy.data.meshes.remove(mesh)
@@ -94,16 +94,18 @@ class ShapeKeyJob:
         return (self._first, self._first + self._frames * len(self.paths))
 
     def finish(self, hide_inputs: bool) -> bpy.types.Object:
-        """Make the object, and hide the inputs if that is asked for.
+        """Create the object, and hide the inputs if requested.
 
         Raises
         ------
         ConvwassError
-            The first shape or the scene is gone, or the mesh that was copied has been removed by undo.
+            The first shape or the scene was deleted, or the copied mesh was removed by undo.
         """
         source, mesh, scene = self._inputs[0].find(), self._mesh.find(), self._scene.find()
         if source is None or mesh is None or scene is None:
-            raise ConvwassError("The first shape was deleted, or undone, while its keys were made; start again.")
+            raise ConvwassError(
+                "The first shape was deleted, or its creation undone, during the computation; start again."
+            )
         obj = object_with_keys(source, mesh, self.paths, scene)
         animate_sliders(obj, [path.name for path in self.paths], self._first, self._frames)
         if hide_inputs:
@@ -112,7 +114,7 @@ class ShapeKeyJob:
 
 
 def _applied(obj: bpy.types.Object) -> list[Sentence]:
-    """Say what of an object is applied to the copy that gets the keys."""
+    """Return a notice about modifiers and shape keys that are applied to the copy."""
     keys = obj.type == "MESH" and obj.data.shape_keys is not None
     if not (obj.modifiers or keys):
         return []
@@ -120,7 +122,7 @@ def _applied(obj: bpy.types.Object) -> list[Sentence]:
 
 
 def refuse_one_mesh(objects: Sequence[bpy.types.Object]) -> None:
-    """Refuse shapes that cannot share one mesh by their kind; raises InputError."""
+    """Raise InputError for objects that cannot share a mesh."""
     for obj in objects:
         if obj.type != "MESH":
-            raise InputError("{name} is no mesh; shape keys need meshes. Convert it first.", name=obj.name)
+            raise InputError("{name} is not a mesh; shape keys require meshes. Convert it first.", name=obj.name)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An object whose shape keys lead to other shapes, each by one value that can be animated."""
+"""An object with shape keys to other shapes, each controlled by one animatable value."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from ...applications.one_mesh.key_paths import KeyPath
 from ..morphs.bake import wear_material
 
 RECORD_KEY = "convwass_shape_keys"
-"""Custom property of the object: JSON of what is known of every path."""
+"""Custom property of the object: JSON of the records of all paths."""
 
 
 def object_with_keys(
     source: bpy.types.Object, mesh: bpy.types.Mesh, paths: Sequence[KeyPath], scene: bpy.types.Scene
 ) -> bpy.types.Object:
-    """Make an object of a mesh whose shape keys lead to other shapes.
+    """Create an object whose shape keys lead to other shapes.
 
-    The object has a custom property for each path, from 0 to 1, which drives the shape keys of the path. Drivers are
-    simple expressions, which Blender evaluates without scripts. Between two keys vertices go straight; several paths
-    add up.
+    For each path, the object has a custom property from 0 to 1, which drives the shape keys of the path. The drivers
+    are simple expressions, which Blender evaluates without running scripts. Vertices move linearly between two keys;
+    several paths add up.
 
     Parameters
     ----------
     source : bpy.types.Object
         The object that the mesh was copied from.
     mesh : bpy.types.Mesh
-        Without users and shape keys, in world space; with as many vertices as the paths. Its vertex groups, UV maps,
-        attributes and materials stay.
+        Without users and shape keys, in world space, with the vertices of the paths. Its vertex groups, UV maps,
+        attributes and materials are kept.
     paths : sequence of KeyPath
-        Where the vertices go.
+        Paths of the vertices.
     scene : bpy.types.Scene
-        Where the object goes.
+        The scene to add the object to.
     """
     wear_material(mesh)
     obj = bpy.data.objects.new(f"{source.name} Morph", mesh)
@@ -56,12 +56,12 @@ def object_with_keys(
 
 
 def key_expressions(times: Sequence[float]) -> list[str]:
-    """Return the value of each key as a function of the slider v: 1 at its time, 0 at its neighbors', linear between.
+    """Return each key as a function of the slider v: 1 at its own time, 0 at neighboring keys, linear in between.
 
     Parameters
     ----------
     times : sequence of float
-        Of the keys, increasing from above 0 to 1. The last key stays at 1 beyond.
+        Times of the keys, increasing, from above 0 to 1. The last key stays at 1 beyond its time.
     """
     found = []
     for before, own, after in zip((0.0, *times[:-1]), times, (*times[1:], None), strict=True):
@@ -72,12 +72,12 @@ def key_expressions(times: Sequence[float]) -> list[str]:
 
 
 def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, frames: int) -> None:
-    """Key the sliders so that the mesh takes one shape after the other, `frames` scene frames apart."""
+    """Key the sliders such that the mesh takes the shapes one after another, `frames` scene frames apart."""
     for number, name in enumerate(names):
         begin, end = first + number * frames, first + (number + 1) * frames
         values = {begin: 0.0, end: 1.0}
         if number + 1 < len(names):
-            # The next shape takes over from this one.
+            # The next shape replaces this one.
             values[end + frames] = 0.0
         for frame, value in values.items():
             obj[name] = value
@@ -87,7 +87,7 @@ def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, fra
 
 def _add_slider(obj: bpy.types.Object, name: str) -> None:
     obj[name] = 0.0
-    obj.id_properties_ui(name).update(min=0.0, max=1.0, description="How far the mesh has taken this shape")
+    obj.id_properties_ui(name).update(min=0.0, max=1.0, description="Progress towards this shape")
 
 
 def _drive(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expression: str) -> None:

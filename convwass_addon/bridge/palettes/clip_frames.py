@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frames of a sequence of images, or of a movie, as pictures; and a sequence as an image that shows it."""
+"""Read the frames of an image sequence or movie, and show a sequence as an image."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from .image_pixels import read_picture
 
 
 class ClipFrames:
-    """The frames of a clip: all files of the sequence, or all of the movie. Everything belongs on the main thread.
+    """The frames of a clip: all files of a sequence, or all frames of a movie. Must be used on the main thread.
 
-    Blender gives scripts the pixels of the frame that was used last. A texture that is asked for a color uses the frame
-    that it is told to.
+    Scripts can only access the pixels of the most recently used frame. Evaluating a texture makes Blender use a given
+    frame.
 
     Parameters
     ----------
     image : bpy.types.Image
-        Stays as it is: frames are read into a copy.
+        Not changed: frames are read with a copy.
     mask : bpy.types.Image or None
-        Of the size of all frames.
+        Of the same size as the frames.
 
     Raises
     ------
     InputError
-        No file, or a sequence without numbers.
+        There is no file, or a sequence has no numbers.
     """
 
     def __init__(self, image: bpy.types.Image, mask: bpy.types.Image | None = None) -> None:
@@ -50,7 +50,7 @@ class ClipFrames:
 
     @property
     def names(self) -> list[str]:
-        """The names of the files that the recolored frames go to."""
+        """File names of the recolored frames."""
         path = self.path
         if self.image.source == "SEQUENCE":
             known = path.suffix.lower() in FORMATS
@@ -62,36 +62,36 @@ class ClipFrames:
 
     @property
     def image(self) -> bpy.types.Image:
-        """The copy that frames are read into; made again where undoing has removed it.
+        """The copy used for reading frames; created again if it was removed by undo.
 
         Raises
         ------
         InputError
-            The image itself is gone.
+            The image was deleted.
         """
         found = None if self._copy is None else self._copy.find()
         if found is None:
             original = self._original.find()
             if original is None:
-                raise InputError("What was recolored was deleted, or undone, meanwhile; start again.")
+                raise InputError("The image was deleted, or its creation undone, during the recoloring; start again.")
             found = original.copy()
             self._copy = Handle.of("images", found)
         return found
 
     def read(self, place: int) -> Picture:
-        """Read a frame, with the mask.
+        """Read a frame with the mask.
 
         Raises
         ------
         InputError
-            It cannot be read, or has another size than the mask.
+            The frame cannot be read, or its size differs from the mask's.
         """
         image, texture = self.image, None if self._texture is None else self._texture.find()
         if texture is None:
             texture = bpy.data.textures.new("Frames", "IMAGE")
             self._texture = Handle.of("textures", texture)
         texture.image = image
-        # One frame in memory is enough.
+        # Keep only one frame in memory.
         image.buffers_free()
         texture.image_user.frame_current = self.numbers[place]
         texture.evaluate((0.0, 0.0, 0.0))
@@ -103,7 +103,7 @@ class ClipFrames:
         return read_picture(image, mask)
 
     def close(self) -> None:
-        """Remove what was made for reading."""
+        """Remove the temporary copy and texture."""
         gone = [own.find() for own in (self._texture, self._copy) if own is not None]
         bpy.data.batch_remove([block for block in gone if block is not None])
         self._texture = self._copy = None
@@ -116,7 +116,7 @@ class ClipFrames:
 
 
 def sequence_image(source: bpy.types.Image, paths: Sequence[Path]) -> bpy.types.Image:
-    """Return an image that shows files as a sequence: the last result for the same clip, or a new one."""
+    """Return an image that shows files as a sequence: the previous result for the same clip, or a new one."""
     for image in bpy.data.images:
         if image.get(RESULT_OF) == source.name and is_clip(image) and image.library is None:
             break
@@ -125,21 +125,21 @@ def sequence_image(source: bpy.types.Image, paths: Sequence[Path]) -> bpy.types.
         image.name = f"{source.name} recolored"
         image[RESULT_OF] = source.name
     image.source, image.filepath = "SEQUENCE", str(paths[0])
-    # What was read from files of these names before is out of date.
+    # Discard cached frames of files with the same names.
     image.reload()
     return image
 
 
 def first_number(path: Path) -> int:
-    """Return the number of a file of a sequence."""
+    """Return the number of a file in a sequence."""
     return int(_split(path)[1])
 
 
 def _split(path: Path) -> tuple[str, str, str]:
-    """Split a name as Blender does: what comes before the last digits, these, and the rest."""
+    """Split a name as Blender does: the part before the last digits, the digits, and the rest."""
     found = re.fullmatch(r"(.*?)([0-9]+)([^0-9]*)", path.stem)
     if found is None:
-        raise InputError("{file} has no number, so it is no sequence of images.", file=path.name)
+        raise InputError("{file} has no number, so it is not part of an image sequence.", file=path.name)
     return found.group(1), found.group(2), found.group(3) + path.suffix
 
 

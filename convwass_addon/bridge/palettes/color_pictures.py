@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color attributes of meshes as pictures, and back."""
+"""Convert color attributes of meshes to pictures and back."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .image_pixels import scene_to_rec709
 
 
 def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
-    """Read the active color attribute of a mesh object as a picture of one pixel a row, weighted by area.
+    """Read the active color attribute of a mesh object as a picture one pixel wide, weighted by area.
 
     Raises
     ------
     InputError
-        In Edit Mode, where attributes cannot be read, or a mesh without faces.
+        The object is in Edit Mode, where attributes cannot be read, or has no faces.
     """
     mesh = obj.data
     if mesh.is_editmode:
@@ -38,17 +38,17 @@ def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
         mesh.loops.foreach_get("vertex_index", vertices)
         areas = np.bincount(vertices, corners, len(mesh.vertices))
     if not areas.sum() > 0:
-        raise InputError("{object} has no faces, so its colors cover nothing.", object=obj.name)
+        raise InputError("{object} has no faces, so its colors cover no area.", object=obj.name)
     return Picture(colors, form, weights=areas[:, None] / areas.mean())
 
 
 def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: NDArray[np.float32]) -> None:
-    """Write a picture as a color attribute of the same domain and kind as another one, and show it.
+    """Write a picture as a color attribute of the same domain and type as another one, and make it active.
 
     Raises
     ------
     InputError
-        Something else has the name, or the mesh has changed.
+        The name belongs to something else, or the mesh has changed.
     """
     require_color_name(obj, name)
     mesh = obj.data
@@ -68,7 +68,7 @@ def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: 
 
 
 def _corner_areas(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
-    """Share the area of every face among its corners, (l,)."""
+    """Distribute the area of every face over its corners, (l,)."""
     areas, counts = np.empty(len(mesh.polygons), np.float32), np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("area", areas)
     mesh.polygons.foreach_get("loop_total", counts)

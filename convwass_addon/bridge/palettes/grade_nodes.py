@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A node group for the compositor that applies a table of colors.
+"""A compositor node group that applies a lookup table.
 
-Blender has no node for tables, but *Map UV* reads any pixel of an image. The table lies in an image as tiles, one for
-each blue; eight of its pixels around every color are read and mixed, as other programs interpolate between the entries.
+Blender has no node for lookup tables, but *Map UV* can read any pixel of an image. The table is stored in an image as
+one tile per blue value; the eight entries around a color are read and interpolated trilinearly.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ _COLUMN = 180.0
 
 
 RESULT_OF = "convwass_grade"
-"""Custom property of a node group that applies a table: what it was made for."""
+"""Custom property of a node group that applies a table: the name and source it was made for."""
 
 
 def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.NodeTree:
-    """Make a node group for the compositor: an image comes in, and goes out with the table applied.
+    """Create a compositor node group that applies a table to an image.
 
-    The group of that name for the same source, if there is one, is built anew, and stays where it is used.
+    An existing group of the same name and source is rebuilt, and stays in use.
 
-    Values of the table's domain become what other programs make of them; what is brighter keeps what it has above.
+    Colors inside the table's domain are interpolated; the excess of brighter colors over the domain is preserved.
 
     Parameters
     ----------
     table : LookupTable
-        Of colors encoded as sRGB.
+        Table of sRGB encoded colors.
     name : str
-        Of the group and of the image that holds the table.
+        Name of the group and of the image with the table.
     source : str
-        Name of the image that it was made for.
+        Name of the image that the table was made for.
     """
     group = _emptied_group(name, source)
     tiles = _Tiles(len(table.colors))
@@ -66,7 +66,7 @@ def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.No
 
 
 def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
-    """Return the group that was made for the same, without its nodes, or a new one."""
+    """Return the existing group without its nodes, or a new one."""
     mark = f"{name}\n{source}"
     ends = {("Image", "INPUT"), ("Image", "OUTPUT")}
     for group in bpy.data.node_groups:
@@ -87,13 +87,13 @@ def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
 
 @dataclass(frozen=True)
 class _Tiles:
-    """Where the colors of a table lie in an image: red to the right and green up in a tile for each blue."""
+    """Layout of a table in an image: red to the right and green upwards, with one tile per blue value."""
 
     size: int
 
     @property
     def columns(self) -> int:
-        """Tiles side by side."""
+        """Number of tiles per row."""
         return ceil(sqrt(self.size))
 
     @property
@@ -130,7 +130,7 @@ class _Grade:
     image: bpy.types.Image
 
     def encoded(self, came_in: Socket) -> tuple[list[Socket], Socket]:
-        """Return red, green and blue as sRGB encodes them, without alpha in them, and alpha."""
+        """Return sRGB encoded red, green and blue with straight alpha, and alpha."""
         straight = self._alpha_node(came_in, to_straight=True)
         convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
         convert.to_color_space = "sRGB"
@@ -140,12 +140,12 @@ class _Grade:
         return list(split.outputs)[:3], split.outputs[3]
 
     def decoded(self, channels: list[Socket], alpha: Socket) -> Socket:
-        """Undo it."""
+        """Convert channels back to a scene linear color with premultiplied alpha."""
         join = self.group.nodes.new("CompositorNodeCombineColor")
         for source, target in zip((*channels, alpha), join.inputs, strict=True):
             self.group.links.new(source, target)
         convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
-        # The new node goes from the space of scenes, whatever it is, to nothing yet.
+        # By default, a new node converts from the scene's color space.
         scene, convert.from_color_space = convert.from_color_space, "sRGB"
         convert.to_color_space = scene
         self.group.links.new(join.outputs[0], convert.inputs[0])
@@ -161,17 +161,17 @@ class _Grade:
         return node.outputs[0]
 
     def limited(self, value: Socket, least: float, most: float) -> Socket:
-        """Return a value within limits."""
+        """Return a value clamped to a range."""
         return math_node(self.group, "MINIMUM", math_node(self.group, "MAXIMUM", value, least), most)
 
     def separated(self, color: Socket) -> list[Socket]:
-        """Return red, green and blue."""
+        """Return the red, green and blue channels."""
         split = self.group.nodes.new("CompositorNodeSeparateColor")
         self.group.links.new(color, split.inputs[0])
         return list(split.outputs)[:3]
 
     def looked_up(self, shares: list[Socket]) -> Socket:
-        """Return the color of the table at a place from 0 to 1 along its three edges."""
+        """Return the interpolated table color at coordinates from 0 to 1."""
         last = self.tiles.size - 1
         scaled = [math_node(self.group, "MULTIPLY", share, float(last)) for share in shares]
         below = [self.limited(math_node(self.group, "FLOOR", own), 0.0, last - 1.0) for own in scaled]
