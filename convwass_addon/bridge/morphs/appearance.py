@@ -17,7 +17,7 @@ from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURC
 from .materials import base_color
 from .mixed_materials import emission_node
 
-# Normals are rounded to as many steps in one.
+# Rounding steps of normals per unit.
 _NORMAL_STEPS = np.float32(1024)
 # Largest rounding step of velocities, relative to the maximum.
 _ROUNDED = 1e-2

@@ -31,9 +31,9 @@ def colored(
     tree : bpy.types.NodeTree
         The node group to extend.
     geometry : bpy.types.NodeSocket
-        In materials of the frame objects.
+        Geometry with the materials of the frame objects.
     color : bpy.types.NodeSocket
-        That of the frame object that is seen, as :func:`color_of` returns it, or a mixture.
+        The color to store: that of the visible frame object, see :func:`color_of`, or a mixture.
     frames : sequence of bpy.types.Object
         All frame objects.
 
@@ -65,7 +65,7 @@ def colored(
 def color_of(
     tree: bpy.types.NodeTree, index: bpy.types.NodeSocket, frames: Sequence[bpy.types.Object]
 ) -> bpy.types.NodeSocket:
-    """Return the color of the frame object of a number."""
+    """Return the color of the frame object with an index."""
     return pick(tree, "RGBA", index, [tuple(obj.color) for obj in frames])
 
 

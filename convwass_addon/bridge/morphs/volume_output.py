@@ -70,7 +70,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     openvdb = openvdb_module()
     if openvdb is None:
         raise InputError(
-            "Volumes need OpenVDB for Python, which this Blender was built without; use another Blender, or Make Cache."
+            "Volumes require OpenVDB for Python, which this Blender lacks; use another Blender, or Make Cache."
         )
     frames = frame_objects(collection)
     if not frames:
