@@ -213,7 +213,7 @@ def test_clicks_make_pairs_until_escape(pair, clicking):
     assert "Pair 2" in clicking.said[-1]
     click(clicking, pressed, 200, 205)
     assert pressed.reports[-1][0] == "WARNING"
-    assert "of Cow is in pair 1 already" in pressed.reports[-1][1]
+    assert "of Cow is already in pair 1" in pressed.reports[-1][1]
     assert len(listed()) == 1
     # The last click on an object counts; half a pair is not kept.
     click(clicking, pressed, 230, 200)
