@@ -97,7 +97,7 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
         OBJ, PLY, STL, glTF, FBX, USD, Alembic or .blend.
     names : list of str or None
         Objects or collections of a .blend, each of which becomes one shape. None joins all meshes of the file to a
-        single shape named like the file; of a .blend it takes the only mesh that there is.
+        single shape named after the file; in a .blend, it selects the only mesh.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def _file_parts(file: Path, scene: bpy.types.Scene) -> list[_Part]:
 
 
 def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
-    """Load objects and collections of a .blend and return each as a shape."""
+    """Append objects and collections of a .blend, each as one shape."""
     shown = appended_instances(file, names or ())
     objects = appended_objects(file, names and [name for name in names if name not in shown])
     parts = {name: _Part(name, [obj]) for name, obj in {**objects, **shown}.items()}

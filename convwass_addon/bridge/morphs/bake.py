@@ -71,7 +71,7 @@ class MorphBake:
         scene : bpy.types.Scene
             The current scene; the new collection is added at its top level.
         inputs : sequence of bpy.types.Object
-            The shapes; hidden ones too. Of shapes of several objects, what stands for them.
+            The shapes, including hidden ones; for shapes of several objects, the Empty that represents them.
         blends : sequence of Blend
             All frames that may be added.
         settings : dict

@@ -51,7 +51,7 @@ class Carrying:
     Parameters
     ----------
     scene : bpy.types.Scene
-        Its frame rate makes velocities of steps.
+        Provides the frame rate for velocities.
     inputs : sequence of FrozenInput
         The shapes.
     frozen : sequence of bpy.types.Mesh

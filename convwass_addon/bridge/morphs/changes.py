@@ -27,7 +27,7 @@ def store_signatures(collection: bpy.types.Collection, signatures: list[list[flo
 
 
 def signature(source: ShapeSource) -> list[float]:
-    """Return numbers that change where a shape is moved, reshaped or given other modifiers.
+    """Return numbers that change if a shape is moved, reshaped or gets other modifiers.
 
     They are available without evaluation, so that panels can compare them: mesh counts, evaluated bounds, and the
     transform. An edit that preserves all of them is not detected.

@@ -31,22 +31,22 @@ class FrozenInput:
     """The copy: a mesh, or other data for the frames."""
     size: float
     foot: np.ndarray
-    """Middle of the underside of its bounds, or of a flat shape, world space, (3,)."""
+    """Center of the underside of the bounds, or of a flat shape, world space, (3,)."""
     parts: tuple[Handle, ...] = ()
-    """The objects that it is made of, where that is not `obj` alone."""
+    """The objects of the input if it has several; empty otherwise."""
     object_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
-    """That of its object, which parts without a material have."""
+    """Color of the object, used for parts without a material."""
     groups: tuple[str, ...] = ()
-    """Names of its vertex groups, in order."""
+    """Names of the vertex groups in order."""
 
     @property
     def objects(self) -> tuple[Handle, ...]:
-        """What shows the input in the scene."""
+        """The objects that show the input in the scene."""
         return self.parts or (self.obj,)
 
 
 def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | None]) -> list[FrozenInput]:
-    """Copy the inputs as they are, and move the copies; none where one of them cannot be copied."""
+    """Copy all inputs, or none if one of them cannot be copied, and align the copies."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shapes, meshes = [], []
     try:
@@ -63,7 +63,7 @@ def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | No
 
 
 def _described(source: ShapeSource, obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
-    """Note what a bake needs to know of an input and its world-space copy."""
+    """Describe an input and its world-space copy."""
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", points)
     low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)

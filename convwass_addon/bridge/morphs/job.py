@@ -44,9 +44,9 @@ class MorphJob:
     settings : MorphSettings
         Settings of the morph.
     options : dict
-        What else to store with the morph, so that it can be repeated: the layout and its numbers. `grouping`, as
-        for :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for :func:`.alignment.aligned`, and
-        `guides` are heeded here.
+        Further settings stored with the morph, so that it can be repeated, such as the layout. `grouping`, as for
+        :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for :func:`.alignment.aligned`, and `guides`
+        are used here.
     first_frame : int
         Scene frame of the first shape of a path.
 

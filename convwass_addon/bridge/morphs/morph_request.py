@@ -58,15 +58,15 @@ class MorphRequest(Settings):
     grouping: str = setting(
         "OBJECTS",
         "Shapes",
-        "What makes one shape",
+        "What counts as one shape",
         choices=(
             Choice("OBJECTS", "Objects", "Every object is a shape; so is an Empty that shows a collection"),
-            Choice("PARENTS", "Parents", "All that hangs on one parent is a shape"),
-            Choice("COLLECTIONS", "Collections", "All in one collection is a shape"),
+            Choice("PARENTS", "Parents", "An object and all its children are a shape"),
+            Choice("COLLECTIONS", "Collections", "All objects of a collection are a shape"),
         ),
         option=None,
     )
-    reverse: bool = setting(False, "Reverse", "Turn the order around", option=None)
+    reverse: bool = setting(False, "Reverse", "Reverse the order", option=None)
     alignment: str = setting(
         "PLACED",
         "Alignment",

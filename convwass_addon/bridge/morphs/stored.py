@@ -123,7 +123,7 @@ def is_solid(collection: bpy.types.Collection) -> bool:
 
 
 def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects that a morph was baked from, or that stand for what it was baked from; they may be hidden.
+    """Return the objects that a morph was baked from, or that represent its shapes; they may be hidden.
 
     Raises
     ------
