@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast and how large: run by `run.py bench`, never by the tests."""
+"""Benchmarks of speed, memory and quality, run by `run.py bench` and never by the tests."""

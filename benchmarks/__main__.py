@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast, how large and how good: ``python -m benchmarks [NAME] [OPTIONS]``; without a name, all of it.
+"""Measure speed, memory and quality: ``python -m benchmarks [NAME] [OPTIONS]``; without a name, runs everything.
 
-Every case runs in a process of its own, one after the other, with one BLAS thread, so that CPU seconds and peak memory
-are its own. CPU seconds, not wall seconds: a busy machine stretches the latter.
+Every case runs in its own process, one after the other, with one BLAS thread, so that CPU seconds and peak memory are
+its own. CPU seconds and not wall seconds, because other load on the machine stretches the latter.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ ALL = (
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the benchmarks that the command line asks for."""
+    """Run the benchmarks named on the command line."""
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
     names = parser.add_subparsers(
         title="benchmarks",
@@ -97,7 +97,9 @@ def _add_flat(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resolutions", type=_numbers, default="256,512", help="cells along a side (%(default)s)")
     parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
     parser.add_argument("--side", type=int, default=256, help="cells along a side of the images (%(default)s)")
-    parser.add_argument("--limit", type=float, default=300.0, help="most CPU seconds per run of a peer (%(default)s)")
+    parser.add_argument(
+        "--limit", type=float, default=300.0, help="maximum CPU seconds per run of a peer (%(default)s)"
+    )
     parser.add_argument("--peer-python", type=Path, help="a Python that has POT; by default one is prepared")
     parser.set_defaults(
         run=lambda options: flat.main(
@@ -109,9 +111,13 @@ def _add_flat(parser: argparse.ArgumentParser) -> None:
 def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=64, help="cells along the longest side (%(default)s)")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes, such as spot and bob")
-    parser.add_argument("--clean-only", action="store_true", help="only whether the frames of twelve pairs are clean")
-    parser.add_argument("--held-back", action="store_true", help="all pairs that no parameter was chosen by")
-    parser.add_argument("--meshing-only", action="store_true", help="only what meshes are like beside Blender's Remesh")
+    parser.add_argument(
+        "--clean-only", action="store_true", help="measure only whether the frames of twelve pairs are clean"
+    )
+    parser.add_argument("--held-back", action="store_true", help="all pairs that no parameter was tuned on")
+    parser.add_argument(
+        "--meshing-only", action="store_true", help="only compare meshes with those of Blender's Remesh"
+    )
     parser.set_defaults(
         run=lambda options: (
             meshing.print_meshes(options.cells)
@@ -123,15 +129,15 @@ def _add_quality(parser: argparse.ArgumentParser) -> None:
 
 def _add_coherence(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pairs", type=_names, help="names of pairs, separated by commas; by default all of one half")
-    parser.add_argument("--motions", type=_names, help="motions, separated by commas; by default all that there are")
+    parser.add_argument("--motions", type=_names, help="motions, separated by commas; by default all")
     parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
     parser.add_argument("--resolution", type=int, default=100, help="cells along the longest side (%(default)s)")
-    parser.add_argument("--held-back", action="store_true", help="the pairs that no parameter was chosen by")
+    parser.add_argument("--held-back", action="store_true", help="the pairs that no parameter was tuned on")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, bob and blub")
     parser.add_argument("--json", action="store_true", help="a line of JSON per pair and motion instead of tables")
     parser.add_argument("--sheets", type=Path, help="a folder to write pictures of every pair to")
-    parser.add_argument("--maps", action="store_true", help="only how well the shapes are mapped to each other")
-    parser.add_argument("--guides", action="store_true", help="only what guides do to the maps between the shapes")
+    parser.add_argument("--maps", action="store_true", help="measure only the maps between the shapes")
+    parser.add_argument("--guides", action="store_true", help="measure only how guides change these maps")
     parser.set_defaults(
         run=lambda options: coherence.main(
             options.pairs,
@@ -162,14 +168,14 @@ def _add_table1(parser: argparse.ArgumentParser) -> None:
     sizes = ",".join(map(str, table1.SIZES))
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
     parser.add_argument("--trials", type=int, default=5, help="random pairs of densities per mesh (%(default)s)")
-    parser.add_argument("--limit", type=float, default=60.0, help="most seconds per distance (%(default)s)")
+    parser.add_argument("--limit", type=float, default=60.0, help="maximum seconds per distance (%(default)s)")
     parser.set_defaults(run=lambda options: table1.main(options.sizes, options.trials, options.limit))
 
 
 def _add_surface(parser: argparse.ArgumentParser) -> None:
     sizes = ",".join(map(str, surface.SIZES))
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
-    parser.add_argument("--steps", type=int, default=24, help="densities between the two (%(default)s)")
+    parser.add_argument("--steps", type=int, default=24, help="number of densities between the two (%(default)s)")
     parser.set_defaults(run=lambda options: surface.main(options.sizes, options.steps))
 
 
@@ -180,7 +186,9 @@ def _add_skeleton(parser: argparse.ArgumentParser) -> None:
 
 def _add_softmap(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, blub and bob")
-    parser.add_argument("--vertices", type=int, default=1000, help="of every mesh, about (%(default)s)")
+    parser.add_argument(
+        "--vertices", type=int, default=1000, help="approximate number of vertices of every mesh (%(default)s)"
+    )
     parser.set_defaults(run=lambda options: correspondences.main(options.meshes, options.vertices))
 
 
@@ -196,7 +204,9 @@ def _add_peers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--side", type=int, default=256, help="cells along a side of the images (%(default)s)")
     sizes = ",".join(map(str, midpoints.SIZES))
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the surfaces (%(default)s)")
-    parser.add_argument("--limit", type=float, default=300.0, help="most CPU seconds per run of a peer (%(default)s)")
+    parser.add_argument(
+        "--limit", type=float, default=300.0, help="maximum CPU seconds per run of a peer (%(default)s)"
+    )
     parser.set_defaults(run=lambda options: peers.main(options.resolutions, options.side, options.sizes, options.limit))
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the peers' benchmark needs of our own: shapes for all, our barycenters, and one measure of every result."""
+"""Convwass's part of the peers' benchmark: shapes for all programs, our barycenters, and one error measure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .measures import edge_width
 from .processes import peak_megabytes
 
 _SHAPES = ("horse", "bird")
-# Silhouettes are seen from the side; the other two axes stay.
+# Silhouettes are projections along this axis.
 _SIGHT = 1
 
 
@@ -56,7 +56,7 @@ def own(folder: str, sigma: float, sharpness: float, threshold: float) -> dict[s
 
 
 def judged(folder: str, sigma: float) -> dict[str, object]:
-    """Measure what a program has left in the folder: its error by our definition, and how wide the border is."""
+    """Measure a program's result in the folder: its error by our definition and the width of its border."""
     there = Path(folder)
     densities, density = np.load(there / "densities.npy"), np.load(there / "density.npy")
     log_v = np.load(there / "scalings.npy")
@@ -70,15 +70,15 @@ def judged(folder: str, sigma: float) -> dict[str, object]:
 def marginal_error(
     log_v: NDArray[np.float64], density: NDArray[np.float64], densities: NDArray[np.float64], domain: Grid
 ) -> float:
-    """Return how far the plans with these scalings are from having the barycenter as their other marginal.
+    """Return how far the barycenter is from being the second marginal of the plans with these scalings.
 
-    With w_i = mu_i / H(v_i) every plan has its input as one marginal; the error is the largest sum |v_i H(w_i) - mu|.
+    With w_i = mu_i / H(v_i), each plan has its input as one marginal; the error is the largest sum |v_i H(w_i) - mu|.
     Constant factors of the kernel cancel.
 
     Parameters
     ----------
     log_v : (k, *shape)
-        Logarithms of the scalings on the side of the barycenter.
+        Logarithms of the scalings on the barycenter's side.
     density : (*shape)
         The barycenter; normalized here.
     densities : (k, *shape)
@@ -112,5 +112,5 @@ CASES = {"volumes": volumes, "silhouettes": silhouettes, "own": own, "judged": j
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

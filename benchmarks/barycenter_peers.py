@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Barycenters by other programs, one per process: ``python -m benchmarks.barycenter_peers CASE OPTIONS``.
 
-Runs in the peers' environment, so it imports nothing that needs the project's own. Every case on grids reads
-``densities.npy`` from a folder and writes ``density.npy`` and ``scalings.npy`` (on the barycenter's side) to it; the
-one on surfaces reads ``masses.npy`` and ``costs.npy`` and writes ``barycenter.npy``. All print what that took as JSON.
+Runs in the peers' environment, so it imports nothing that needs the project's own. The grid cases read
+``densities.npy`` from a folder and write ``density.npy`` and ``scalings.npy`` (on the barycenter's side) to it; the
+surface case reads ``masses.npy`` and ``costs.npy`` and writes ``barycenter.npy``. All print their cost as JSON.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from . import geomloss_loop
 from .clock import Clock
 from .processes import peak_megabytes
 
-# Read when jax is imported. One thread, as all others have.
+# Read when jax is imported. One thread, like all other programs.
 os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 os.environ["JAX_PLATFORMS"] = "cpu"
 os.environ["JAX_ENABLE_X64"] = "1"
 
 _INNER = 10
-# Logarithm of the smallest number of float64 that has all its digits.
+# Logarithm of the smallest normal float64.
 _LOWEST = -708.0
 
 
 def ott(folder: Path, sigma: float, threshold: float, debiased: bool, logarithms: bool) -> dict[str, object]:
-    """OTT-JAX: FixedBarycenter on a Grid geometry in double precision; stops by its own error."""
+    """OTT-JAX: FixedBarycenter on a Grid geometry in double precision; stopped by its own error."""
     import jax
     from ott.geometry.grid import Grid
     from ott.problems.linear.barycenter_problem import FixedBarycenterProblem
     from ott.solvers.linear.discrete_barycenter import FixedBarycenter
 
     densities = np.load(folder / "densities.npy")
-    # In units in which the longest side is one, as its documentation has it; the kernel is exp(-d^2 / epsilon).
+    # Its documentation sets the longest side to one; the kernel is exp(-d^2 / epsilon).
     longest = max(densities.shape[1:])
     axes = [jax.numpy.asarray(np.arange(n) / longest) for n in densities.shape[1:]]
     epsilon = 2.0 * (sigma / longest) ** 2
@@ -50,7 +50,7 @@ def ott(folder: Path, sigma: float, threshold: float, debiased: bool, logarithms
         options = {"inner_iterations": _INNER, "max_iterations": 2000, "lse_mode": logarithms, "debiased": debiased}
         return jax.block_until_ready(FixedBarycenter(threshold=limit, **options)(problem))
 
-    # The threshold is no part of what is compiled: this compiles, and stops at the first chance.
+    # The threshold is not compiled in: this run compiles and stops at the first opportunity.
     clock = Clock()
     solve(1e9)
     start = clock.read()
@@ -65,12 +65,12 @@ def ott(folder: Path, sigma: float, threshold: float, debiased: bool, logarithms
 
 
 def pot(folder: Path, sigma: float, threshold: float, debiased: bool) -> dict[str, object]:
-    """POT: convolutional barycenters of images; stops by its own error, tested every ten iterations."""
+    """POT: convolutional barycenters of images; stopped by its own error, tested every ten iterations."""
     import ot
 
     densities = np.load(folder / "densities.npy")
     method = ot.bregman.convolutional_barycenter2d_debiased if debiased else ot.bregman.convolutional_barycenter2d
-    # Its images are one wide from the center of the first cell to that of the last.
+    # In POT, images have width 1 from the center of the first cell to the center of the last.
     reg = 2.0 * (sigma / (densities.shape[1] - 1)) ** 2
     clock = Clock()
     density, log = method(densities, reg, stopThr=threshold, numItermax=5000, log=True)
@@ -80,11 +80,11 @@ def pot(folder: Path, sigma: float, threshold: float, debiased: bool) -> dict[st
 
 
 def pot_dense(folder: Path, gamma: float, threshold: float) -> dict[str, object]:
-    """POT: barycenter of two masses by a dense matrix of costs, in logarithms where float64 does not hold the kernel.
+    """POT: barycenter of two masses by a dense cost matrix, in the log domain if float64 cannot hold the kernel.
 
-    Its error is the sum of the standard deviations of two marginals, which is half of that of their difference.
+    Its error is the sum of the standard deviations of two marginals: half of that of their difference.
     """
-    # It imports what it finds of these, and they take memory.
+    # POT imports whichever of these it finds, and they take memory.
     os.environ["POT_BACKEND_DISABLE_JAX"] = os.environ["POT_BACKEND_DISABLE_PYTORCH"] = "1"
     import ot
 
@@ -101,10 +101,10 @@ def pot_dense(folder: Path, gamma: float, threshold: float) -> dict[str, object]
 
 
 def geomloss(folder: Path, sigma: float, threshold: float) -> dict[str, object]:
-    """GeomLoss: debiased barycenter on squares and cubes, from coarse to fine; stopped by our error, outside the clock.
+    """GeomLoss: debiased barycenter on squares and cubes, coarse to fine; stopped by our error, which is not timed.
 
-    Of images as documented. Volumes its own loop takes, too, where the weights have one axis more than documented.
-    Ten iterations for each halving of the blur, as is its default, and as many at the end as are needed.
+    Images are documented; volumes work, too, if the weights get one axis more than documented. Ten iterations for each
+    halving of the blur, its default, and as many at the end as needed.
     """
     import torch
     from geomloss._legacy import utils, wasserstein_barycenter_images as images
@@ -114,7 +114,7 @@ def geomloss(folder: Path, sigma: float, threshold: float) -> dict[str, object]:
     densities = np.load(folder / "densities.npy")
     cube = geomloss_loop.in_cube(densities)
     side = cube.shape[-1]
-    # A gradient is the only thing for which its interface has more iterations at the end. None is computed.
+    # Only for gradients does its interface allow more iterations at the end. No gradient is computed.
     measures = torch.tensor(cube[None], dtype=torch.float32, requires_grad=True)
     weights = torch.full((1, len(cube), *[1] * (cube.ndim - 3)), 1.0 / len(cube))
     blur = sigma / side
@@ -142,7 +142,7 @@ def _save(folder: Path, density: np.ndarray, log_v: np.ndarray, shape: tuple[int
 
 
 def limit_processor_time(seconds: float) -> None:
-    """Have the system end this process after so many CPU seconds, where it can."""
+    """Let the system end this process after this many CPU seconds, if supported."""
     try:
         import resource
     except ImportError:  # Windows
@@ -151,7 +151,7 @@ def limit_processor_time(seconds: float) -> None:
 
 
 def limit_memory(megabytes: float) -> None:
-    """Have the system refuse more memory than that to this process, where it can."""
+    """Let the system limit this process's memory, if supported."""
     try:
         import resource
     except ImportError:  # Windows
@@ -174,6 +174,6 @@ if __name__ == "__main__":
         report = {"failed": f"not installed: {error.name}"}
     except MemoryError:
         report = {"failed": "does not fit" if megabytes is None else f"does not fit in {megabytes / 1000:g} GB"}
-    except Exception as error:  # what a peer cannot do is a row of the table
+    except Exception as error:  # a peer's failure becomes a row of the table
         report = {"failed": f"{type(error).__name__}: {error}".splitlines()[0]}
     print(json.dumps(report), flush=True)

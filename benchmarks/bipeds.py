@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """People of any build in any pose, seen from the front (-Y), with the joints of their limbs.
 
-Directions of limbs are angles in radians: `out` is away from the body's middle plane, 0 for a limb that hangs down, and
-`forward` turns the hanging limb towards the front.
+Limb directions are angles in radians: `out` is the angle away from the body's middle plane, 0 for a limb that hangs
+down, and `forward` turns the hanging limb to the front.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Build:
     thigh, shin, spine, upper_arm, forearm, hand, foot, neck : float
         Lengths.
     head : (float, float, float)
-        Radii across, in depth and upright.
+        Radii in width, depth and height.
     shoulders, hips : float
         Distance of the joints from the middle plane.
     arm, leg : (float, float, float)
@@ -57,7 +57,7 @@ class Build:
 
 @dataclass(frozen=True)
 class Direction:
-    """Where a segment of a limb points."""
+    """Direction of a limb segment."""
 
     out: float = 0.0
     forward: float = 0.0
@@ -82,7 +82,7 @@ class Limb:
 
 
 def straight(direction: Direction) -> Limb:
-    """Return a limb whose segments point the same way."""
+    """Return a limb whose two segments have the same direction."""
     return Limb(direction, direction)
 
 
@@ -92,7 +92,7 @@ _STANDING = straight(degrees(out=3))
 
 @dataclass(frozen=True)
 class Posture:
-    """Where the limbs point, right (x > 0) before left; `toes` turns the feet up."""
+    """Directions of the limbs, right (x > 0) before left; `toes` turns the feet up."""
 
     arms: tuple[Limb, Limb] = (_HANGING, _HANGING)
     legs: tuple[Limb, Limb] = (_STANDING, _STANDING)
@@ -106,9 +106,9 @@ class Biped:
     Attributes
     ----------
     sculpture : Sculpture
-        What it is made of.
+        The solids of the body.
     arms, legs : tuple of (4, 3) float64
-        Shoulder, elbow, wrist and finger tip, right before left; hip, knee, ankle and sole.
+        Shoulder, elbow, wrist and finger tip of each arm, right before left; hip, knee, ankle and sole of each leg.
     """
 
     sculpture: Sculpture
@@ -117,7 +117,7 @@ class Biped:
 
 
 def biped(build: Build, posture: Posture, seed: int) -> Biped:
-    """Sculpt a body; its lower foot stands on z = 0."""
+    """Sculpt a body whose lower foot stands on z = 0."""
     clay = Sculpture(seed)
     pelvis = np.array([0.0, 0.0, _pelvis_height(build, posture)])
     chest = pelvis + np.array((0.0, 0.0, build.spine))
@@ -192,7 +192,7 @@ def _add_arm(clay: Sculpture, build: Build, chest: Point, limb: Limb, side: floa
 
 
 def _add_hand(clay: Sculpture, build: Build, wrist: Point, along: Point, side: float) -> None:
-    """Add a mitten whose palm faces the body's middle, its thumb in front."""
+    """Add a mitten whose palm faces the body's middle plane, with the thumb in front."""
     front = np.array([0.0, -1.0, 0.0]) + along * along[1]
     front = front / np.linalg.norm(front) if np.linalg.norm(front) > 0.3 else np.array([0.0, 0.0, 1.0])
     size, thick = build.hand, build.arm[2]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends as the application makes them, from volumes or from files: what the cases of the other benchmarks share."""
+"""Blends computed as in the application, from volumes or files; shared by the cases of the other benchmarks."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ ASSETS = Path(__file__).resolve().parent.parent / "assets" / "shapes"
 
 @dataclass(frozen=True)
 class Pair:
-    """Two shapes on their grid.
+    """Two shapes on a common grid.
 
     Attributes
     ----------
     shapes : tuple of TriangleMesh
-        In the space of their files.
+        In the space of the files.
     lattice : Lattice
         The grid.
     densities : (2, nx, ny, nz) float32
-        Which part of every cell each shape fills.
+        Filled fraction of every cell, for each shape.
     """
 
     shapes: tuple[TriangleMesh, TriangleMesh]
@@ -49,7 +49,7 @@ class Pair:
 
     @classmethod
     def read(cls, paths: Sequence[str | Path], cells: int, sigma: float) -> Pair:
-        """Voxelize two meshes, `cells` along the longest side with the margin that `sigma` asks for."""
+        """Voxelize two meshes with `cells` along the longest side and the margin that `sigma` requires."""
         shapes = read_meshes(paths)
         lattice = Lattice.around(shapes, cells, sigma)
         names = [Path(path).stem for path in paths]
@@ -57,12 +57,12 @@ class Pair:
 
     @property
     def volumes(self) -> NDArray[np.float64]:
-        """Volumes of the two in cells."""
+        """Volumes of the two shapes in cells."""
         return self.densities.sum(axis=(1, 2, 3), dtype=np.float64)
 
 
 def read_meshes(paths: Sequence[str | Path]) -> tuple[TriangleMesh, ...]:
-    """Read meshes from files, each scaled to a longest side of one so that any two can be blended."""
+    """Read meshes from files, each scaled to a longest side of one, so that any two can be blended."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     shapes = []
     for path in paths:
@@ -76,7 +76,7 @@ def read_meshes(paths: Sequence[str | Path]) -> tuple[TriangleMesh, ...]:
 def density_at(
     densities: NDArray[np.floating], lattice: Lattice, t: float, settings: MorphSettings
 ) -> NDArray[np.float64]:
-    """Solve from a cold start for the barycenter that the application solves for at t."""
+    """Solve the application's barycenter at t from a cold start."""
     weights = (1.0 - t, t)
     grid, sharpness = lattice.grid(settings.sigma), settings.sharpness_at(weights)
     return barycenter(densities, weights, grid, sharpness=sharpness, tolerance=settings.stopping_error).density
@@ -85,16 +85,16 @@ def density_at(
 def surface_at(
     densities: NDArray[np.floating], volumes: Sequence[float], t: float, settings: MorphSettings
 ) -> TriangleMesh:
-    """Blend two volumes on a cube of cells as the application does; return the surface in cells.
+    """Blend two volumes on a cubic grid as the application does; return the surface in cells.
 
     Parameters
     ----------
     densities : (2, n, n, n)
         The two solids.
     volumes : (2,)
-        Between which the blend's volume is interpolated.
+        The volumes to interpolate between.
     t, settings
-        Which blend, and how.
+        Position and parameters of the blend.
     """
     lattice = Lattice(densities.shape[1:], 1.0, np.zeros(3), np.zeros((2, 3)))
     whole = SplitShapes(("all",), (list(densities),), densities.sum(axis=(1, 2, 3), dtype=np.float64)[None], ())
@@ -106,12 +106,12 @@ def surface_at(
 
 
 def own_surface(filled: NDArray[np.floating]) -> TriangleMesh:
-    """Return the surface of a shape's own occupancy, read as the application reads that of a blend."""
+    """Return the surface of a shape's own occupancy, extracted like the surface of a blend."""
     return extraction.own_surface(filled, MorphSettings()).mesh
 
 
 def baked(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[TriangleMesh]:
-    """Bake a path from the first shape to the second; return the frames between them, in cells."""
+    """Bake a path from the first shape to the second; return the frames in between, in cells."""
     spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
     meshes = [frame.mesh for frame in baked_frames(shapes, frames, settings) if frame.mesh is not None]
     return [TriangleMesh(mesh.vertices / spacing, mesh.faces) for mesh in meshes]
@@ -121,5 +121,5 @@ def baked_frames(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSet
     """Bake a path from the first shape to the second; return all frames, in the space of the shapes."""
     names = [f"shape {index}" for index in range(len(shapes))]
     steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
-    # A frame may come again.
+    # A frame may be yielded more than once.
     return list({frame.blend: frame for frame in payloads(steps, MorphFrame)}.values())

@@ -37,7 +37,7 @@ SHAPES = ("horse", "bird")
 
 
 class Stopwatch:
-    """CPU seconds by stage, summed over threads, which threads these were, and when each began and ended."""
+    """CPU seconds by stage, summed over threads; also records the threads, starts and ends of the stages."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
@@ -48,7 +48,7 @@ class Stopwatch:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Add the time of the block to a stage."""
+        """Add the time of the block to the stage."""
         start, begun = time.thread_time(), time.perf_counter()
         yield
         with self._lock:
@@ -58,11 +58,11 @@ class Stopwatch:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.thread_time() - start
 
     def span(self, name: str) -> float:
-        """Return the wall seconds from the first beginning of a stage to its last end."""
+        """Return the wall seconds from the first start of a stage to its last end."""
         return self._last[name] - self._first[name]
 
     def timed(self, name: str, function: Callable[..., T]) -> Callable[..., T]:
-        """Return the function with its time added to a stage."""
+        """Return the function wrapped so that its time counts for a stage."""
 
         def wrapped(*arguments, **options):
             with self.stage(name):
@@ -72,13 +72,13 @@ class Stopwatch:
 
 
 def read_shapes() -> list[bpy.types.Object]:
-    """Start an empty scene with the two shapes."""
+    """Open an empty scene and add the two shapes."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     return [obj for name in SHAPES for obj in import_objects(ASSETS / f"{name}.ply", None)]
 
 
 def single(cells: int, blur: float | None, sharpness: float) -> dict[str, object]:
-    """Solve one barycenter from a cold start; then once more, to count the memory."""
+    """Solve one barycenter from a cold start, then again with memory tracing."""
     sigma = cells / 40 if blur is None else blur
     pair = Pair.read([ASSETS / f"{name}.ply" for name in SHAPES], cells, sigma)
     domain = pair.lattice.grid(sigma)
@@ -91,17 +91,17 @@ def single(cells: int, blur: float | None, sharpness: float) -> dict[str, object
         "numerics": found.numerics,
         "peak": peak_megabytes(),
     }
-    # Counting takes time, and a kernel that has been used has its scratch arrays already.
+    # Tracing takes time, and a kernel already used has allocated its scratch arrays.
     del found
     held = _bytes_at_peak(pair.densities, pair.lattice.grid(sigma), sharpness)
     return {**report, "bytes_per_cell": held / domain.cells}
 
 
 def _bytes_at_peak(densities: NDArray[np.float32], domain: Grid, sharpness: float) -> int:
-    """Count what NumPy holds at the peak of preparing two shapes and solving one barycenter, the shapes included."""
+    """Count NumPy's memory at the peak of preparing two shapes and solving one barycenter, including the shapes."""
     tracemalloc.start()
     inputs = Inputs.of(densities, domain)
-    # While the inputs are made, the shapes as they were voxelized are there too; afterwards a morph drops them.
+    # The voxelized shapes exist while the inputs are prepared; afterwards a morph drops them.
     preparing = tracemalloc.get_traced_memory()[1] + densities.nbytes
     tracemalloc.reset_peak()
     barycenter(inputs, [0.5, 0.5], domain, sharpness=sharpness)
@@ -146,5 +146,5 @@ CASES = {"single": single, "path": path}
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether every frame of a morph is clean: no pops, no flickering topology, detail at the ends, even triangles."""
+"""Whether every frame of a morph is clean: no pops, stable topology, detail at the ends, well-shaped triangles."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from .coherence_pairs import CoherencePair
 from .processes import measured
 
 _HEADING = """
-{frames} frames from one shape to the other, {cells} cells, default settings but for the motion: {motion}.
+{frames} frames from one shape to the other, {cells} cells, default settings except the motion: {motion}.
 
-jumps      steps from a frame to the next whose largest distance is more than twice the mean of all
-largest    the largest distance of a step over that mean
-changes    of genus and of the number of pieces along the way, beyond the least possible
-ends       mean distance from a shape to the frame beside it over the mean distance of the steps inside, the worse end
-area lost  from a shape to the frame beside it, relative to the shapes' area interpolated, the worse end
-detail     mean distance from a shape, moved as the motion moves it, to the frame beside it, in cells, the worse end
-angle      first percentile of the smallest angles of a frame's triangles, degrees, the worst frame
-crossing   share of triangles that cross others, the worst of every fourth frame
-triangles  of a frame, the mean
+jumps      steps between frames whose largest distance is more than twice the mean distance of all steps
+largest    the largest distance of a step, divided by that mean
+changes    of genus and of the number of components along the path, beyond the minimum possible
+ends       mean distance from a shape to its adjacent frame over that of the inner steps, worse end
+area lost  from a shape to its adjacent frame, relative to the interpolated area of the shapes, worse end
+detail     mean distance from a shape, moved by the motion, to its adjacent frame, in cells, worse end
+angle      first percentile of the smallest angles of a frame's triangles, degrees, worst frame
+crossing   fraction of triangles that cross others, worst of every fourth frame
+triangles  of a frame, mean
 """
 _COLUMNS = (
     f"{'':18} {'jumps':>5} {'largest':>7} {'changes':>7} {'ends':>5} {'area lost':>9} {'detail':>6} {'angle':>5} "
@@ -37,31 +37,31 @@ _GOALS = (
     ("angle", "20 degrees at least", "{:.1f}"),
     ("wall", "10 s", "{:.1f}"),
 )
-"""Figure, what is to be reached, how it is written; a larger one is worse, but for the angle."""
+"""Figure, goal, format; larger is worse, except for the angle."""
 
 
 _MOTIONS = (MorphSettings().motion, "transport")
-"""The default, and the paper's."""
+"""The default motion, and that of the paper."""
 
 
 def print_clean_frames(pairs: Sequence[CoherencePair], cells: int, frames: int, meshes: str | None) -> None:
-    """Bake pairs with default settings and by transport alone, and print what their frames are like.
+    """Bake pairs with default settings and by transport alone, and print the quality of their frames.
 
     Parameters
     ----------
     pairs : sequence of CoherencePair
-        Which.
+        The pairs to bake.
     cells, frames : int
-        Along the longest side, and of the morph.
+        Cells along the longest side, and frames of the morph.
     meshes : str or None
-        A folder with further meshes.
+        A folder with additional meshes.
     """
     for motion in _MOTIONS:
         _print_table(pairs, motion, cells, frames, meshes)
 
 
 def _print_table(pairs: Sequence[CoherencePair], motion: str, cells: int, frames: int, meshes: str | None) -> None:
-    """Print what the frames of pairs are like with one motion."""
+    """Print the frame quality of pairs for one motion."""
     print(_HEADING.format(frames=frames, cells=cells, motion=motion))
     print(_COLUMNS)
     found = []
@@ -73,7 +73,7 @@ def _print_table(pairs: Sequence[CoherencePair], motion: str, cells: int, frames
             found.append(figures)
     if not found:
         return
-    print(f"\n{'worst of all pairs':18} {'to reach':>20} {'here':>10}")
+    print(f"\n{'worst pair':18} {'goal':>20} {'here':>10}")
     for figure, goal, written in _GOALS:
         worst = (min if figure == "angle" else max)(figures[figure] for figures in found)
         print(f"{figure.replace('_', ' '):18} {goal:>20} {written.format(worst):>10}")

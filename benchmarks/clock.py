@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""CPU and wall seconds, without what does not count."""
+"""CPU and wall seconds with pauses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 
 class Clock:
-    """Seconds since it was made, but for those in which it was paused."""
+    """Seconds since its creation, without pauses."""
 
     def __init__(self) -> None:
         self._cpu, self._wall = time.process_time(), time.perf_counter()
@@ -21,7 +21,7 @@ class Clock:
 
     @contextlib.contextmanager
     def paused(self) -> Iterator[None]:
-        """Stop while the body runs."""
+        """Pause the clock while the body runs."""
         before = self.read()
         try:
             yield

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether morphs hold together: limbs that swing, shapes that stay whole, with every motion beside plain transport."""
+"""Whether morphs are coherent: limbs swing and shapes stay in one piece. Compares every motion with plain transport."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from .coherence_sheets import write_sheets
 from .processes import PROJECT, measured
 
 FRAMES_FOLDER = PROJECT / "out" / "coherence"
-"""Where frames are kept between the benchmark and the picture sheets."""
+"""Folder where the benchmark keeps frames for the picture sheets."""
 
 _HEADING = """
-{frames} frames from one shape to the other, {cells} cells, default settings but for the motion. {half}
+{frames} frames from one shape to the other, {cells} cells, default settings except the motion. {half}
 
-pieces     most connected components of a frame before mending; torn is the share of frames that have more than either
-           shape
-area       least and largest area of a frame over that of the shapes, interpolated
-reach      least radius that holds 95 % of a frame's volume over that of the shapes, interpolated
+pieces     largest number of connected components of a frame before mending; torn is the fraction of frames that have
+           more components than either shape
+area       smallest and largest area of a frame over the interpolated area of the shapes
+reach      smallest radius that holds 95 % of a frame's volume over the interpolated radius of the shapes
 volume     largest error of a frame's volume
 jump       largest distance between consecutive frames over the mean of the steps' largest distances
-left       largest W2 that is left to transport over that of the shapes
-length     largest error of the length of the limb that swings
-tip        largest distance of its tip from where it should be, over the diagonal
-CPU, wall  seconds from the meshes of the shapes to those of all frames
+left       largest W2 that remains for transport over the W2 of the shapes
+length     largest error of the length of the swinging limb
+tip        largest distance of its tip from the expected position, over the diagonal
+CPU, wall  seconds from the meshes of the shapes to the meshes of all frames
 """
 _COLUMNS = (
     f"{'':18} {'motion':10} {'pieces':>6} {'torn':>5} {'area':>11} {'reach':>5} {'volume':>7} {'jump':>5} {'left':>5} "
@@ -57,23 +57,23 @@ def main(
     Parameters
     ----------
     chosen : sequence of str or None
-        Names of pairs; all of one half by default.
+        Names of pairs; by default all of one half.
     ways : sequence of str or None
-        Motions, all that the settings offer by default.
+        Motions; by default all that the settings offer.
     cells, frames : int
-        Along the longest side, and of the morph.
+        Cells along the longest side, and frames of the morph.
     held_back : bool
-        Take the half of the pairs that is not looked at while parameters are chosen.
+        Take the half of the pairs that no parameter was tuned on.
     meshes : Path or None
-        A folder with further meshes.
+        A folder with additional meshes.
     as_json : bool
         Print one line of JSON per pair and motion instead.
     sheets : Path or None
-        A folder to write a picture per pair to, a row of frames for every motion.
+        A folder to write one picture per pair to, with a row of frames for every motion.
     maps : bool
-        Print how well the shapes are mapped to each other, and bake nothing.
+        Measure only how well the shapes are mapped to each other.
     guides : bool
-        Print what guides do to these maps, and bake nothing.
+        Measure only how guides change these maps.
     """
     pairs = list(half(meshes, tuned=not held_back)) if chosen is None else _named(chosen, meshes)
     folder = None if meshes is None else str(meshes.absolute())
@@ -110,7 +110,7 @@ def main(
 
 
 def kept_frames(pair: str, way: str) -> Path:
-    """Return where the frames of a pair and a motion are kept."""
+    """Return the path where the frames of a pair and a motion are kept."""
     return FRAMES_FOLDER / f"{pair.replace(' ', '_')}-{way}.npz"
 
 
@@ -122,7 +122,7 @@ def _named(names: Sequence[str], meshes: Path | None) -> list[CoherencePair]:
 
 
 def _offered(ways: Sequence[str] | None) -> list[str]:
-    """Return the motions to try, plain transport first; leaves out those that the settings do not offer."""
+    """Return the motions to try, plain transport first, without those that the settings do not offer."""
     offered = sorted(motions(), key=lambda way: way != TRANSPORT)
     if ways is None:
         return offered
@@ -151,27 +151,27 @@ def _percent(share: float) -> str:
 
 
 _GOALS = (
-    ("share of frames that are torn, worst pair", ONE_BUILD, "0", lambda f: f["torn"], "{:.2f}"),
+    ("fraction of torn frames, worst pair", ONE_BUILD, "0", lambda f: f["torn"], "{:.2f}"),
     ("error of the limb's length", ONE_BUILD, "3 %", lambda f: f["limb"] and 100 * f["limb"]["length"], "{:.1f} %"),
     ("distance of the limb's tip", ONE_BUILD, "2 %", lambda f: f["limb"] and 100 * f["limb"]["tip"], "{:.1f} %"),
-    ("W2 left over that of the shapes", ONE_BUILD, "0.1", lambda f: f["residual"], "{:.2f}"),
-    ("W2 left over that of the shapes", OTHER_BUILD, "0.3", lambda f: f["residual"], "{:.2f}"),
+    ("remaining W2 over that of the shapes", ONE_BUILD, "0.1", lambda f: f["residual"], "{:.2f}"),
+    ("remaining W2 over that of the shapes", OTHER_BUILD, "0.3", lambda f: f["residual"], "{:.2f}"),
     ("largest area", OTHER_BUILD, "1.05", lambda f: f["area"][1], "{:.2f}"),
     ("least area", OTHER_BUILD, "0.93", lambda f: -f["area"][0], "{:.2f}"),
-    ("share of frames that are torn, worst pair", OTHER_BUILD, "0.1", lambda f: f["torn"], "{:.2f}"),
+    ("fraction of torn frames, worst pair", OTHER_BUILD, "0.1", lambda f: f["torn"], "{:.2f}"),
     ("least reach", OTHER_BUILD, "0.85", lambda f: -f["reach"], "{:.2f}"),
     ("error of the volume", None, "0.2 %", lambda f: 100 * f["volume"], "{:.2f} %"),
-    ("largest jump over the mean one", None, "1.5", lambda f: f["largest"], "{:.2f}"),
+    ("largest jump over the mean jump", None, "1.5", lambda f: f["largest"], "{:.2f}"),
     ("seconds, wall", None, "12 guided, 20 warp", lambda f: f["wall"], "{:.1f}"),
 )
-# What it is, of which pairs, what is to be reached, the figure (larger is worse), how it is written.
+# Title, pairs (one or another build), goal, figure (larger is worse), format.
 
 
 def _print_summary(
     pairs: Sequence[CoherencePair], ways: Sequence[str], found: dict[tuple[str, str], dict[str, object]]
 ) -> None:
-    """Print the worst figure of all pairs beside what is to be reached."""
-    print(f"\n{'worst of all pairs':44} {'pairs':12} {'to reach':>18} " + " ".join(f"{way:>10}" for way in ways))
+    """Print the worst figure of all pairs next to its goal."""
+    print(f"\n{'worst pair':44} {'pairs':12} {'goal':>18} " + " ".join(f"{way:>10}" for way in ways))
     for title, build, goal, figure, written in _GOALS:
         names = [pair.name for pair in pairs if build in (None, pair.build)]
         cells = []

@@ -34,29 +34,29 @@ from .coherence_measures import (
     worst_angle,
 )
 from .coherence_pairs import Ends, pairs_named
-from .left_to_transport import left_to_transport, motions_noted
-from .rival_measures import Hold
+from .left_to_transport import left_to_transport, recorded_motions
+from .rival_measures import Connectivity
 
 TRANSPORT = "transport"
-"""The motion that a morph has without any other."""
+"""The motion of a morph by transport alone."""
 
-# Crossings are looked for in every so many frames.
+# Crossings are counted in every fourth frame.
 _CROSSINGS_EVERY = 4
 
 
 def motions() -> tuple[str, ...]:
-    """Return the motions that the settings of a morph offer."""
+    """Return the motions that the morph settings offer."""
     return tuple(choice.value for choice in setting_of(MorphSettings, "motion").choices)
 
 
 def settings_for(motion: str, cells: int) -> MorphSettings:
-    """Return the default settings with a motion and a resolution."""
+    """Return the default settings with the given motion and resolution."""
     return MorphSettings(resolution=cells, motion=motion)
 
 
 @dataclass(frozen=True)
 class Bake:
-    """A morph with its two shapes as the first and the last frame.
+    """A morph including its two shapes as the first and the last frame.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Bake:
     times : (n,) float64
         From 0 to 1.
     records : list of dict
-        What the solver says about every frame between the shapes.
+        The solver's record of every frame between the shapes.
     spacing : float
         Size of a cell.
     seconds : dict
@@ -80,7 +80,7 @@ class Bake:
 
     @classmethod
     def of(cls, ends: Ends, settings: MorphSettings, frames: int) -> Bake:
-        """Bake `frames` frames from one shape to the other, by way of the application."""
+        """Bake `frames` frames from one shape to the other with the application."""
         shapes = [ends.first, ends.second]
         clock = Clock()
         found = [frame for frame in baked_frames(shapes, frames, settings) if frame.mesh is not None]
@@ -101,22 +101,22 @@ def passage(
     pair, motion : str
         Names.
     cells, frames : int
-        Along the longest side, and of the morph.
+        Cells along the longest side, and frames of the morph.
     meshes : str, optional
-        A folder with further meshes.
+        A folder with additional meshes.
     keep : str, optional
-        A file to write the frames to, without ending.
+        A file to write the frames to, without its suffix.
     """
     (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
     ends = chosen.ends()
     try:
-        with motions_noted() as noted:
+        with recorded_motions() as recorded:
             bake = Bake.of(ends, settings_for(motion, cells), frames)
     except ConvwassError as error:
         return {"error": str(error)}
     if keep is not None:
         _write(Path(keep), bake)
-    motion = noted[-1] if noted else None
+    motion = recorded[-1] if recorded else None
     figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
     if motion is not None:
         figures["residual"] = left_to_transport(motion, [ends.first, ends.second])
@@ -137,10 +137,10 @@ def guiding(pair: str, meshes: str | None = None) -> dict[str, object]:
 
 
 def held(bake: Bake, ends: Ends) -> dict[str, object]:
-    """Measure whether frames hold together."""
+    """Measure the coherence of the frames."""
     along = Along.of(bake.meshes, bake.times)
-    holds = [Hold.of(mesh) for mesh in (ends.first, ends.second)]
-    allowed = max(len(hold.shares) for hold in holds)
+    connectivities = [Connectivity.of(mesh) for mesh in (ends.first, ends.second)]
+    allowed = max(len(each.shares) for each in connectivities)
     pieces = [record["found"]["pieces"] for record in bake.records]
     limb = None if ends.limb is None else asdict(limb_errors(bake.meshes, bake.times, ends.limb))
     return {
@@ -156,7 +156,7 @@ def held(bake: Bake, ends: Ends) -> dict[str, object]:
 
 
 def clean(bake: Bake, motion: Motion | None = None) -> dict[str, object]:
-    """Measure whether frames run evenly and what their meshes are like; the motion is that of the bake."""
+    """Measure the evenness of the steps and the quality of the meshes; `motion` is the motion of the bake."""
     between = bake.meshes[1:-1]
     first, last = (Along.of(bake.meshes, bake.times).area[i] for i in (0, -1))
     return {
@@ -171,7 +171,7 @@ def clean(bake: Bake, motion: Motion | None = None) -> dict[str, object]:
 
 
 def lost_detail(bake: Bake, motion: Motion | None, end: int) -> float:
-    """Return the mean distance of the frame beside a shape to that shape, as the motion has moved it, in cells."""
+    """Return the mean distance, in cells, from a shape moved by the motion to its adjacent frame."""
     beside = (1, -2)[end]
     frame, t = bake.meshes[beside], bake.times[beside]
     shape = bake.meshes[-end] if motion is None else motion.moved((1.0 - t, t))[end].mesh
@@ -179,7 +179,7 @@ def lost_detail(bake: Bake, motion: Motion | None, end: int) -> float:
 
 
 def read_frames(path: Path) -> list[TriangleMesh]:
-    """Read frames that a case has kept."""
+    """Read the frames kept by a case."""
     with np.load(path) as stored:
         count = len(stored.files) // 2
         return [TriangleMesh(stored[f"vertices{i}"], stored[f"faces{i}"]) for i in range(count)]
@@ -200,5 +200,5 @@ CASES = {"passage": passage, "mapping": mapping, "guiding": guiding}
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options)), default=str), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

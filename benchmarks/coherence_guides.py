@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What guides do to the map between two shapes: right ones, a wrong one, and some that lie in a plane.
+"""How guides change the map between two shapes: correct guides, one wrong guide, and guides in a plane.
 
-The tips of limbs are clicked, as a user does who sees a limb go to the wrong place.
+The guides are at tips of limbs, where a user clicks on seeing a limb go to the wrong place.
 """
 
 from __future__ import annotations
@@ -24,21 +24,22 @@ from .coherence_pairs import CoherencePair, Ends
 from .processes import measured
 
 _HEADING = """
-Guides at the tips of limbs, and the map that follows them. Tips that are clicked are not counted.
+Guides at the tips of limbs, and the map computed with them. Tips with a guide are not counted.
 
-two        guides at two tips: of those that the map without guides leads astray, or else the two farthest apart
-wrong one  the same, and a third that leads from one tip to another one's
-plane      guides at the three or four tips that lie nearest to one plane
-astray     tips that the map leads to another limb
-off        mean distance of the others from where they belong, in sizes of the surface
+two        guides at two tips: if possible, tips that the map without guides sends to another limb, else the two
+           farthest apart
+wrong one  the same, and a third guide from one tip to the place of another
+plane      guides at the three or four tips nearest to a common plane
+astray     tips that the map sends to another limb
+off        mean distance of the others from their correct positions, in sizes of the surface
 score      of the map, 0 to 1, and of the map without guides
-kept       guides that the map follows, of those that were given
+kept       guides that the map follows, of those given
 """
 _COLUMNS = f"{'':18} {'guides':10} {'astray':>7} {'off':>6} {'score':>6} {'without':>7} {'kept':>5} {'CPU':>6}"
 
 
 def print_guides(pairs: Sequence[CoherencePair], meshes: str | None) -> None:
-    """Map the shapes of every pair whose tips are known with and without guides, and print the table."""
+    """Map the shapes of every pair with known tips with and without guides, and print the table."""
     print(_HEADING)
     print(_COLUMNS)
     for pair in pairs:
@@ -62,7 +63,7 @@ def line(pair: str, kind: str, found: dict[str, object]) -> str:
 
 
 def guided(ends: Ends) -> dict[str, dict[str, object]]:
-    """Map the shapes of a pair whose tips are known, with every kind of guides."""
+    """Map the shapes of a pair with known tips, with every kind of guides."""
     plain = _mapped(ends, [])
     found = {"none": _figures(plain, ends, [])}
     missed = np.zeros(ends.tips.shape[1], bool) if isinstance(plain, str) else astray(plain[0], ends.tips).any(axis=0)
@@ -72,20 +73,20 @@ def guided(ends: Ends) -> dict[str, dict[str, object]]:
 
 
 def kinds_of_guides(tips: NDArray[np.float64], missed: NDArray[np.bool_]) -> dict[str, list[tuple[int, int]]]:
-    """Return what is clicked, as numbers of tips on the first and the second shape.
+    """Return the guides of every kind, as indices of tips on the first and the second shape.
 
     Parameters
     ----------
     tips : (2, k, 3)
-        On either shape; three or more.
+        On both shapes; at least three.
     missed : (k,) bool
-        Those that the map without guides leads astray.
+        Tips that the map without guides sends to another limb.
     """
     among = np.flatnonzero(missed) if missed.sum() >= 2 else np.arange(tips.shape[1])
     two = among[_farthest(tips[0, among])]
     right = [(int(tip), int(tip)) for tip in two]
     one, other = (int(tip) for tip in np.setdiff1d(np.arange(tips.shape[1]), two)[[0, -1]])
-    # With three tips there is only one left: it is clicked where the first of the two belongs.
+    # With three tips, only one other tip is left: its guide leads to the place of the first of the two.
     wrong = [*right, (one, other)] if one != other else [*right[1:], (one, right[0][1])]
     plane = [(int(tip), int(tip)) for tip in _in_a_plane(tips[0], min(4, tips.shape[1]))]
     return {"two": right, "wrong one": wrong, "plane": plane}
@@ -97,7 +98,7 @@ def _farthest(points: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _in_a_plane(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Return those of which the farthest from their plane is nearest to it."""
+    """Return the tips whose largest distance from their common plane is smallest."""
 
     def thickness(chosen: tuple[int, ...]) -> float:
         own = points[list(chosen)]
@@ -140,7 +141,7 @@ def _figures(
 
 
 def _off(motion: GuidedMotion, tips: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far from where they belong a map leads tips, (2, k), from either shape."""
+    """Return the distance of mapped tips from their correct positions, (2, k), for either direction."""
     found = []
     for own, other in ((0, 1), (1, 0)):
         source, target = motion.carriers[own], motion.carriers[other]

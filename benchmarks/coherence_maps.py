@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well shapes are mapped to each other, and whether what the map says about itself is true.
+"""How well shapes are mapped to each other, and how reliable the map's own scores are.
 
-Of bodies in two poses it is known which tips belong together: a map that leads a tip nearer to another one's place is
-wrong there, however sure it is.
+For bodies in two poses, corresponding tips of limbs are known. A map that sends a tip nearer to another tip than to the
+corresponding one is wrong there, however high its score.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from .coherence_pairs import CoherencePair, Ends
 from .processes import measured
 
 _HEADING = """
-The map that guides two shapes, worse of both ways.
+The map that guides two shapes, worse of the two directions.
 
-wrong      tips of limbs that the map leads to another limb, of all whose place is known
-score      of the map, 0 to 1; doubtful is the share of the surface of which the map is unsure
-trip       95 % of the surface come back closer than this from the other shape, in sizes of the surface
-left       99 % of the deformed surface lie closer than this to the other shape, in its sizes
-torn       share of the surface that is stretched beyond measure; folded is the share turned over
+wrong      tips of limbs that the map sends to another limb, of all tips with a known place
+score      of the map, 0 to 1; doubtful is the fraction of the surface with an uncertain map
+trip       95 % of the surface returns from the other shape to within this distance, in sizes of the surface
+left       99 % of the deformed surface is closer than this to the other shape, in sizes of the latter
+torn       fraction of the surface that is stretched too much; folded is the fraction that is turned over
 """
 _COLUMNS = (
     f"{'':18} {'build':11} {'wrong':>6} {'score':>6} {'confidence':>10} {'doubtful':>8} {'trip':>6} {'left':>6} "
@@ -35,7 +35,7 @@ _COLUMNS = (
 
 
 def print_maps(pairs: list[CoherencePair], meshes: str | None) -> None:
-    """Map the shapes of every pair and print the table; `meshes` is a folder with further ones."""
+    """Map the shapes of every pair and print the table; `meshes` is a folder with additional meshes."""
     print(_HEADING)
     print(_COLUMNS)
     for pair in pairs:
@@ -56,7 +56,7 @@ def line(pair: CoherencePair, found: dict[str, object]) -> str:
 
 
 def mapped(ends: Ends) -> dict[str, object]:
-    """Map the shapes of a pair; return what the map says of itself and how many tips it leads astray."""
+    """Map the shapes of a pair; return the map's own scores and the number of tips sent to another limb."""
     clock = Clock()
     try:
         motion = drained(guided_motion([ends.first, ends.second], ["first", "second"], [(0, 1)]))
@@ -69,14 +69,14 @@ def mapped(ends: Ends) -> dict[str, object]:
 
 
 def astray(motion: GuidedMotion, tips: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which tips a map of two shapes leads nearer to another tip than to their own, (2, k), from either shape.
+    """Tell which tips a map sends nearer to another tip than to their own, (2, k), for either direction.
 
     Parameters
     ----------
     motion : GuidedMotion
-        Of the two shapes.
+        The motion of the two shapes.
     tips : (2, k, 3)
-        On either shape.
+        On both shapes.
     """
     found = []
     for own, other in ((0, 1), (1, 0)):

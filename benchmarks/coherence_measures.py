@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the frames of a morph hold together and run evenly, in numbers that mean the same for every motion."""
+"""Measures of the coherence and evenness of a morph's frames, comparable between motions."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 
 from .coherence_pairs import LimbPath
-from .rival_measures import Hold
+from .rival_measures import Connectivity
 
 REACH_SHARE = 0.95
-"""Share of the volume that a shape's reach holds."""
+"""Fraction of the volume that defines a shape's reach."""
 
 WORST_PERCENTILE = 1.0
-"""Triangles with a lower corner in this percentile are the worst."""
+"""Triangle quality is judged at this percentile of the smallest angles."""
 
-# A step that has a point moving more than so many times the mean is a jump.
+# A step is a jump if its largest distance is more than this many times the mean distance.
 _JUMP = 2.0
-# A limb is looked for within this angle about its direction, and no farther than so many times its length.
+# A limb is searched within this angle around its direction, and up to this many times its length.
 _CONE, _OVERLONG = np.radians(13.0), 1.25
-# A limb may be ahead of its time or behind it by so much without being taken for shorter.
+# A limb may be ahead or behind by this much time and still count as having its full length.
 _LAGS = np.linspace(-0.15, 0.15, 7)
-# Vertices beyond this share of the reach are the limb's tip.
+# Vertices beyond this fraction of the reach form the limb's tip.
 _TIP_SHARE = 0.95
 
 
 @dataclass(frozen=True)
 class Step:
-    """How far the surface is from one frame to the next.
+    """Distance between the surfaces of two consecutive frames.
 
     Attributes
     ----------
     mean, largest : float
-        Distance of the vertices of either surface to the other one, weighted by area, in cells.
+        Area-weighted distance of the vertices of either surface to the other, in cells.
     """
 
     mean: float
@@ -53,16 +53,16 @@ class Step:
 
 @dataclass(frozen=True)
 class Evenness:
-    """How evenly the surface moves over all frames, the two shapes included.
+    """Evenness of the surface's motion over all frames, including the two shapes.
 
     Attributes
     ----------
     jumps : int
-        Steps whose largest distance is more than twice the mean of all.
+        Number of steps whose largest distance is more than twice the mean distance of all steps.
     largest : float
-        The largest distance of a step, over the mean of all steps.
+        The largest distance of a step over the mean distance of all steps.
     at_ends : float
-        Mean distance from a shape to the frame beside it over that of the steps inside, the worse end.
+        Mean distance from a shape to its adjacent frame over that of the inner steps, worse end.
     """
 
     jumps: int
@@ -71,7 +71,7 @@ class Evenness:
 
     @classmethod
     def of(cls, steps: Sequence[Step]) -> Evenness:
-        """Judge steps, at least three."""
+        """Compute the evenness of at least three steps."""
         largest = np.array([step.largest for step in steps])
         means = np.array([step.mean for step in steps])
         ends = float(max(means[0], means[-1]))
@@ -83,7 +83,7 @@ class Evenness:
 
 
 def steps_between(meshes: Sequence[TriangleMesh], spacing: float) -> list[Step]:
-    """Measure every step from a frame to the next, in cells of size `spacing`."""
+    """Measure every step between consecutive frames, in cells of size `spacing`."""
     finders = [ClosestPointFinder(mesh.corners) for mesh in meshes]
     found = []
     for i, j in pairwise(range(len(meshes))):
@@ -96,9 +96,9 @@ def steps_between(meshes: Sequence[TriangleMesh], spacing: float) -> list[Step]:
 
 
 def reach(mesh: TriangleMesh) -> float:
-    """Radius about the center of mass that holds 95 % of a closed mesh's volume.
+    """Radius around the center of mass that holds 95 % of a closed mesh's volume.
 
-    Every triangle stands for the cone from the center to it, of which a ball cuts off what lies beyond.
+    Every triangle contributes the signed cone from the center to it, which a ball truncates.
     """
     points = mesh.moved(-centroid(mesh))
     cones = points.face_volumes
@@ -112,14 +112,16 @@ def reach(mesh: TriangleMesh) -> float:
 
 
 def least_needed(values: Sequence[int]) -> int:
-    """Count changes of a number along a path beyond those that lead from its first to its last value directly."""
+    """Count changes of a number along a path beyond the minimum needed to get from its first to its last value."""
     return int(np.abs(np.diff(values)).sum() - abs(values[-1] - values[0]))
 
 
 def changes_of_topology(meshes: Sequence[TriangleMesh]) -> int:
-    """Count changes of genus and of the number of pieces along a path beyond the least possible."""
-    holds = [Hold.of(mesh) for mesh in meshes]
-    return least_needed([hold.handles for hold in holds]) + least_needed([len(hold.shares) for hold in holds])
+    """Count changes of genus and of the number of components along a path beyond the minimum possible."""
+    connectivities = [Connectivity.of(mesh) for mesh in meshes]
+    return least_needed([each.handles for each in connectivities]) + least_needed(
+        [len(each.shares) for each in connectivities]
+    )
 
 
 def worst_angle(mesh: TriangleMesh) -> float:
@@ -137,7 +139,7 @@ def smallest_angles(mesh: TriangleMesh) -> NDArray[np.float64]:
 
 
 def crossing_share(mesh: TriangleMesh) -> float:
-    """Return the share of triangles that cross another one with which they share no vertex."""
+    """Return the fraction of triangles that cross another one without sharing a vertex."""
     tree = BVHTree.FromPolygons(mesh.vertices.tolist(), mesh.faces.tolist(), all_triangles=True)
     pairs = np.array(tree.overlap(tree), np.int64).reshape(-1, 2)
     pairs = pairs[pairs[:, 0] < pairs[:, 1]]
@@ -147,14 +149,14 @@ def crossing_share(mesh: TriangleMesh) -> float:
 
 @dataclass(frozen=True)
 class LimbErrors:
-    """A limb beside the one that swings about its joints.
+    """Errors of a limb compared with one that swings about its joints.
 
     Attributes
     ----------
     length : float
-        Largest error of its length relative to the length it should have.
+        Largest relative error of its length.
     tip : float
-        Largest distance of its tip from where it should be, over the diagonal of the shapes' bounds.
+        Largest distance of its tip from the expected position, over the diagonal of the shapes' bounds.
     """
 
     length: float
@@ -162,13 +164,12 @@ class LimbErrors:
 
 
 def limb_errors(meshes: Sequence[TriangleMesh], times: Sequence[float], limb: LimbPath) -> LimbErrors:
-    """Compare the limb of frames with the swinging one.
+    """Compare the limb in the frames with the swinging one.
 
     Parameters
     ----------
     meshes : sequence of TriangleMesh
-        Frames, the first and the last of which are the shapes: there the surface reaches as far beyond the joints as
-        it should.
+        Frames. The first and the last are the shapes; they define how far the surface reaches beyond the joints.
     times : (n,)
         From 0 to 1.
     limb : LimbPath
@@ -193,9 +194,9 @@ def limb_errors(meshes: Sequence[TriangleMesh], times: Sequence[float], limb: Li
 
 
 def limb_tip(mesh: TriangleMesh, joints: NDArray[np.float64], root: int) -> NDArray[np.float64]:
-    """Return the middle of the vertices that are farthest from a joint in the direction of the limb, (3,).
+    """Return the mean of the vertices that are farthest from a joint in the direction of the limb, (3,).
 
-    Where the surface has nothing in that direction, the joint itself.
+    If the surface has nothing in that direction, returns the joint itself.
     """
     start, limb = joints[root], joints[-1] - joints[root]
     length = np.linalg.norm(limb)
@@ -230,12 +231,12 @@ def _expected(joints: NDArray[np.float64], root: int, factor: float) -> NDArray[
 
 @dataclass(frozen=True)
 class Along:
-    """Figures of every frame between the two shapes, relative to what these have, interpolated.
+    """Figures of every frame between the two shapes, relative to the interpolated figures of the shapes.
 
     Attributes
     ----------
     area, volume, reach : (n,) float64
-        1 where a frame has as much.
+        1 if equal to the interpolated figure.
     """
 
     area: NDArray[np.float64]
@@ -244,7 +245,7 @@ class Along:
 
     @classmethod
     def of(cls, meshes: Sequence[TriangleMesh], times: ArrayLike) -> Along:
-        """Measure frames, the first and the last of which are the shapes."""
+        """Measure frames; the first and the last are the shapes."""
         t = np.asarray(times, float)
 
         def relative(values: list[float]) -> NDArray[np.float64]:

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of shapes whose morph should hold together: poses and builds of one body, and bodies of different build.
+"""Pairs of shapes whose morph should be coherent: poses and builds of one kind of body, and different bodies.
 
-Pairs in `TUNED` may be looked at while parameters are chosen; those in `HELD_BACK` are other bodies, for the end.
+Pairs in `TUNED` may be used for choosing parameters; those in `HELD_BACK` are other bodies, for the final check.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class LimbPath:
     Attributes
     ----------
     first, second : (n, 3) float64
-        From a joint that only moves along to the limb's tip.
+        From a joint that only translates to the limb's tip.
     root : int
-        Joint that the limb's length is measured from.
+        Index of the joint that the limb's length is measured from.
     """
 
     first: NDArray[np.float64]
@@ -42,7 +42,7 @@ class LimbPath:
     root: int = 0
 
     def at(self, t: float) -> NDArray[np.float64]:
-        """Return the joints on the way, (n, 3): segments turn evenly about their joints, their lengths interpolated."""
+        """Return the joints at t, (n, 3): segments rotate evenly about their joints, and lengths are interpolated."""
         points = [(1.0 - t) * self.first[0] + t * self.second[0]]
         for one, other in zip(np.diff(self.first, axis=0), np.diff(self.second, axis=0), strict=True):
             points.append(points[-1] + turned(one, other, t))
@@ -50,7 +50,7 @@ class LimbPath:
 
 
 def turned(first: ArrayLike, second: ArrayLike, t: float) -> NDArray[np.float64]:
-    """Turn one vector evenly into another, the length interpolated (spherical linear interpolation)."""
+    """Rotate one vector evenly into another with interpolated length (spherical linear interpolation)."""
     lengths = np.array([np.linalg.norm(first), np.linalg.norm(second)])
     one, other = np.asarray(first) / lengths[0], np.asarray(second) / lengths[1]
     angle = np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)
@@ -67,11 +67,11 @@ class Ends:
     Attributes
     ----------
     first, second : TriangleMesh
-        Meshed each by itself.
+        Each meshed separately.
     limb : LimbPath or None
         A limb that swings between them, if its joints are known.
     tips : (2, k, 3) float64 or None
-        Tips of limbs that belong together, on either shape.
+        Corresponding tips of limbs on both shapes.
     """
 
     first: TriangleMesh
@@ -87,11 +87,11 @@ class CoherencePair:
     Attributes
     ----------
     name : str
-        What tables call it.
+        Name in tables.
     build : str
         `ONE_BUILD` or `OTHER_BUILD`.
     ends : callable
-        Makes the shapes.
+        Creates the shapes.
     """
 
     name: str
@@ -251,7 +251,7 @@ TUNED = (
     CoherencePair("star to cross", OTHER_BUILD, _star_to_cross),
     CoherencePair("ball to knot", OTHER_BUILD, _ball_to_knot),
 )
-"""May be looked at while parameters are chosen."""
+"""May be used for choosing parameters."""
 
 HELD_BACK = (
     CoherencePair("child points", ONE_BUILD, _child_points),
@@ -268,7 +268,7 @@ HELD_BACK = (
     CoherencePair("dolphins to bird", OTHER_BUILD, _samples("dolphins", "bird")),
     CoherencePair("A to B", OTHER_BUILD, _samples("letter_a", "letter_b")),
 )
-"""Other bodies, not looked at while parameters are chosen."""
+"""Other bodies, not used for choosing parameters."""
 
 _TWELVE = (
     *("man raises arm", "octopus moves", "horse to cow", "chair to man", "star to cross", "ball to knot"),
@@ -279,7 +279,7 @@ _FOLDER_PAIRS = (("spot", "bob", True), ("blub", "spot", False))
 
 
 def further_pairs(folder: Path, *, tuned: bool) -> tuple[CoherencePair, ...]:
-    """Return the pairs of a folder of other meshes that belong to one half, where both files are there."""
+    """Return the pairs of one half from a folder of additional meshes, if both files exist."""
     found = []
     for first, second, is_tuned in _FOLDER_PAIRS:
         files = [sorted(folder.glob(f"{name}*tri*.obj")) for name in (first, second)]
@@ -290,12 +290,12 @@ def further_pairs(folder: Path, *, tuned: bool) -> tuple[CoherencePair, ...]:
 
 
 def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair]:
-    """Return pairs of either half by their names.
+    """Return pairs of either half by name.
 
     Raises
     ------
     ValueError
-        There is no pair of that name; the message lists those that are there.
+        A name is unknown; the message lists all names.
     """
     known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False))}
     unknown = [name for name in names if name not in known]
@@ -305,12 +305,12 @@ def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair
 
 
 def twelve() -> tuple[CoherencePair, ...]:
-    """Return six pairs of each half, of all kinds of shapes."""
+    """Return six pairs of each half, with all kinds of shapes."""
     return tuple(pairs_named(_TWELVE, None))
 
 
 def half(folder: Path | None, *, tuned: bool) -> tuple[CoherencePair, ...]:
-    """Return one half of the pairs, with those of a folder of other meshes."""
+    """Return one half of the pairs, including those from a folder of additional meshes."""
     pairs = TUNED if tuned else HELD_BACK
     return pairs if folder is None else (*pairs, *further_pairs(folder, tuned=tuned))
 
@@ -320,5 +320,5 @@ def _files(paths: list[Path]) -> Callable[[], Ends]:
 
 
 def _read(paths: list[Path]) -> tuple[TriangleMesh, ...]:
-    """Read meshes, as large as those that are sculpted here."""
+    """Read meshes and scale them to the size of the sculpted ones."""
     return tuple(TriangleMesh(2.0 * mesh.vertices, mesh.faces) for mesh in read_meshes(paths))

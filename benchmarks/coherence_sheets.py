@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the coherence benchmark: a sheet per pair, seven frames in a row for every motion.
+"""Pictures of the coherence benchmark: one sheet per pair, with a row of seven frames for every motion.
 
-They are rendered by the product's own contact sheet: ``python -m benchmarks.coherence_sheets sheet OPTIONS``.
+Rendered with the product's own contact sheet: ``python -m benchmarks.coherence_sheets sheet OPTIONS``.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ from .processes import measured
 
 COLUMNS = 7
 WIDTH = 2100
-"""Of a sheet in pixels."""
+"""Size of a sheet in pixels."""
 
-# Between rows, over the height of the tallest frame.
+# Distance of rows over the height of the tallest frame.
 _ROW_STEP = 1.2
 _CLAY = (0.56, 0.30, 0.19, 1.0)
 
 
 def write_sheets(pairs: dict[str, dict[str, Path]], folder: Path) -> None:
-    """Write a picture per pair, from the files with the frames of every motion.
+    """Write a picture per pair from the files with the frames of every motion.
 
     Parameters
     ----------
     pairs : dict
-        By the name of the pair and of the motion, a file that a case has kept; those that are missing are left out.
+        File with the kept frames, by pair and motion; missing files are skipped.
     folder : Path
-        Where to write; made if it is not there.
+        Output folder; created if missing.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for name, files in pairs.items():
@@ -98,5 +98,5 @@ CASES = {"sheet": sheet}
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the constants of the solver are worth: rounds, CPU seconds and errors with each of them changed.
+"""Effect of the solver's constants: rounds, CPU seconds and errors when one of them is changed.
 
-The barycenters are those of a ring and of a box across it on a grid, started cold: plain with a wide blur, sharp with a
-narrow one, and debiased. Their error is the L1 distance to the same barycenter solved a hundred times as exactly.
+The barycenters of a ring and of a box across it on a grid, from a cold start: plain with a wide blur, sharpened with a
+narrow blur, and debiased. Their error is the L1 distance to the same barycenter solved a hundred times more accurately.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ barycenter_module = sys.modules["convwass_addon.transport.barycenter"]
 
 @dataclass(frozen=True)
 class Varied:
-    """A constant, and the values that it is tried with beside its own."""
+    """A constant and the values to compare with its own."""
 
     module: ModuleType
     name: str
@@ -79,7 +79,7 @@ def main(cells: int) -> None:
         own = getattr(varied.module, varied.name)
         for value in varied.values:
             setattr(varied.module, varied.name, value)
-            # What was prepared depends on the constants of domains.
+            # Prepared inputs depend on the constants of domains.
             inputs = [Inputs.of(shapes(cells), Grid((cells,) * 3, case.blur)) for case in cases]
             print(_row(f"{varied.name} {own:g}: {value:g}", cases, inputs, exact), flush=True)
         setattr(varied.module, varied.name, own)

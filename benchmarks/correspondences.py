@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How right soft maps are, on pairs of surfaces where it is known what belongs to what, beside other methods."""
+"""Accuracy of soft maps on pairs of surfaces with known correspondence, compared with other methods."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from .processes import PROJECT, measured, reports
 from .soft_map_cases import RADII
 
 _CASES, _PEERS = "benchmarks.soft_map_cases", "benchmarks.soft_map_peers"
-# CPU seconds that a run of pyFM may take, wall seconds on a busy machine included.
+# CPU seconds allowed for a run of pyFM; on a busy machine they also bound the wall seconds.
 _LIMIT = 300.0
 
 _TITLE = """
-Error of maps: the distance along the target to the truth, over the square root of its area, x 100 (Princeton
-benchmark), mean / percent of vertices below 0.05. The target is the source deformed and remeshed, about {vertices}
-vertices a side; nothing but the pairs that are marked is told.
+Error of maps: distance along the target to the true point, over the square root of the target's area, x 100 (Princeton
+benchmark), mean / percentage of vertices below 0.05. The target is the source deformed and remeshed, with about
+{vertices} vertices each. The methods know only the marked pairs of points.
 
-floor      error of the vertex nearest to the truth
+floor      error of the vertex nearest to the true point
 nearest    nearest point (Data Transfer), after the rigid motion that fits the truth best
-inpainted  nearest points that face the same way, the others filled in (robust weight transfer), after the same motion
+inpainted  nearest points with similar normals, the rest filled in (robust weight transfer), after the same motion
 pyFM       functional map, 30 functions, wave kernel signatures and landmarks;  ZoomOut  refined to 150
-flips      percent of off-middle vertices that our map puts on the wrong side
+flips      percentage of off-center vertices that our map puts on the wrong side
 CPU s      from meshes to points for all vertices
 """
 
@@ -45,9 +45,9 @@ def main(meshes: Path | None, vertices: int) -> None:
     Parameters
     ----------
     meshes : Path or None
-        A folder with further meshes, such as spot, blub and bob; pairs whose shape is nowhere are left out.
+        A folder with additional meshes, such as spot, blub and bob; pairs whose shape is missing are skipped.
     vertices : int
-        Of the meshes of every pair, about.
+        Approximate number of vertices of each mesh.
     """
     environment = PeersEnvironment.of(PROJECT)
     try:
@@ -77,16 +77,16 @@ def main(meshes: Path | None, vertices: int) -> None:
 
 @dataclass
 class _Curves:
-    """Princeton curves of all methods, over all rows."""
+    """Princeton curves of all methods over all rows."""
 
     rows: list[dict[str, dict[str, object]]] = field(default_factory=list)
 
     def add(self, found: dict[str, dict[str, object]]) -> None:
-        """Add what all methods made of a pair."""
+        """Add the results of all methods for one pair."""
         self.rows.append(found)
 
     def print(self) -> None:
-        """Print the means over rows that a method has."""
+        """Print each method's means over the rows that it has."""
         print("\nPercent of vertices whose error is below a radius, over all rows\n")
         print(f"{'':10}" + "".join(f"{radius:>7}" for radius in RADII) + f"{'mean':>8}{'worst':>8}")
         for name in ("nearest", "inpainted", "fitted", "refined", "ours"):
@@ -105,7 +105,7 @@ class _Curves:
 def _functional_maps(
     environment: PeersEnvironment | None, path: str, landmarks: int, folder: str
 ) -> dict[str, dict[str, object]]:
-    """Run pyFM where it is there, and judge what it finds."""
+    """Run pyFM if available, and evaluate its maps."""
     if environment is None:
         return {}
     files = {name: str(Path(folder) / f"{name}.npy") for name in ("fitted", "refined")}

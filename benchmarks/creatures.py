@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animals of the sea with many arms or with fins."""
+"""Sea animals with many arms or with fins."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from assets.sculpting import both_sides, ellipsoid, ribbon, tube
 from .sculptures import Sculpture
 
 _ARM_RADII = (0.17, 0.145, 0.118, 0.098, 0.082, 0.068)
-# Directions of the five segments of an octopus' arm in its own upright plane, in degrees over the horizon.
+# Directions of the five segments of an octopus' arm in the arm's vertical plane, in degrees above the horizon.
 CRAWLING = (-28.0, -28.0, 2.0, 24.0, 48.0)
 RAISED = (8.0, 55.0, 82.0, 70.0, 20.0)
 REACHING = (-10.0, 12.0, 22.0, 10.0, -8.0)
@@ -23,7 +23,7 @@ REACHING = (-10.0, 12.0, 22.0, 10.0, -8.0)
 
 @dataclass(frozen=True)
 class Creature:
-    """A body with the tips of its arms, (k, 3)."""
+    """A body and the tips of its arms, (k, 3)."""
 
     sculpture: Sculpture
     tips: NDArray[np.float64]
@@ -37,9 +37,9 @@ def octopus(arms: Sequence[tuple[float, ...]], turns: Sequence[float], seed: int
     arms : sequence of 8 tuples
         Directions of the segments of every arm.
     turns : sequence of 8
-        How far every arm curls aside, in degrees.
+        Sideways curl of every arm, in degrees.
     seed : int
-        Of the mesh.
+        Seed of the mesh.
     """
     clay = Sculpture(seed)
     clay.add(ellipsoid((-0.10, 0, 1.02), (0.46, 0.38, 0.37), (-0.5, 0, 1)))
@@ -55,7 +55,7 @@ def octopus(arms: Sequence[tuple[float, ...]], turns: Sequence[float], seed: int
 
 
 def octopus_arm(yaw: float, angles: Sequence[float], turn: float) -> NDArray[np.float64]:
-    """Return the joints of an arm that leaves in the direction `yaw` (radians), (6, 3); all arms are equally long."""
+    """Return the joints of an arm that starts in the direction `yaw` (radians), (6, 3); all arms have equal length."""
     point = np.array([0.12 * np.cos(yaw), 0.12 * np.sin(yaw), 0.44])
     points = [point]
     for number, angle in enumerate(np.radians(angles)):
@@ -67,7 +67,7 @@ def octopus_arm(yaw: float, angles: Sequence[float], turn: float) -> NDArray[np.
 
 
 def starfish(bends: Sequence[float], lifts: Sequence[float], seed: int) -> Creature:
-    """Sculpt a starfish seen from the front (-Y), its five arms bent in their plane and out of it, in degrees."""
+    """Sculpt a starfish seen from the front (-Y), its five arms bent in and out of their plane, in degrees."""
     clay = Sculpture(seed)
     clay.add(ellipsoid((0, 0, 1.0), (0.20, 0.42, 0.42), (0, -1, 0)))
     tips = []

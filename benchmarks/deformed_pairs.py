@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of surfaces of which it is known exactly what belongs to what: a shape, and the same deformed and remeshed."""
+"""Pairs of surfaces with exactly known correspondence: a shape, and the same shape deformed and remeshed."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from convwass_addon.geometry.surface_graph import surface_graph
 from .blends import ASSETS, read_meshes
 
 Deformation = Callable[[TriangleMesh], NDArray[np.float64]]
-"""New positions of the vertices."""
+"""Returns new positions of the vertices."""
 
 _AXES = np.eye(3)
-# The source is a fine mesh with fewer vertices, which is spread over the shape much more evenly than its own.
+# The shape is subdivided to this many vertices before it is coarsened, so that the source's vertices are evenly spread.
 _FINE = 20_000
-# Distances below this are straight lines in lengths of the surface of unit area: vertices are too coarse for them.
+# Shorter distances on the surface of unit area are measured along straight lines: the vertices are too coarse for them.
 _NEAR = 0.1
 
 
@@ -41,13 +41,13 @@ class DeformedPair:
     ----------
     name : str
     source, target : TriangleMesh
-        Of unit area each; their vertices and triangles have nothing in common.
+        Of unit area each, without common vertices or triangles.
     truth : (n, 3) float64
-        The point of the target that belongs to every vertex of the source.
+        For every vertex of the source, the corresponding point of the target.
     landmarks : (k, 2) int64
-        Vertices of the source and of the target that belong together, far apart, the most important first.
+        Corresponding vertices of source and target, far apart, the most important first.
     mirrored : (n, 3) float64 or None
-        The image of every vertex's mirror image; None where the shape is not symmetric.
+        The image of every vertex's mirror image; None if the shape is not symmetric.
     """
 
     name: str
@@ -60,16 +60,16 @@ class DeformedPair:
 
 @dataclass(frozen=True)
 class PairKind:
-    """How to make one.
+    """How to make a pair.
 
     Attributes
     ----------
     name, shape : str
-        Of the pair, and the beginning of the name of the shape's file.
+        Name of the pair, and prefix of the shape's file name.
     deform : callable
-        What happens to the shape, resting in Blender's axes and of unit area.
+        Deforms the shape, which is given in Blender's axes and with unit area.
     landmarks : tuple of int
-        How many pairs of points to try.
+        Numbers of landmarks to try.
     mirror : int or None
         The axis along which the shape is symmetric.
     """
@@ -82,7 +82,7 @@ class PairKind:
 
 
 def bent(mesh: TriangleMesh, along: int, toward: int, angle: float) -> TriangleMesh:
-    """Bend the axis `along` into an arc of `angle` radians, toward another axis; lengths on the axis stay."""
+    """Bend the axis `along` into an arc of `angle` radians toward another axis; lengths along the axis are kept."""
     points = mesh.vertices.copy()
     low, high = mesh.bounds[:, along]
     middle = mesh.bounds.mean(axis=0)
@@ -95,7 +95,7 @@ def bent(mesh: TriangleMesh, along: int, toward: int, angle: float) -> TriangleM
 
 
 def twisted(mesh: TriangleMesh, along: int, angle: float) -> TriangleMesh:
-    """Turn one end against the other about the axis `along`, by `angle` radians in all."""
+    """Rotate one end relative to the other about the axis `along`, by `angle` radians in total."""
     low, high = mesh.bounds[:, along]
     middle = mesh.bounds.mean(axis=0)
     turn = angle * ((mesh.vertices[:, along] - low) / (high - low) - 0.5)
@@ -104,7 +104,7 @@ def twisted(mesh: TriangleMesh, along: int, angle: float) -> TriangleMesh:
 
 
 def scaled_end(mesh: TriangleMesh, along: int, share: float, factor: float) -> TriangleMesh:
-    """Scale the part beyond a share of the length of an axis (from its upper end if positive), smoothly."""
+    """Smoothly scale the part beyond a fraction of an axis (measured from its upper end if positive)."""
     low, high = mesh.bounds[:, along]
     reach = (mesh.vertices[:, along] - low) / (high - low)
     if share < 0:
@@ -115,10 +115,10 @@ def scaled_end(mesh: TriangleMesh, along: int, share: float, factor: float) -> T
 
 
 def posed(mesh: TriangleMesh, joints: int, reach: float, angle: float) -> TriangleMesh:
-    """Turn the outer parts of the limbs about joints, as an armature with smooth weights would.
+    """Rotate the outer parts of limbs about joints, like an armature with smooth weights.
 
-    The limbs are those at the `joints` vertices that are farthest from each other; a joint is `reach` away from its
-    tip, along the surface; axes and signs of the angles differ from limb to limb.
+    The limbs are at the `joints` vertices farthest from each other; each joint is at distance `reach` from the tip
+    along the surface; axes and signs of the angles vary between limbs.
     """
     graph = surface_graph(mesh)
     points = mesh.vertices
@@ -187,11 +187,11 @@ PAIRS = (
     PairKind("octopus posed", "octopus", _octopus_posed, (4, 10)),
     PairKind("bird bent", "bird", _bird_strong, (4, 10), mirror=1),
 )
-"""Of strong bends and scaled parts, and of others nearly without stretching."""
+"""With strong bends and scaled parts, and nearly isometric ones."""
 
 
 def shape_file(name: str, folder: Path | None) -> Path | None:
-    """Return the file of a shape among the sample shapes, or in a folder of other meshes; None where there is none."""
+    """Return the file of a shape from the sample shapes or from a folder of other meshes; None if missing."""
     own = ASSETS / f"{name}.ply"
     if own.exists():
         return own
@@ -200,7 +200,7 @@ def shape_file(name: str, folder: Path | None) -> Path | None:
 
 
 def deformed_pair(kind: PairKind, file: Path, vertices: int = 1000) -> DeformedPair:
-    """Make a pair of meshes with about so many vertices each."""
+    """Make a pair of meshes with approximately this many vertices each."""
     (raw,) = read_meshes([file])
     rest = _unit_area(raw)
     moved = TriangleMesh(kind.deform(rest), rest.faces)
@@ -229,7 +229,7 @@ def _spread_evenly(mesh: TriangleMesh, count: int) -> TriangleMesh:
 
 
 def subdivided(mesh: TriangleMesh) -> TriangleMesh:
-    """Divide every triangle into four, at the middles of its edges."""
+    """Split every triangle into four at the midpoints of its edges."""
     ends = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     edges, numbers = np.unique(ends, axis=0, return_inverse=True)
     ab, bc, ca = (numbers.reshape(-1, 3) + len(mesh.vertices)).T
@@ -239,7 +239,7 @@ def subdivided(mesh: TriangleMesh) -> TriangleMesh:
 
 
 def decimated(mesh: TriangleMesh, triangles: int) -> TriangleMesh:
-    """Collapse edges by Blender's modifier, which puts vertices where the surface bends; their order is shuffled."""
+    """Collapse edges with Blender's modifier, which keeps more vertices in curved regions; shuffle the vertices."""
     data = bpy.data.meshes.new("fine")
     data.from_pydata(mesh.vertices.tolist(), [], mesh.faces.tolist())
     obj = bpy.data.objects.new("fine", data)
@@ -251,7 +251,7 @@ def decimated(mesh: TriangleMesh, triangles: int) -> TriangleMesh:
     vertices = [vertex.co[:] for vertex in found.vertices]
     faces = [triangle.vertices[:] for triangle in found.loop_triangles]
     bpy.data.objects.remove(obj)
-    # Shuffled, so that nothing can be read off the order.
+    # Shuffled, so that no method can use the order.
     order = np.random.default_rng(1).permutation(len(vertices))
     rank = np.argsort(order)
     return TriangleMesh.from_arrays(np.array(vertices)[order], rank[np.array(faces)])
@@ -260,7 +260,7 @@ def decimated(mesh: TriangleMesh, triangles: int) -> TriangleMesh:
 def _carried(
     points: NDArray[np.float64], rest: TriangleMesh, moved: TriangleMesh, target: TriangleMesh
 ) -> NDArray[np.float64]:
-    """Where points of the resting shape are on the target."""
+    """Return points of the resting shape carried to the target."""
     found = ClosestPointFinder(rest.corners).find(points)
     return snapped(found.interpolated(moved.corners), target)
 
@@ -271,7 +271,7 @@ def snapped(points: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.float
 
 
 def _landmarks(source: TriangleMesh, target: TriangleMesh, truth: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Pick points far apart; around each of them the vertex whose image is nearest to a vertex of the target."""
+    """Pick points far apart, and around each the vertex whose image is nearest to a vertex of the target."""
     graph = surface_graph(source)
     offsets = np.linalg.norm(truth[:, None] - target.vertices, axis=2)
     nearest, gaps = offsets.argmin(axis=1), offsets.min(axis=1)
@@ -284,7 +284,7 @@ def _landmarks(source: TriangleMesh, target: TriangleMesh, truth: NDArray[np.flo
 
 
 def far_apart(graph: csr_array, count: int) -> list[int]:
-    """Choose vertices that are far from each other, the first one farthest from some other."""
+    """Choose vertices far from each other by farthest-point sampling; the first is farthest from some other vertex."""
     first = int(dijkstra(graph, indices=0).argmax())
     chosen = [first]
     away = dijkstra(graph, indices=first)
@@ -310,11 +310,11 @@ class Geodesics:
 
     @property
     def finder(self) -> ClosestPointFinder:
-        """Finds points of the surface."""
+        """Finds closest points of the surface."""
         return self._finder
 
     def between(self, points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the distance of each point, (n, 3), to the other with the same number."""
+        """Return the distances between corresponding points of two arrays, (n, 3)."""
         first, second = (self._finder.find(some) for some in (points, others))
         i, j = (self._mesh.faces[found.triangles] for found in (first, second))
         far = np.einsum("na,nb,nab->n", first.shares, second.shares, self._between[i[:, :, None], j[:, None]])
@@ -323,7 +323,7 @@ class Geodesics:
         return np.where(far < _NEAR + blurred, straight, np.maximum(far, straight))
 
     def _to_corners(self, found: ClosestPoints) -> NDArray[np.float64]:
-        """Return mean distances of points to the corners of their triangles, by their shares."""
+        """Return mean distances of points to the corners of their triangles, weighted by barycentric coordinates."""
         corners = self._mesh.corners[found.triangles]
         offsets = corners - found.interpolated(self._mesh.corners)[:, None]
         return np.einsum("nc,nc->n", found.shares, np.linalg.norm(offsets, axis=2))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat morphs: seconds of all frames, and one barycenter beside POT to the same error."""
+"""Flat morphs: seconds for all frames, and one barycenter compared with POT at the same error."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from .peers import COLUMNS, TOLERANCE, Runner
 from .processes import PROJECT, measured
 
 _HEADING = """
-{frames} frames from one shape to another: rasterizing, solving, outlines and where matter comes from. Two threads of
-ours, one of BLAS in each; fit is for Bezier curves of all frames, within 0.15 cells.
+{frames} frames from one shape to another: rasterizing, solving, outlines and origins of the material. Our code uses two
+threads with one BLAS thread each; fit means Bezier curves for all frames, within 0.15 cells.
 
 {cells:>6}  {name:18} {cpu:>8} {wall:>8} {fit:>8} {points:>7} {fitted:>7} {sigma:>6} {megabytes:>6}"""
 _PEERS = "\nOne cold barycenter of silhouettes, t = 0.5, to {percent:.0f} % marginal error, one thread\n"
 
 
 def main(resolutions: list[int], frames: int, side: int, limit: float, program: Path | None = None) -> None:
-    """Print a table of morphs, and one of silhouettes beside POT.
+    """Print a table of morphs, and one of silhouettes compared with POT.
 
     Parameters
     ----------
     resolutions : list of int
         Cells along the longest side of the morphs.
     frames : int
-        From one shape to the other.
+        Number of frames from one shape to the other.
     side : int
-        Of the silhouettes, in cells.
+        Size of the silhouettes in cells.
     limit : float
-        CPU seconds that a run of a peer may take.
+        CPU seconds allowed for a run of a peer.
     program : Path, optional
-        A Python that has POT; by default an environment for it is made.
+        A Python with POT; by default an environment is created for it.
     """
     names = ("cells", "name", "cpu", "wall", "fit", "points", "fitted", "sigma", "megabytes")
     titles = ("cells", "shapes", "CPU s", "wall s", "fit s", "points", "fitted", "blur", "MB")

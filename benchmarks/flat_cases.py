@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat morphs that are measured, each in a process of its own."""
+"""Flat morphs to measure, each in its own process."""
 
 from __future__ import annotations
 
@@ -52,14 +52,14 @@ PAIRS = {
         _shape(_ellipse(0, 0, 0.8, 0.8), _ellipse(1.8, 1, 0.8, 0.8), _ellipse(3.6, 0, 0.8, 0.8)),
     ),
 }
-"""By name, two shapes in scene units."""
+"""Two shapes in scene units, by name."""
 
 
 def frames(name: str, cells: int, count: int) -> dict[str, object]:
     """Make all frames from one shape to another, and fit curves to them."""
     settings = FlatSettings(resolution=cells, motion="transport")
     clock = Clock()
-    # One more, since the two ends are the shapes themselves.
+    # One more step than frames: the two ends are the shapes themselves.
     steps = flat_morph(PAIRS[name], name.split(" to "), path_blends(2, count + 1), settings, workers=2)
     made = [step.payload for step in steps if step.payload is not None and step.payload.outline is not None]
     used = clock.read()

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What GeomLoss needs to be measured: its lines without KeOps, its squares and cubes, and an eye on its iterations.
+"""Adapters to measure GeomLoss: soft-min on lines without KeOps, padding to cubes, and a stopping rule.
 
-Its barycenter returns a density and nothing else, has no stopping rule, and takes soft-mins with KeOps, which compiles.
+GeomLoss' barycenter returns only a density, has no stopping rule, and needs KeOps, a compiler, for its soft-min.
 Nothing here imports PyTorch, so that it can be tested without.
 """
 
@@ -15,23 +15,23 @@ from numpy.typing import NDArray
 
 from .clock import Clock
 
-# Numbers of a log-sum-exp at a time: they stay in the processor's cache.
+# Numbers in one block of a log-sum-exp: they fit into the processor's cache.
 _BLOCK = 1 << 18
 _EVERY = 5
-# Iterations for each halving of the blur, its default, and a little more than the blur falls by in one.
+# Iterations per halving of the blur (the default), and slightly more than the factor of the blur in one iteration.
 SCALING = 10
 _STEP = 1.01 * 2 ** (1 / SCALING)
 
 
 class Lines:
-    """Does with PyTorch what GeomLoss' soft-min on grids asks of KeOps' LazyTensor.
+    """Implements with PyTorch the operations on KeOps' LazyTensor that GeomLoss' soft-min on grids uses.
 
     Parameters
     ----------
     values : (b, 1, n, 1), (1, n, 1, 1) or (1, 1, n, 1) tensor
         Logarithms along lines, or coordinates.
     cost : tensor or None
-        Is subtracted when a value is wanted.
+        Subtracted on evaluation.
     """
 
     def __init__(self, values, cost=None) -> None:
@@ -45,7 +45,7 @@ class Lines:
         return Lines((self.values - self._cost) ** power)
 
     def logsumexp(self, dim: int):
-        """Return the log-sum-exp along a dimension, block by block: all at once would be n^4 numbers on a cube."""
+        """Return the log-sum-exp along a dimension, in blocks: at once it would take n^4 numbers on a cube."""
         step = max(1, _BLOCK // (self._cost.shape[1] * self._cost.shape[2]))
         found = self.values.new_empty((len(self.values), self._cost.shape[1], 1))
         for start in range(0, len(found), step):
@@ -54,12 +54,12 @@ class Lines:
 
 
 def in_cube(densities: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return densities on a square or cube with a power of two of cells to a side, which is all that GeomLoss takes.
+    """Center densities in a square or cube with a power of two of cells per side, which GeomLoss requires.
 
     Parameters
     ----------
     densities : (k, *shape)
-        Each is put into the middle.
+        Densities on a smaller grid.
     """
     shape = densities.shape[1:]
     side = 1 << (max(shape) - 1).bit_length()
@@ -69,7 +69,7 @@ def in_cube(densities: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def out_of_cube(values: NDArray[np.floating], shape: tuple[int, ...]) -> NDArray[np.floating]:
-    """Return the middle of a cube: the part that `in_cube` took from there."""
+    """Return the center of a cube, the inverse of `in_cube`."""
     return values[(..., *_middle(shape, values.shape[-1]))]
 
 
@@ -78,36 +78,36 @@ def _middle(shape: tuple[int, ...], side: int) -> tuple[slice, ...]:
 
 
 class Reached(Exception):
-    """The error is small enough; GeomLoss' loop would go on."""
+    """The error is small enough; raised to leave GeomLoss' loop."""
 
 
 class Watch:
-    """Stands where GeomLoss calls its iteration: does that, keeps what it returns, and tests the error.
+    """Replaces GeomLoss' iteration: runs it, keeps its result and tests the error.
 
-    A plan's scalings are ``a exp(g / eps)`` on the side of the input and ``bar exp(f / eps)`` on that of the
-    barycenter: GeomLoss' potentials are about the product of the two densities, ours about the kernel alone.
+    A plan's scalings are ``a exp(g / eps)`` on the side of the input and ``bar exp(f / eps)`` on the barycenter's
+    side: GeomLoss' potentials refer to the product of the two densities, ours to the kernel alone.
 
     Parameters
     ----------
     iteration, softmin : callable
-        GeomLoss' own.
+        GeomLoss' own functions.
     blur : float
-        That the loop comes down to; before, and on coarser grids, nothing is tested.
+        Final blur of the loop; with a larger blur and on coarser grids, the error is not tested.
     side : int
         Cells along a side of the finest grid.
     threshold : float
-        The error that is small enough.
+        Sufficient error.
     clock : Clock
-        Is paused for the tests.
+        Paused during the tests.
 
     Attributes
     ----------
     iterations : int
-        So far, on all grids.
+        Number so far, on all grids.
     log_density : (*shape)
         Logarithm of the barycenter after the last iteration.
     log_v : (k, *shape)
-        Logarithms of the scalings on the side of the barycenter.
+        Logarithms of the scalings on the barycenter's side.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class Watch:
         """
         target = self._blur**p
         is_last = ak_log.shape[-1] == self._side and eps < _STEP**p * target
-        # Down to a blur of one cell its schedule ends one step short of it.
+        # For a blur of one cell, GeomLoss' schedule ends one step too early.
         eps = target if is_last else eps
         found = self._iteration(f_k, g_k, d_log, eps, p, ak_log, w_k)
         self.iterations += 1
@@ -142,7 +142,7 @@ class Watch:
         return found
 
     def _error(self, log_v, eps: float, p: int, ak_log) -> float:
-        """Return the largest sum |v H(a / H(v)) - bar|, with the densities of mass one."""
+        """Return the largest sum |v H(a / H(v)) - bar|, for densities of mass one."""
         log_w = ak_log + self._softmin(eps, p, log_v) / eps
         through = np.asarray(log_v - self._softmin(eps, p, log_w) / eps, np.float64)[0]
         bar = np.exp(self.log_density.astype(np.float64))

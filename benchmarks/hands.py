@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hands of any build with their fingers spread, bent or together, seen from the palm (-Y), fingers up."""
+"""Hands of any build with fingers spread, bent or together, seen from the palm (-Y), fingers up."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Build:
     width, height, depth : float
         Half-width, height and half-depth of the palm.
     lengths, radii : tuple of float
-        Of the fingers, from the one beside the thumb.
+        For each finger, starting next to the thumb.
     thumb : (float, float)
         Length and radius.
     """
@@ -38,14 +38,14 @@ class Build:
 
 @dataclass(frozen=True)
 class Gesture:
-    """Angles in degrees, one per finger and then the thumb's.
+    """Angles in degrees, for each finger and finally the thumb.
 
     Attributes
     ----------
     spread : tuple of float
-        Turn of the finger in the plane of the palm, towards the thumb.
+        Rotation of the finger in the plane of the palm, towards the thumb.
     bend : tuple of float
-        How far every joint of the finger bends towards the palm's front.
+        Bend of every joint of the finger towards the front of the palm.
     """
 
     spread: tuple[float, ...]
@@ -61,7 +61,7 @@ class Hand:
 
 
 def hand(build: Build, gesture: Gesture, seed: int) -> Hand:
-    """Sculpt a hand whose wrist ends at z = 0, its thumb at x < 0."""
+    """Sculpt a hand with its wrist at z = 0 and its thumb at x < 0."""
     clay = Sculpture(seed)
     wrist, top = 0.28, 0.28 + build.height
     palm = [(0, 0, 0.05), (0, 0, wrist), (0, 0, wrist + 0.4 * build.height), (0, 0, top - 0.08)]
@@ -92,7 +92,7 @@ def hand(build: Build, gesture: Gesture, seed: int) -> Hand:
 def _chain(
     root: NDArray[np.float64], length: float, shares: tuple[float, ...], spread: float, bend: float
 ) -> NDArray[np.float64]:
-    """Joints of a finger from its root to its tip: in the plane that `spread` turns, bending towards -Y."""
+    """Return the joints of a finger from root to tip: in the plane rotated by `spread`, bending towards -Y."""
     outward = np.array([-np.sin(np.radians(spread)), 0.0, np.cos(np.radians(spread))])
     points = [root]
     for number, share in enumerate(shares):
@@ -110,6 +110,6 @@ GLOVE = Build(
 
 SPREAD = Gesture((20.0, 5.0, -9.0, -24.0, 52.0), (4.0,) * 5)
 BENT = Gesture((7.0, 2.0, -3.0, -8.0, 46.0), (2.0, 56.0, 58.0, 60.0, 12.0))
-"""The forefinger points, the others are bent."""
+"""The forefinger points; the others are bent."""
 GLOVE_OPEN = Gesture((16.0, 0.0, -17.0, 52.0), (4.0,) * 4)
 GLOVE_BENT = Gesture((13.0, -6.0, -14.0, 48.0), (3.0, 3.0, 62.0, 8.0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much a motion leaves to transport: the distance of the moved shapes beside that of the shapes."""
+"""How much of the transport a motion leaves: distance between the moved shapes relative to that of the shapes."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _TOLERANCE, _MOST_ROUNDS = 1e-2, 200
 
 
 def left_to_transport(motion: Motion, shapes: Sequence[TriangleMesh]) -> float:
-    """Return the largest W2 between two moved shapes over that between the two as they are, centers of mass together.
+    """Return the largest W2 between two moved shapes over the W2 of the shapes themselves, centers of mass aligned.
 
     Parameters
     ----------
     motion : Motion
-        Of two shapes.
+        The motion of the two shapes.
     shapes : sequence of TriangleMesh
         The two.
     """
@@ -38,7 +38,7 @@ def left_to_transport(motion: Motion, shapes: Sequence[TriangleMesh]) -> float:
 
 
 def _distance(meshes: Sequence[TriangleMesh]) -> float:
-    """Return W2 between two solids of mass 1, in their unit."""
+    """Return W2 between two solids of mass 1, in the unit of the meshes."""
     low = np.min([mesh.bounds[0] for mesh in meshes], axis=0)
     high = np.max([mesh.bounds[1] for mesh in meshes], axis=0)
     spacing = float((high - low).max()) / _CELLS
@@ -49,17 +49,17 @@ def _distance(meshes: Sequence[TriangleMesh]) -> float:
 
 
 @contextmanager
-def motions_noted() -> Iterator[list[Motion]]:
-    """Note the motions that morphs are made with in the body."""
-    noted: list[Motion] = []
+def recorded_motions() -> Iterator[list[Motion]]:
+    """Record the motions of all morphs made in the body."""
+    recorded: list[Motion] = []
     original = MovingProblem.__dict__["of"]
 
-    def noting(_kind: type, still: object, motion: Motion, *rest: object, **named: object) -> MovingProblem:
-        noted.append(motion)
+    def recording(_kind: type, still: object, motion: Motion, *rest: object, **named: object) -> MovingProblem:
+        recorded.append(motion)
         return original.__func__(MovingProblem, still, motion, *rest, **named)
 
-    MovingProblem.of = classmethod(noting)
+    MovingProblem.of = classmethod(recording)
     try:
-        yield noted
+        yield recorded
     finally:
         MovingProblem.of = original

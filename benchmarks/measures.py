@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How good a blend is, in numbers: what a mesh is made of, how wide a border is, how far surfaces are apart."""
+"""Measures of blends: topology of meshes, width of borders, distance of surfaces."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from skimage.measure import find_contours
 from convwass_addon.geometry.isosurface import surface_at_level
 from convwass_addon.geometry.mesh import TriangleMesh
 
-# Pieces of a smaller share of the volume are crumbs: at 64 cells, a few cells.
+# Components with a smaller fraction of the volume are crumbs: at 64 cells, a few cells.
 _CRUMB_SHARE = 1e-3
-# Triangles are cut so often before what lies within and beyond a sphere is told apart.
+# Triangles are subdivided this often before they are classified as inside or outside a sphere.
 _HALVINGS = 2
 
 
 @dataclass(frozen=True)
 class Topology:
-    """What a closed surface is made of.
+    """Topology of a closed surface.
 
     Attributes
     ----------
     pieces : int
         Connected solids.
     crumbs : int
-        Those among them that have less than a thousandth of the volume.
+        Solids with less than a thousandth of the volume.
     cavities : int
-        Closed surfaces that look inward: bubbles.
+        Closed surfaces that face inward: bubbles.
     euler : int
-        Vertices - edges + faces, of all surfaces together.
+        Vertices - edges + faces of all surfaces together.
     """
 
     pieces: int
@@ -47,17 +47,17 @@ class Topology:
 
     @property
     def handles(self) -> int:
-        """Handles of all surfaces together: each takes 2 off the 2 that a closed surface without any has."""
+        """Number of handles of all surfaces: each lowers the Euler number of a closed surface, 2, by 2."""
         return self.pieces + self.cavities - self.euler // 2
 
 
 def topology(mesh: TriangleMesh) -> Topology:
-    """Count the pieces, bubbles and handles of a closed surface whose every edge has two triangles.
+    """Count the components, bubbles and handles of a closed surface in which every edge has two triangles.
 
     Raises
     ------
     ValueError
-        An edge of the mesh has not exactly two triangles.
+        An edge does not have exactly two triangles.
     """
     tails, heads = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
     keys = np.minimum(tails, heads) * len(mesh.vertices) + np.maximum(tails, heads)
@@ -79,20 +79,20 @@ def topology(mesh: TriangleMesh) -> Topology:
 
 
 def edge_width(density: NDArray[np.float64], volume: float) -> float:
-    """Width in cells over which a density falls from 90 to 10 % of its plateau.
+    """Return the width in cells over which a density falls from 90 to 10 % of its plateau.
 
     Parameters
     ----------
     density : (nx, ny, nz) or (nx, ny) float64
         A solid, or an image, with a soft border.
     volume : float
-        Cells that the solid fills; the plateau is the median of so many of the densest cells.
+        Number of cells that the solid fills; the plateau is the median of that many densest cells.
 
     Returns
     -------
     float
-        The volume between 90 and 10 %, over the area of the surface at 50 %. Cells inside the solid that are thinner
-        than 90 % count as well, so a barycenter, which is not even inside, gets more than its border.
+        The volume between 90 and 10 % over the area of the surface at 50 %. Cells inside the solid with less than 90 %
+        count as well, so barycenters, which are uneven inside, seem to have a wider border.
     """
     plateau = float(np.median(np.sort(density, axis=None)[::-1][: round(volume)]))
     band = int(((density > 0.1 * plateau) & (density < 0.9 * plateau)).sum())
@@ -103,16 +103,16 @@ def edge_width(density: NDArray[np.float64], volume: float) -> float:
 
 
 def densest_cells(density: NDArray[np.float64], volume: float) -> NDArray[np.float64]:
-    """Return 1 in the densest cells that make up a volume, and 0 in the others."""
+    """Return 1 in the densest cells with the given total volume, and 0 elsewhere."""
     level = np.sort(density, axis=None)[::-1][round(volume)]
     return (density > level).astype(np.float64)
 
 
 def overlap_with_ball(mesh: TriangleMesh) -> float:
-    """Intersection over union of what a closed mesh encloses and the unit ball around the origin.
+    """Intersection over union of a closed mesh and the unit ball around the origin.
 
-    Both are integrated along the rays from the origin: a triangle at distance r from it stands for the cone below it,
-    of which min(r, 1)^3 / r^3 is within the ball. Triangles that look back take away what the ones behind them add.
+    Both are integrated along rays from the origin: a triangle at distance r contributes the signed cone below it, of
+    which the fraction min(r, 1)^3 / r^3 is inside the ball. Triangles that face the origin subtract.
     """
     corners = mesh.corners
     for _ in range(_HALVINGS):
@@ -125,7 +125,7 @@ def overlap_with_ball(mesh: TriangleMesh) -> float:
 
 
 def _halved(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cut every triangle, (n, 3, 3), into four of half the size, (4 n, 3, 3)."""
+    """Split every triangle, (n, 3, 3), into four of half the size, (4 n, 3, 3)."""
     a, b, c = np.moveaxis(corners, 1, 0)
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
@@ -133,7 +133,7 @@ def _halved(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def thin_volume(filled: NDArray[np.bool_], radius: float) -> int:
-    """Cells of a solid into which no ball of `radius` cells reaches that fits into the solid: what an opening takes."""
+    """Count the cells removed by a morphological opening with a ball of `radius` cells."""
     deep = distance_transform_edt(filled) > radius
     if not deep.any():
         return int(filled.sum())
@@ -141,7 +141,7 @@ def thin_volume(filled: NDArray[np.bool_], radius: float) -> int:
 
 
 def inside(points: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.bool_]:
-    """Tell which points, (n, 3), a closed mesh encloses: those from which the nearest triangle is seen from behind."""
+    """Tell which points, (n, 3), are inside a closed mesh: those behind the nearest triangle."""
     tree = _search_tree(mesh)
     found = [tree.find_nearest(point)[:2] for point in points.tolist()]
     nearest, normals = (np.array([hit[i] for hit in found]) for i in range(2))
@@ -149,7 +149,7 @@ def inside(points: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.bool_]
 
 
 def mean_surface_distance(one: TriangleMesh, other: TriangleMesh) -> float:
-    """Mean distance of the vertices of each mesh to the surface of the other, in the meshes' unit."""
+    """Mean distance of the vertices of each mesh to the surface of the other, in the unit of the meshes."""
     return (_distance_to(one.vertices, other) + _distance_to(other.vertices, one)) / 2
 
 
@@ -163,9 +163,9 @@ def _search_tree(mesh: TriangleMesh) -> BVHTree:
 
 
 def largest_second_difference(curve: ArrayLike) -> tuple[float, int]:
-    """Return the largest bend of a curve, (n,) or (n, d), and the index at which it is: 0 on any straight line.
+    """Return the largest bend of a curve, (n,) or (n, d), and its index; 0 for a straight line.
 
-    The second difference at k is c[k - 1] - 2 c[k] + c[k + 1]; of a curve of points its length counts.
+    The second difference at k is c[k - 1] - 2 c[k] + c[k + 1]; for curves of points, its length.
     """
     bends = np.diff(np.asarray(curve, dtype=np.float64), n=2, axis=0)
     sizes = np.abs(bends) if bends.ndim == 1 else np.linalg.norm(bends, axis=1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes with any number of vertices, and densities on them; nothing but NumPy and SciPy."""
+"""Shapes with any number of vertices, and densities on them; needs only NumPy and SciPy."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.spatial import ConvexHull
 
-# Wave vectors, phases and heights of the blob's bumps: a few waves across, no symmetry, no fold.
+# Wave vectors, phases and heights of the blob's bumps: few waves, no symmetry, no folds.
 _WAVES = np.array([[2.1, 0.4, -1.3], [-0.7, 2.6, 0.9], [1.2, -1.9, 2.8], [3.4, 1.5, 0.6], [-2.2, 1.1, 3.7]])
 _PHASES = np.array([0.3, 1.9, 4.4, 2.7, 5.6])
 _HEIGHTS = np.array([0.16, 0.12, 0.09, 0.06, 0.05])
-# Of the bumps, in the von Mises-Fisher distribution's terms: a standard deviation of about 17 degrees per axis.
+# Concentration of the von Mises-Fisher distributions: a standard deviation of about 17 degrees per axis.
 _CONCENTRATION = 12.0
 
 
 def sphere(count: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Triangulate the sphere of unit area with exactly `count` vertices, all about equally far apart.
+    """Triangulate the sphere of unit area with exactly `count` nearly evenly spaced vertices.
 
     The vertices lie on a spherical Fibonacci lattice (Á. González, "Measurement of Areas on a Sphere Using Fibonacci
     and Latitude-Longitude Lattices", Mathematical Geosciences 42, 2010); their convex hull is the triangulation.
@@ -26,7 +26,7 @@ def sphere(count: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     Returns
     -------
     vertices : (count, 3) float64
-        On the sphere around the origin for which the triangles have unit area.
+        On a sphere around the origin, scaled so that the triangles have unit area.
     faces : (2 count - 4, 3) int64
         Counterclockwise seen from outside.
     """
@@ -42,7 +42,7 @@ def sphere(count: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def blob(count: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the same smooth bumpy shape for every `count`: the sphere, moved in and out by a few waves."""
+    """Return a smooth bumpy shape, the same for every `count`: the sphere displaced radially by a few waves."""
     vertices, faces = sphere(count)
     directions = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
     radii = 1.0 + np.cos(directions @ _WAVES.T + _PHASES) @ _HEIGHTS
@@ -50,8 +50,8 @@ def blob(count: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def edge_graph(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> csr_array:
-    """Return the graph of a closed mesh's edges, with their lengths, in both directions."""
-    # Every edge belongs to two triangles, once in each direction.
+    """Return the edge graph of a closed mesh, weighted by length, in both directions."""
+    # Every edge belongs to two triangles that traverse it in opposite directions.
     tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     lengths = np.linalg.norm(vertices[tails] - vertices[heads], axis=1)
     return coo_array((lengths, (tails, heads)), shape=(len(vertices), len(vertices))).tocsr()
@@ -63,7 +63,7 @@ def random_densities(count: int, trials: int) -> NDArray[np.float64]:
 
 
 def bumps(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return two smooth densities of two bumps each, (2, n), at points of a sphere around the origin, (n, 3)."""
+    """Return two smooth densities of two bumps each, (2, n), at points on a sphere around the origin, (n, 3)."""
     directions = points / np.linalg.norm(points, axis=1, keepdims=True)
     centers = np.array([[[0.6, -0.6, 0.5], [-0.7, -0.3, -0.6]], [[0.9, 0.3, 0.1], [-0.2, 0.1, -1.0]]])
     centers /= np.linalg.norm(centers, axis=-1, keepdims=True)
@@ -73,7 +73,7 @@ def bumps(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def great_circle_distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the lengths of the shortest ways between all points of a sphere around the origin, (n, n)."""
+    """Return the geodesic distances between all points on a sphere around the origin, (n, n)."""
     radii = np.linalg.norm(points, axis=1)
     directions = points / radii[:, None]
     return radii.mean() * np.arccos(np.clip(directions @ directions.T, -1.0, 1.0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the meshes of a level set are like, beside those of Blender's Remesh and of OpenVDB's adaptive meshing."""
+"""Quality of level set meshes, compared with Blender's Remesh and OpenVDB's adaptive meshing."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from .processes import measured
 SHAPES = ("ball", "torus", "turned box", "horse", "octopus")
 
 _HEADING = """
-Shapes at {cells} cells, blurred as in a morph, meshed in several ways. Remesh gets the mesh of marching cubes and
-voxels of one cell.
+Shapes at {cells} cells, blurred as in a morph, meshed in several ways. Remesh receives the mesh of marching cubes and
+uses voxels of one cell.
 
-angle     of the smallest angles of all triangles, the first percentile and the median, degrees
-edges     first percentile, median and 99th percentile of their lengths, cells
-off       mean distance of the vertices to the true surface, cells; turn: mean angle of their normals to the true ones
-volume    difference from the shape's
-topology  difference of the Euler number from marching cubes', and edges with other than two triangles
+angle     first percentile and median of the smallest angles of all triangles, degrees
+edges     first percentile, median and 99th percentile of the lengths, cells
+off       mean distance of the vertices from the true surface, cells; turn: mean angle of their normals to the true ones
+volume    difference from the volume of the shape
+topology  difference of the Euler number from marching cubes, and number of edges without exactly two triangles
 """
 
 
 def print_meshes(cells: int) -> None:
-    """Mesh all shapes in all ways and print a table."""
+    """Mesh all shapes with all methods and print a table."""
     print(_HEADING.format(cells=cells))
     print(
         f"{'shape':11} {'method':23} {'triangles':>9} {'angle':>10} {'edges':>14} {'off':>6} {'turn':>5} {'volume':>8} "

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ways to mesh a level set, one per process: ``python -m benchmarks.meshing_cases CASE OPTIONS`` prints JSON."""
+"""Methods to mesh a level set, one per process: ``python -m benchmarks.meshing_cases CASE OPTIONS`` prints JSON."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .blends import ASSETS, read_meshes
 from .clock import Clock
 from .coherence_measures import WORST_PERCENTILE, smallest_angles
 
-# Blur with which a morph's surfaces are read.
+# Blur of a morph's density before its surface is extracted.
 _BLUR = 0.7
 _TURN = Rotation.from_euler("xyz", (0.4, 0.3, 0.2))
 _HALF = np.array([0.5, 0.4, 0.3])
@@ -39,14 +39,14 @@ _FINE = 200_000
 
 @dataclass(frozen=True)
 class Solid:
-    """A shape to be meshed.
+    """A shape to mesh.
 
     Attributes
     ----------
     mesh : TriangleMesh
         In scene units.
     depth : callable or None
-        Signed distance of points, (n, 3), to its surface, positive inside, where that is known.
+        Signed distance of points, (n, 3), to its surface, positive inside; None if unknown.
     """
 
     mesh: TriangleMesh
@@ -54,7 +54,7 @@ class Solid:
 
 
 def solid(name: str) -> Solid:
-    """Return a ball, a torus or a box whose distances are known, or a sample shape."""
+    """Return a ball, torus or box with known distances, or a sample shape."""
     if name == "ball":
         return Solid(ball(points=_FINE // 4), lambda points: 1.0 - np.linalg.norm(points, axis=1))
     if name == "torus":
@@ -75,17 +75,17 @@ def _depth_of_box(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def marching_cubes(surface: LevelSurface, density: NDArray[np.float32]) -> TriangleMesh:
-    """Take the surface as it was drawn."""
+    """Return the level surface unchanged."""
     return surface.mesh
 
 
 def even(surface: LevelSurface, density: NDArray[np.float32]) -> TriangleMesh:
-    """Mesh it as morphs do."""
+    """Mesh the surface as morphs do."""
     return even_surface(surface, density).mesh
 
 
 def remeshed(adaptivity: float) -> Callable[[LevelSurface, NDArray[np.float32]], TriangleMesh]:
-    """Return what lets Blender's modifier Remesh, which is OpenVDB's, mesh a surface anew with voxels of one cell."""
+    """Return a function that remeshes a surface with Blender's Remesh modifier (OpenVDB) at voxels of one cell."""
 
     def remesh(surface: LevelSurface, density: NDArray[np.float32]) -> TriangleMesh:
         mesh = bpy.data.meshes.new("Drawn")
@@ -109,7 +109,7 @@ METHODS = {
 
 
 def meshed(shape: str, method: str, cells: int) -> dict[str, object]:
-    """Mesh a shape as a morph would read it, and measure the mesh."""
+    """Mesh a shape as a morph does, and measure the mesh."""
     whole = solid(shape)
     lattice = Lattice.around([whole.mesh], cells, 1.25)
     filled = occupancy(lattice.to_cells(whole.mesh, 0), lattice.shape)
@@ -147,7 +147,7 @@ def _turn(
     normals: NDArray[np.float64],
     spacing: float,
 ) -> float:
-    """Return by how many degrees normals are off, in the mean over points where the surface is smooth."""
+    """Return the mean angle in degrees between normals and the true ones, where the surface is smooth."""
     step = 1e-3 * spacing
     slopes = np.stack([depth(points - step * axis) - depth(points + step * axis) for axis in np.eye(3)], axis=1)
     slopes /= np.linalg.norm(slopes, axis=1, keepdims=True)
@@ -159,5 +159,5 @@ CASES = {"meshed": meshed}
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

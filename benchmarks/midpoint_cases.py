@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our side of midpoints on surfaces, one case per process: ``python -m benchmarks.midpoint_cases CASE OPTIONS``.
+"""Convwass's midpoints on surfaces, one case per process: ``python -m benchmarks.midpoint_cases CASE OPTIONS``.
 
 Every case prints one line of JSON. None of them needs Blender.
 """
@@ -21,12 +21,12 @@ from .meshes import blob
 from .processes import peak_megabytes
 from .surface_cases import caps, ladder
 
-# Values that the kernel is applied to at once.
+# Number of values that the kernel is applied to at once.
 _VALUES_AT_ONCE = 1 << 22
 
 
 def own(folder: str, count: int, tolerance: float) -> dict[str, object]:
-    """Solve the midpoint; write the masses of the two caps, (2, n), and those of the midpoint, (n,), to a folder."""
+    """Solve the midpoint; write the masses of the two caps, (2, n), and of the midpoint, (n,), to a folder."""
     mesh = blob(count)
     clock = Clock()
     surface = Surface(*mesh)
@@ -34,7 +34,7 @@ def own(folder: str, count: int, tolerance: float) -> dict[str, object]:
     setup = clock.read()["cpu"]
     densities = caps(surface)
     clock = Clock()
-    # Two marginals that are both so near to the midpoint differ by no more than the tolerance.
+    # If both marginals differ from the midpoint by at most half the tolerance, they differ by at most the tolerance.
     found = barycenter(densities, [0.5, 0.5], surface, tolerance=0.5 * tolerance)
     used, peak = clock.read(), peak_megabytes()
     masses = densities * surface.weights
@@ -52,9 +52,9 @@ def own(folder: str, count: int, tolerance: float) -> dict[str, object]:
 
 
 def costs(folder: str, count: int) -> dict[str, object]:
-    """Write the squared distances between all vertices, less gamma times the logarithm of a column's area, (n, n).
+    """Write the squared distances between all vertices, minus gamma times the logarithm of a column's area, (n, n).
 
-    What POT scales is exp(-cost / gamma); the area of the vertex on the side of the barycenter is a factor of it then.
+    POT scales exp(-cost / gamma), which thereby contains the vertex area on the barycenter's side as a factor.
     """
     surface = Surface(*blob(count))
     clock = Clock()
@@ -67,7 +67,7 @@ def costs(folder: str, count: int) -> dict[str, object]:
 
 
 def all_distances(surface: Surface) -> NDArray[np.float64]:
-    """Distances between all vertices in lengths of the domain, the mean of both directions, (n, n)."""
+    """Distances between all vertices in lengths of the domain, averaged over both directions, (n, n)."""
     count = surface.shape[0]
     lengths = np.empty((count, count))
     at_once = max(1, _VALUES_AT_ONCE // count)
@@ -80,14 +80,14 @@ def all_distances(surface: Surface) -> NDArray[np.float64]:
 
 
 def marginals_apart(log_v: NDArray[np.float64], masses: NDArray[np.float64], surface: Surface) -> float:
-    """Sum of the differences between the two plans' marginals where they meet.
+    """Return the sum of the differences between the two plans' marginals at the midpoint.
 
     Parameters
     ----------
     log_v : (2, n)
-        Logarithms of the scalings on the side of the barycenter; on the other side the plans have the right marginals.
+        Logarithms of the scalings on the barycenter's side; on the other side, the plans have the exact marginals.
     masses : (2, n)
-        Of the two densities.
+        Masses of the two densities.
     surface : Surface
         With the kernel.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Halfway between two densities on a surface, by a dense matrix of all distances and by ours."""
+"""Midpoints between two densities on a surface, by POT with a dense distance matrix and by Convwass."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ import numpy as np
 from .processes import measured, reports
 
 SIZES = (1000, 2500, 5000, 10_000)
-"""Vertices of the meshes."""
+"""Numbers of vertices of the meshes."""
 
 _OURS = "benchmarks.midpoint_cases"
 _THEIRS = "benchmarks.barycenter_peers"
-# Wall seconds that a CPU second may take on a machine that has other work.
+# Wall seconds allowed per CPU second on a busy machine.
 _BUSY = 6.0
 _MEGABYTES = 6000
 
 _HEADING = """
-Halfway between two caps on a bumpy shape, plain, to {percent:.0f} % marginal error, double precision, one thread.
+Midpoint of two caps on a bumpy shape, plain, to {percent:.0f} % marginal error, double precision, one thread.
 
-setup    CPU s that come first and once per mesh, not in CPU s and wall s: for ours the Laplacian, its factorization
-         and coarser meshes, for POT the distances between all vertices
-error    sum of the difference of the marginals of the two plans that meet halfway; POT returns no scalings, and this
-         is twice what it reports, the sum of the two marginals' standard deviations
-MB       peak memory, without that of the setup for POT
-L1       between the two results, as masses of the vertices
-POT gets masses, our gamma, and squared distances that our kernel measures on the same mesh. They are within 5 % on a
-sphere; paths along edges take a quarter of the time and are 5 to 9 % too long. POT knows no areas of vertices, so
--gamma ln(area) is added to its costs; its plans have the areas as their reference then, as ours have. Its cost stays
-quadratic far away, where that of our kernel turns linear, and this is why the results differ: by costs of
--gamma ln H, for our kernel H, L1 was 0.0002 at 2500 vertices. It tests its error at every tenth iteration, and is
-stopped at {limit:.0f} CPU s (*) and {gigabytes:g} GB. Our iterations are those on all coarser meshes, too.
+setup    CPU s of preparation, once per mesh, not included in CPU s and wall s: for Convwass the Laplacian, its
+         factorization and coarser meshes; for POT the distances between all vertices
+error    sum of the differences between the marginals of the two plans at the midpoint; POT returns no scalings, so this
+         is twice the error it reports, the sum of the two marginals' standard deviations
+MB       peak memory, for POT without the setup
+L1       distance between the two results, as masses of the vertices
+POT receives masses, our gamma, and squared distances measured by our kernel on the same mesh. They are accurate to 5 %
+on a sphere; paths along edges would take a quarter of the time and are 5 to 9 % too long. POT has no vertex areas, so
+-gamma ln(area) is added to its costs, which makes the areas the reference measure of its plans, as in ours. POT's cost
+is quadratic at any distance, while the cost of our kernel becomes linear far away; hence the results differ: with costs
+-gamma ln H for our kernel H, L1 was 0.0002 at 2500 vertices. POT tests its error every ten iterations, and is stopped
+at {limit:.0f} CPU s (*) and {gigabytes:g} GB. Our iterations include those on all coarser meshes.
 """
 
 
@@ -44,11 +44,11 @@ def main(sizes: list[int], program: str | Path, limit: float, tolerance: float) 
     Parameters
     ----------
     sizes : list of int
-        Vertices of the meshes.
+        Numbers of vertices of the meshes.
     program : str or Path
-        Python with POT.
+        A Python with POT.
     limit : float
-        CPU seconds that a run of POT may take.
+        CPU seconds allowed for a run of POT.
     tolerance : float
         The marginal error to reach.
     """
@@ -63,7 +63,7 @@ def main(sizes: list[int], program: str | Path, limit: float, tolerance: float) 
             _print(count, "Convwass", own, "")
             costs = measured(_OURS, "costs", folder=folder, count=count)
             report = _pot(folder, program, limit, own["gamma"], tolerance)
-            apart = "" if "failed" in report else f"{_apart(Path(folder)):6.3f}"
+            apart = "" if "failed" in report else f"{_difference(Path(folder)):6.3f}"
             _print(count, report.get("program", "POT"), {"setup": costs["cpu"], **report}, apart)
 
 
@@ -73,13 +73,13 @@ def _pot(folder: str, program: str | Path, limit: float, gamma: float, tolerance
     return found[-1] if found else {"failed": "*"}
 
 
-def _apart(folder: Path) -> float:
+def _difference(folder: Path) -> float:
     own, other = (np.load(folder / name) for name in ("own.npy", "barycenter.npy"))
     return float(np.abs(own / own.sum() - other / other.sum()).sum())
 
 
 def _print(count: int, name: str, report: dict[str, object], apart: str) -> None:
-    """Print what a run took and found; what went wrong instead where something did."""
+    """Print the costs and results of a run, or its failure."""
     start = f"{count:8}  {name:16} {report['setup']:7.2f} "
     if "failed" in report:
         print(f"{start}{report['failed']:>8}", flush=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The morph by stage, and single barycenters."""
+"""Cost of a morph by stage, and of single barycenters."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ SINGLE = (
 _SINGLE = """One cold barycenter, horse and bird, t = 0.5, to 1 % marginal error
 
 peak MB     largest resident memory of the process; Blender itself takes about 300 of it
-bytes/cell  what NumPy holds at the peak, over the cells of the grid: shapes, inputs and barycenter (tracemalloc)
+bytes/cell  NumPy's peak memory over the cells of the grid: shapes, inputs and barycenter (tracemalloc)
 """
 
 _PATH = """
 A morph from horse to bird, {frames} frames, from meshes to .blend, CPU s by stage
 
-solve wall  wall s from the start of the first solve to the end of the last
+solve wall  wall s from the start of the first solve to the end of the last one
 """
 
 
@@ -34,7 +34,7 @@ def main(resolutions: list[int], frames: int) -> None:
     resolutions : list of int
         Cells along the longest side.
     frames : int
-        Of the morph.
+        Number of frames of the morph.
     """
     print(_SINGLE)
     print(

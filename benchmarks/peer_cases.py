@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the paper's Table 1 compares with, one case per process: ``python -m benchmarks.peer_cases CASE OPTIONS``.
+"""The peers in the paper's Table 1, one case per process: ``python -m benchmarks.peer_cases CASE OPTIONS``.
 
-Every case prints a line of JSON per trial as soon as it is done. NumPy is all they need besides POT, which some of
-them import.
+Every case prints a line of JSON per trial as soon as the trial is done. They need only NumPy, and some of them POT.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ def linear_program(costs: NDArray[np.float64], _gamma: float) -> Solve:
 
 
 def pot(costs: NDArray[np.float64], gamma: float) -> Solve:
-    """POT's Sinkhorn iteration; its value is the cost of the entropic plan, without the entropy."""
+    """POT's Sinkhorn iteration; the value is the cost of the entropic plan without the entropy."""
     import ot
 
     def solve(first, second):
@@ -67,7 +66,7 @@ def dense(costs: NDArray[np.float64], gamma: float) -> Solve:
 
 
 def trials(solve: Solve, masses: NDArray[np.float64]) -> Iterator[dict[str, object]]:
-    """Yield what every trial took and found."""
+    """Yield the cost and the result of every trial."""
     for first, second in masses:
         start = time.process_time()
         value, iterations = solve(first, second)

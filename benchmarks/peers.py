@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One cold barycenter by other programs and by ours, to the same error by the same measure."""
+"""One cold barycenter by other programs and by Convwass, to the same error by the same measure."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ _OURS = "benchmarks.barycenter_cases"
 _THEIRS = "benchmarks.barycenter_peers"
 TOLERANCE = 0.01
 _TRIES = 5
-# Where a program's own error is not ours, it is asked for this much less than what would do.
+# If a program's own error differs from ours, it is asked for this fraction of the estimated sufficient error.
 _SAFETY = 0.8
-# Wall seconds that a CPU second may take on a machine that has other work.
+# Wall seconds allowed per CPU second on a busy machine.
 _BUSY = 6.0
 
 _HEADING = """
 One cold barycenter of horse and bird, t = 0.5, to {percent:.0f} % marginal error, double
 precision (GeomLoss: single), one thread.
 
-start     CPU s that come first and once per process, such as compiling; not in CPU s and wall s
-error     of the result and the scalings that a program returns, measured by us: the largest sum |v H(w) - mu|
+start     CPU s of preparation, once per process, such as compiling; not included in CPU s and wall s
+error     of the result and the scalings that a program returns, by our measure: the largest sum |v H(w) - mu|
 edge      cells over which the density falls from 90 to 10 % of its plateau
-Programs are asked for less of their own error until ours is reached; the row is the last run alone. None starts from a
-neighboring frame as ours does, so 24 frames take a peer 24 times as long. * is more than
+The allowed error of each program is lowered until ours is small enough; the row shows only the last run. No program
+can start from a neighboring frame as Convwass does, so 24 frames take a peer 24 times as long. * means more than
 {limit:.0f} CPU s.
-GeomLoss documents images alone, but its loop and its soft-min run on volumes. It takes squares and cubes with a power
-of two of cells to a side, so its rows name the one that the shapes were put into. Its soft-min uses PyTorch's
-log-sum-exp instead of KeOps. Its loop has no stopping rule: it is stopped by our error, tested at every fifth iteration
-and not counted.
+GeomLoss documents only images, but its loop and soft-min work on volumes. It accepts squares and cubes with a power of
+two of cells per side, so its rows name the size that the shapes were padded to. Its soft-min uses PyTorch's log-sum-exp
+instead of KeOps. Its loop has no stopping rule: it is stopped by our error, which is tested every five iterations and
+not timed.
 """
 
 COLUMNS = (
@@ -46,18 +46,18 @@ COLUMNS = (
 
 
 def main(resolutions: list[int], side: int, sizes: list[int], limit: float) -> None:
-    """Run all programs and print a table for volumes, one for images and one for surfaces.
+    """Run all programs and print tables for volumes, images and surfaces.
 
     Parameters
     ----------
     resolutions : list of int
         Cells along the longest side of the volumes.
     side : int
-        Of the images, in cells.
+        Size of the images in cells.
     sizes : list of int
-        Vertices of the surfaces.
+        Numbers of vertices of the surfaces.
     limit : float
-        CPU seconds that a run of a peer may take.
+        CPU seconds allowed for a run of a peer.
     """
     environment = PeersEnvironment.of(PROJECT)
     try:
@@ -69,14 +69,14 @@ def main(resolutions: list[int], side: int, sizes: list[int], limit: float) -> N
     print(COLUMNS)
     for cells in resolutions:
         runner.volumes(cells)
-    print(f"{'any':>14} {'any':>5}  {'POT':36} no barycenter of volumes in what it documents")
+    print(f"{'any':>14} {'any':>5}  {'POT':36} documents no barycenters of volumes")
     print(f"\nThe same of silhouettes, {side} x {side} cells\n\n{COLUMNS}")
     runner.images(side)
     midpoints.main(sizes, environment.program, limit, TOLERANCE)
 
 
 class Runner:
-    """Runs programs on shapes in a folder, and prints a row for each."""
+    """Runs programs on shapes in a folder and prints a row for each."""
 
     def __init__(self, program: Path, limit: float) -> None:
         self._program = program
@@ -104,7 +104,7 @@ class Runner:
             self._geomloss(folder, [side, side], side / 40)
 
     def beside_pot(self, side: int) -> None:
-        """Print the rows of silhouettes by POT and by ours alone."""
+        """Print the rows of silhouettes for POT and Convwass only."""
         with tempfile.TemporaryDirectory() as folder:
             self._beside_pot(folder, side)
 
@@ -145,7 +145,7 @@ class Runner:
 
 
 def _to_tolerance(run, folder: str, sigma: float) -> tuple[dict[str, object], dict[str, object]]:
-    """Run with less and less of a program's own error allowed, until ours is small enough."""
+    """Lower the program's own allowed error until our measure is small enough."""
     threshold = TOLERANCE
     for _ in range(_TRIES):
         report = run(threshold)
@@ -159,7 +159,7 @@ def _to_tolerance(run, folder: str, sigma: float) -> tuple[dict[str, object], di
 
 
 def _print(shape: list[int], sigma: float, name: str, report: dict[str, object], found: dict[str, object]) -> None:
-    """Print what a run took and found; what went wrong instead where something did."""
+    """Print the costs and results of a run, or its failure."""
     start = f"{' x '.join(map(str, shape)):>14} {sigma:5.2f}  {name:36} "
     if "failed" in report:
         print(f"{start}{report['failed']:>8}", flush=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cases in processes of their own, with one BLAS thread, so that CPU seconds and peak memory are theirs alone."""
+"""Run cases in processes of their own with one BLAS thread, so that CPU seconds and peak memory are theirs alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PROJECT = Path(__file__).resolve().parent.parent
 
 
 def measured(module: str, case: str, **options: object) -> dict[str, object]:
-    """Run one case in a fresh process and return what it reports, or end with its message."""
+    """Run one case in a fresh process and return its report, or exit with its error message."""
     try:
         command = _command(sys.executable, module, case, options)
         done = subprocess.run(command, check=True, **_surroundings())
@@ -26,18 +26,18 @@ def measured(module: str, case: str, **options: object) -> dict[str, object]:
 def reports(
     module: str, case: str, limit: float, *, program: str | Path = sys.executable, **options: object
 ) -> list[dict[str, object]]:
-    """Return the lines that a case has printed within `limit` seconds, or before it ran out of memory.
+    """Return the lines that a case printed within `limit` seconds, or before it ran out of memory.
 
     Parameters
     ----------
     module, case
         As on the command line: ``python -m MODULE CASE OPTIONS``.
     limit : float
-        Wall seconds.
+        Wall seconds allowed.
     program : str or Path
-        The Python to run it with.
+        The Python to run.
     options
-        Given to the case.
+        Options of the case.
     """
     command = _command(program, module, case, options)
     try:
@@ -45,7 +45,7 @@ def reports(
     except subprocess.TimeoutExpired as expired:
         output = expired.stdout or ""
         output = output if isinstance(output, str) else output.decode()
-        # What follows the last line break was cut off.
+        # Drop what follows the last line break: it is incomplete.
         return [json.loads(line) for line in output.split("\n")[:-1]]
     if done.returncode > 0 and "MemoryError" not in done.stderr:
         sys.exit(f"benchmark {case} {options} failed:\n{done.stderr}")
@@ -53,7 +53,7 @@ def reports(
 
 
 def peak_megabytes() -> float:
-    """Largest resident memory of this process so far; Blender itself takes about 300 of it."""
+    """Return the peak resident memory of this process; Blender itself takes about 300 of it."""
     try:
         import resource
     except ImportError:  # Windows

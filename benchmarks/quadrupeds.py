@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Four-legged animals of any build in any pose, looking along +X, with the joints of their legs and necks.
+"""Four-legged animals of any build in any pose, facing +X, with the joints of their legs and necks.
 
 Angles are in degrees in the plane of symmetry: 0 points forward (+X), 90 up.
 """
@@ -27,7 +27,7 @@ class Build:
     Attributes
     ----------
     trunk, neck, head, tail, ear, horn : float
-        Lengths; without horns 0.
+        Lengths; a horn of 0 means no horns.
     girth : tuple of float
         Radii of the trunk from hips to chest.
     neck_radii : (float, float)
@@ -59,7 +59,7 @@ class Build:
 
 @dataclass(frozen=True)
 class Pose:
-    """Angles in degrees; those of legs are of the upper and the lower segment, left (y > 0) before right."""
+    """Angles in degrees; for legs, of the upper and the lower segment, left (y > 0) before right."""
 
     trunk: float = 0.0
     neck: float = 42.0
@@ -76,11 +76,11 @@ class Quadruped:
     Attributes
     ----------
     sculpture : Sculpture
-        What it is made of.
+        The solids of the body.
     hips : (3,) float64
-        Where the trunk turns.
+        Center about which the trunk rotates.
     fore, hind : tuple of (3, 3) float64
-        Root, knee and foot of the legs, left before right.
+        Root, knee and foot of each leg, left before right.
     neck : (3, 3) float64
         Root of the neck, nape and muzzle.
     """
@@ -93,7 +93,7 @@ class Quadruped:
 
 
 def quadruped(build: Build, pose: Pose, seed: int) -> Quadruped:
-    """Sculpt an animal; its lowest foot stands on z = 0."""
+    """Sculpt an animal whose lowest foot stands on z = 0."""
     clay = Sculpture(seed)
     hips = np.array([0.0, 0.0, _hip_height(build, pose)])
     along, over = toward(pose.trunk), toward(pose.trunk + 90.0)
@@ -120,7 +120,7 @@ def toward(angle: float) -> Point:
 
 
 def _hip_height(build: Build, pose: Pose) -> float:
-    """Height of the hips at which the lowest foot is on the floor."""
+    """Return the height of the hips that puts the lowest foot on the floor."""
     over, along = toward(pose.trunk + 90.0), toward(pose.trunk)
     reaches = [_reach(build.hind, angles) - 0.2 * build.girth[0] * over[2] for angles in pose.hind]
     chest = build.trunk * along[2] - 0.3 * build.girth[-1] * over[2]
@@ -129,7 +129,7 @@ def _hip_height(build: Build, pose: Pose) -> float:
 
 
 def _reach(lengths: tuple[float, float, float], angles: tuple[float, float]) -> float:
-    """Height of the foot over the root of a leg."""
+    """Return the height of the foot relative to the root of the leg."""
     return sum(length * toward(angle)[2] for length, angle in zip(lengths, angles, strict=False))
 
 
@@ -246,6 +246,6 @@ REARING = Pose(
     hind=((-42.0, -118.0), (-42.0, -118.0)),
     tail=(200.0, 160.0),
 )
-"""On the hind legs, the forelegs lifted."""
+"""On the hind legs, with the forelegs lifted."""
 GRAZING = Pose(trunk=-6.0, neck=-50.0, head=-70.0, fore=((-104.0, -80.0), (-80.0, -96.0)), tail=(235.0, 262.0))
 """Head down."""

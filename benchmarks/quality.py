@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How true and how sharp blends are: against exact ones, and by what their surfaces are made of."""
+"""Accuracy and sharpness of blends: compared with exact blends, and by the topology of their surfaces."""
 
 from __future__ import annotations
 
@@ -15,52 +15,52 @@ from .processes import PROJECT, measured
 _CASES = "benchmarks.quality_cases"
 SHAPES = PROJECT / "assets" / "shapes"
 PAIRS = (("horse", "bird"), ("octopus", "horse"), ("dolphins", "bird"))
-"""Of the sample shapes."""
+"""Pairs of sample shapes."""
 MESH_PAIRS = (("spot", "bob"), ("blub", "spot"))
-"""Of a folder of other meshes: a file belongs to a name that it begins with."""
+"""Pairs from a folder of other meshes; names are prefixes of file names."""
 
 _SETTINGS = (("default", None), ("sharpness 1", 1.0), ("sharpness 0", 0.0))
 
 _ELLIPSOIDS = """
 Overlap (intersection over union) with the exact blend of two ellipsoids, {cells} cells, t = 0.25, 0.5, 0.75: the pair
-of the tests and five random ones.
+used in the tests and five random ones.
 
-cells     the densest cells that make up the exact blend's volume, against the cells whose centers are in it
+cells     the densest cells with the exact blend's volume, compared with the cells whose centers are inside it
 exact     surface enclosing the exact blend's volume
-linear    surface enclosing the interpolated volume, as a morph has it; the exact blend's volume is larger
-read      the exact blend's own occupancy, read as a morph's surface is: what the reading alone costs
+linear    surface enclosing the interpolated volume, as in a morph; the exact blend's volume is larger
+read      surface of the exact blend's own occupancy, extracted as in a morph: the error of the extraction alone
 """
 
 _HANDLES = """
-What the surfaces of {frames} frames are made of, {cells} cells.
+Topology of the surfaces of {frames} frames, {cells} cells.
 
-shapes    pieces and handles of the two shapes at this resolution, read as the frames are
-frames    that have more handles, or more pieces, than either shape; that have crumbs (pieces below 0.1 % of the
-          volume), that have bubbles
+shapes    components and handles of the two shapes at this resolution, extracted like the frames
+frames    number with more handles, or more components, than either shape; with crumbs (components below 0.1 % of the
+          volume); with bubbles
 """
 
 _EDGES = """
-Width in cells over which the density falls from 90 to 10 % of its plateau at t = 0.5, {cells} cells, and that of the
-two shapes themselves. The inside of a barycenter is not even, and what is below 90 % there counts as well.
+Width in cells over which the density falls from 90 to 10 % of its plateau at t = 0.5, {cells} cells, and the width for
+the two shapes. The inside of a barycenter is uneven, and cells below 90 % there count as well.
 """
 
 _LEGS = """
-A body on four legs of radius 1.5 cells and its image, {cells} cells: share of the legs that the blend's surface holds.
-The blends are known: the legs move, get shorter, or spread and widen to 2.4 cells.
+A body on four legs of radius 1.5 cells and its image, {cells} cells: fraction of the legs inside the blend's surface.
+The exact blends are known: the legs move, get shorter, or spread and widen to 2.4 cells.
 
-read      the exact blend's own occupancy, read as a morph's surface is
+read      surface of the exact blend's own occupancy, extracted as in a morph
 """
 
 _THIN = """
-Volume that no ball of radius 3 cells can enter, relative to what the two shapes have of it, interpolated; {cells}
-cells.
+Volume that a ball of radius 3 cells cannot enter, relative to the interpolated volume of this kind in the two shapes;
+{cells} cells.
 """
 
 _STABILITY = """
 {frames} frames at default settings. Volume in % of the mean; center and surface in cells.
 
-step      largest change from a frame to the next; of the surface, mean distance between the surfaces of neighbors
-bend      largest second difference of the curve, and the frame where it is
+step      largest change between consecutive frames; for the surface, their mean distance
+bend      largest second difference of the curve, and its frame
 """
 
 
@@ -72,12 +72,12 @@ def main(cells: int, meshes: Path | None, *, clean_only: bool = False, held_back
     cells : int
         Along the longest side.
     meshes : Path or None
-        A folder with further meshes; their pairs are added where both files are there.
+        A folder with additional meshes; their pairs are added if both files exist.
     clean_only : bool
-        Print only whether frames are clean.
+        Check only whether frames are clean.
     held_back : bool
-        See whether frames are clean on all pairs that are not looked at while parameters are chosen, instead of on
-        twelve, half of which are.
+        Check this on all pairs that no parameter was tuned on, instead of on twelve pairs, half of which were used for
+        tuning.
     """
     folder = None if meshes is None else str(meshes.absolute())
     print_clean_frames(half(meshes, tuned=False) if held_back else twelve(), cells, frames=24, meshes=folder)
@@ -137,7 +137,7 @@ def _print_handles(pairs: list[tuple[str, str]], cells: int, frames: int) -> Non
 
 
 def _extra(ends: list[dict[str, int]], frames: list[dict[str, int]]) -> dict[str, dict[int, int]]:
-    """Return, by kind, the frames that have more of it than either shape, and how much more; crumbs all count."""
+    """Return, by kind, the frames with more of it than either shape, and the excess; crumbs always count."""
     found = {}
     for kind in ("handles", "pieces", "crumbs", "cavities"):
         allowed = 0 if kind == "crumbs" else max(end[kind] for end in ends)

@@ -35,12 +35,12 @@ from .rods import Legged
 
 TIMES = (0.25, 0.5, 0.75)
 THIN_TIMES = (0.1, 0.5, 0.9)
-# What a ball of this radius cannot enter is thin.
+# Thin parts are those that a ball of this radius cannot enter.
 _THIN_RADIUS = 3.0
 
 
 def ellipsoid_pairs(cells: int, count: int = 5) -> list[tuple[Ellipsoid, Ellipsoid]]:
-    """Return the pair that the tests use, and `count` random ones, in a cube of `cells`."""
+    """Return the pair used in the tests and `count` random pairs in a cube of `cells`."""
     scale = cells / 64
     fixed = (
         Ellipsoid.rotated(scale * np.array([30, 31, 33]), scale * np.array([20, 9, 8]), [0.3, 0.5, 0.2]),
@@ -56,7 +56,7 @@ def ellipsoid_pairs(cells: int, count: int = 5) -> list[tuple[Ellipsoid, Ellipso
 
 
 def ellipsoids(cells: int, sharpness: float | None) -> dict[str, object]:
-    """Overlap with the exact blend of two ellipsoids, of the densest cells and of surfaces."""
+    """Measure the overlap of the densest cells and of surfaces with the exact blend of two ellipsoids."""
     settings = MorphSettings(resolution=cells, sharpness=sharpness)
     lattice = Lattice((cells,) * 3, 1.0, np.zeros(3), np.zeros((2, 3)))
     found = {"cells": [], "exact": [], "linear": [], "possible": []}
@@ -73,7 +73,7 @@ def ellipsoids(cells: int, sharpness: float | None) -> dict[str, object]:
 
 
 def handles(paths: list[str], cells: int, frames: int, sharpness: float | None) -> dict[str, object]:
-    """Count what every frame of a bake is made of, and the two shapes at the same resolution."""
+    """Compute the topology of every frame of a bake, and of the two shapes at the same resolution."""
     settings = MorphSettings(resolution=cells, motion="transport", sharpness=sharpness)
     pair = Pair.read(paths, cells, settings.sigma)
     ends = [topology(own_surface(filled)) for filled in pair.densities]
@@ -82,7 +82,7 @@ def handles(paths: list[str], cells: int, frames: int, sharpness: float | None) 
 
 
 def edges(paths: list[str], cells: int, sharpness: float | None, blur: float | None) -> dict[str, object]:
-    """Width of the border half way between two shapes, and of the shapes themselves."""
+    """Measure the width of the border halfway between two shapes, and of the shapes themselves."""
     settings = MorphSettings(resolution=cells, sharpness=sharpness, blur=blur)
     pair = Pair.read(paths, cells, settings.sigma)
     density = density_at(pair.densities, pair.lattice, 0.5, settings)
@@ -93,7 +93,7 @@ def edges(paths: list[str], cells: int, sharpness: float | None, blur: float | N
 
 
 def legs(cells: int, motion: str, sharpness: float | None, level: str) -> dict[str, object]:
-    """Share of thin legs that is inside the blend of a body on legs and its image, where the blend is known."""
+    """Measure the fraction of thin legs inside the blend of a body and its image, where the exact blend is known."""
     middle = np.full(3, cells / 2)
     first, second = {
         "moved": (Legged.at(np.subtract(middle, [4, 3, 2])), Legged.at(np.add(middle, [4, 3, 2]))),
@@ -113,7 +113,7 @@ def legs(cells: int, motion: str, sharpness: float | None, level: str) -> dict[s
 
 
 def thin(paths: list[str], cells: int, sharpness: float | None, level: str) -> dict[str, object]:
-    """Thin volume of blends, relative to what the two shapes have themselves, read in the same way, interpolated."""
+    """Measure the thin volume of blends relative to the interpolated one of the shapes, extracted in the same way."""
     settings = MorphSettings(resolution=cells, sharpness=sharpness, level=level)
     pair = Pair.read(paths, cells, settings.sigma)
     ends = [thin_volume(filled > 0.5, _THIN_RADIUS) for filled in pair.densities]
@@ -126,7 +126,7 @@ def thin(paths: list[str], cells: int, sharpness: float | None, level: str) -> d
 
 
 def stability(paths: list[str], cells: int, frames: int) -> dict[str, object]:
-    """Volume, center and step from frame to frame of a long bake, in cells."""
+    """Measure volume, center and steps between the frames of a long bake, in cells."""
     settings = MorphSettings(resolution=cells, motion="transport")
     shapes = read_meshes(paths)
     meshes = baked(shapes, frames, settings)
@@ -152,7 +152,7 @@ def _record(found: Topology) -> dict[str, int]:
 
 
 def _curve(values: np.ndarray) -> dict[str, object]:
-    """Return the longest step of a curve, its largest bend, and the frame where that is."""
+    """Return the longest step of a curve, its largest bend, and the frame of the bend."""
     lengths = np.abs(np.diff(values)) if values.ndim == 1 else np.linalg.norm(np.diff(values, axis=0), axis=1)
     bend, where = largest_second_difference(values)
     return {"step": float(lengths.max()), "bend": bend, "frame": where + 1}
@@ -170,5 +170,5 @@ CASES = {
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How near recolored photographs come to a palette, how much noise that makes, and how long it takes."""
+"""How close recolored photographs come to a palette, how much noise this adds, and how long it takes."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ _CASES, _LARGE_CASES = "benchmarks.recolor_cases", "benchmarks.recolor_large"
 PAIRS = (("coffee", "rocket"), ("rocket", "coffee"), ("chelsea", "astronaut"))
 
 _TITLE = """
-Photographs of scikit-image's (made-up pictures where they are missing) that take each other's palette at strength 1.
+Photographs from scikit-image (synthetic pictures if missing) that take each other's palette at strength 1.
 
-left      sliced Wasserstein distance W2 in Lab to the palette, of what a screen shows in 8 bits
-growth    how much faint steps between neighbors grow (95th percentile): noise, contours, halos
-seconds   CPU seconds of one thread, with measuring and solving
-          ours        L by quantiles, ab by convolutional transport, with different smoothing
+left      sliced Wasserstein distance W2 in Lab to the palette, for 8-bit screen colors
+growth    how much small differences between neighbors grow (95th percentile): noise, contours, halos
+seconds   CPU seconds of one thread, including measuring and solving
+          ours        L by quantiles, ab by convolutional transport, with various smoothing
           linear      linear Monge-Kantorovich
-          sliced      quantiles along 30 random turns of Lab, as by Pitie et al.
-          histograms  of red, green and blue, by scikit-image
+          sliced      quantiles along 30 random rotations of Lab, as by Pitie et al.
+          histograms  red, green and blue, by scikit-image
           samples     POT's domain adaptation from 1000 samples each
 """
 _LARGE = """
 An enlarged photograph with grain, 3840 x 2160 pixels of {colors} colors; measuring and solving take {solve:.2f} CPU s.
-CPU s / s on the clock, of arrays to arrays; and MB beyond the picture and before, the result among it.
+CPU s / wall s from arrays to arrays, and peak MB in addition to the picture, including the result.
 """
 _EDITOR = """
-The same in Blender, bytes, by the operator: read, measured, solved, applied, written.
+The same in Blender by the operator, 8 bits: read, measured, solved, applied, written.
 """
 
 
@@ -48,7 +48,7 @@ def main() -> None:
 
 
 def _print_large(source: str, target: str) -> None:
-    """Print what a film frame takes."""
+    """Print the cost for a film frame."""
     rows = [
         (kind, workers, measured(_LARGE_CASES, "arrays", source=source, target=target, kind=kind, workers=workers))
         for kind in ("bytes", "floats")

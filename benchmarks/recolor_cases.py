@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One pair of pictures, recolored in several ways; and one of the size of a film frame."""
+"""One pair of pictures, recolored by several methods; and one of film frame size."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from convwass_addon.progress import drained
 
 from .clock import Clock
 
-# Directions along which palettes are compared, and how steep an edge must be for its growth to count.
+# Number of directions along which palettes are compared, and smallest gradient whose growth counts.
 _DIRECTIONS, _EDGE = 64, 0.3
 _SLICES, _SAMPLES = 30, 1000
 
@@ -46,7 +46,7 @@ class _Pair:
 
 
 def photograph(name: str) -> NDArray[np.float64]:
-    """Return a photograph of scikit-image's, or where that has none a made-up picture of the same name."""
+    """Return a photograph from scikit-image, or if missing a synthetic picture for the same name."""
     try:
         from skimage import data
 
@@ -56,7 +56,7 @@ def photograph(name: str) -> NDArray[np.float64]:
 
 
 def synthetic(seed: int, height: int = 300, width: int = 450) -> NDArray[np.float64]:
-    """Return soft blobs of a few colors, with grain and a flat corner."""
+    """Return smooth blobs of a few colors, with grain and a uniform corner."""
     rng = np.random.default_rng(seed)
     fields = [gaussian_filter(rng.standard_normal((height, width)), 25.0) for _ in range(4)]
     colors = rng.uniform(0.1, 0.9, (4, 3))
@@ -72,7 +72,7 @@ def lab(picture: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def shown(colors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what a screen shows of colors in Lab, as 8-bit sRGB from 0 to 1, (..., 3)."""
+    """Return Lab colors as a screen shows them: 8-bit sRGB from 0 to 1, (..., 3)."""
     return np.round(np.clip(np.moveaxis(srgb_of_linear(linear_of_lab(colors)), 0, -1), 0, 1) * 255) / 255
 
 
@@ -86,12 +86,12 @@ def distance_left(first: NDArray[np.float64], second: NDArray[np.float64]) -> fl
 
 
 def _quantiles(values: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Do as np.quantile, which takes many times longer for many of them."""
+    """Compute quantiles like np.quantile, but many times faster for many quantiles."""
     return np.interp(shares * (len(values) - 1), np.arange(len(values)), np.sort(values))
 
 
 def gradient_growth(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
-    """Return how much faint steps between neighbors grow: the 95th percentile of the ratio of gradients in Lab."""
+    """Return how much differences between neighbors grow: the 95th percentile of the ratio of gradients in Lab."""
     found = []
     for axis in (1, 2):
         steps = [np.linalg.norm(np.diff(own, axis=axis), axis=0).ravel() for own in (before, after)]
@@ -101,7 +101,7 @@ def gradient_growth(before: NDArray[np.float64], after: NDArray[np.float64]) -> 
 
 
 def ours(smoothing: float, edge_radius: int = 0) -> Way:
-    """Return our way."""
+    """Return our method."""
 
     def way(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
         settings = RecolorSettings(smoothing=smoothing, edge_radius=edge_radius)
@@ -119,7 +119,7 @@ def _solved(source: NDArray[np.float32], target: NDArray[np.float32], settings: 
 
 
 def opaque(picture: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return a picture as pixels with an alpha of one."""
+    """Return a picture as pixels with alpha 1."""
     pixels = np.ones((*picture.shape[:2], 4), dtype=np.float32)
     pixels[..., :3] = picture
     return pixels
@@ -142,7 +142,7 @@ def _roots(matrix: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def sliced(source: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Match quantiles along turned axes, over and over (Pitie, Kokaram and Dahyot 2007), in Lab."""
+    """Match quantiles along rotated axes repeatedly (Pitie, Kokaram and Dahyot 2007), in Lab."""
     moved, wanted = (lab(own).reshape(3, -1) for own in (source, target))
     shares = (np.arange(4096) + 0.5) / 4096
     for turn in Rotation.random(_SLICES, random_state=0).as_matrix():
@@ -189,11 +189,11 @@ WAYS: dict[str, Way] = {
     "samples, exact": sampled("exact"),
     "samples, Sinkhorn": sampled("sinkhorn"),
 }
-"""What is compared."""
+"""The methods to compare."""
 
 
 def pair(source: str, target: str) -> dict[str, object]:
-    """Recolor one photograph by another in all ways."""
+    """Recolor one photograph with the palette of another by all methods."""
     pictures = _Pair(photograph(source), photograph(target))
     before, wanted = lab(pictures.source), lab(pictures.target)
     found: dict[str, object] = {"before": distance_left(before, wanted)}
@@ -209,7 +209,7 @@ def pair(source: str, target: str) -> dict[str, object]:
 
 
 def table_error(source: str, target: str, size: int) -> dict[str, float]:
-    """Compare a table with the map that it was made of, on a photograph, in levels of 255."""
+    """Compare a lookup table with the map that it samples, on a photograph, in levels of 255."""
     pixels = opaque(photograph(source))
     change, found = _solved(pixels, opaque(photograph(target)), RecolorSettings()), []
     for own in (change, lookup_table(change, size)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A picture of the size of a film frame, recolored as arrays and in Blender."""
+"""A picture of film frame size, recolored as arrays and in Blender."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ from .processes import peak_megabytes
 from .recolor_cases import opaque, photograph
 
 _HEIGHT, _WIDTH = 2160, 3840
-# Noise of a camera, in levels: an enlarged photograph without it would have far fewer colors than a large one.
+# Camera noise in levels: without it, an enlarged photograph would have far fewer colors than a real one.
 _GRAIN = 3.0
 
 FORMATS = {
     "bytes": PixelFormat(levels=LEVELS),
     "floats": PixelFormat("linear", "associated", highest=np.inf),
 }
-"""How the picture is given: as most files have it, and as scenes are rendered."""
+"""Pixel formats: that of most files, and that of rendered scenes."""
 
 
 def enlarged(name: str) -> NDArray[np.float32]:
-    """Return a photograph of the size of a film frame, cut to its shape, with grain: values of bytes, opaque."""
+    """Return a photograph cropped and enlarged to a film frame, with grain: byte values, opaque."""
     picture = photograph(name)
     height = min(picture.shape[0], picture.shape[1] * _HEIGHT // _WIDTH)
     right = np.linspace(0.0, height * _WIDTH // _HEIGHT - 1.0, _WIDTH)
     pixels = np.ones((_HEIGHT, _WIDTH, 4), dtype=np.float32)
     rng = np.random.default_rng(0)
-    # Row by row: what is made on the way would hide how much memory is needed later.
+    # Row by row: large temporary arrays would hide the memory needed later.
     for row, down in zip(pixels, np.linspace(0.0, height - 1.0, _HEIGHT), strict=True):
         for channel in range(3):
             large = map_coordinates(picture[..., channel], [np.full(_WIDTH, down), right], order=1)
@@ -53,7 +53,7 @@ def enlarged(name: str) -> NDArray[np.float32]:
 
 
 def arrays(source: str, target: str, kind: str, workers: int) -> dict[str, object]:
-    """Recolor arrays to arrays, exactly and by a table."""
+    """Recolor arrays to arrays, exactly and by a lookup table."""
     pixels, form = enlarged(source), FORMATS[kind]
     present = present_flags()
     for row in pixels:

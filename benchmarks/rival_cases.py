@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One method between two shapes, in a process of its own: ``python -m benchmarks.rival_cases CASE OPTIONS``."""
+"""One method between two shapes, in its own process: ``python -m benchmarks.rival_cases CASE OPTIONS``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .rivals import METHODS, TIMES, Ends, has_sdf_grids
 
 
 def passage(paths: list[str], cells: int, method: str, keep: str | None = None) -> dict[str, object]:
-    """Make the frames and measure them; `keep` is a file to write their meshes to, without ending."""
+    """Make the frames and measure them; `keep` is a file to write their meshes to, without its suffix."""
     if method == "sdf" and not has_sdf_grids():
         return {"missing": "needs Blender 5.0"}
     ends = Ends.read(paths, cells)
@@ -28,7 +28,7 @@ def passage(paths: list[str], cells: int, method: str, keep: str | None = None) 
             f"{kind}{i}": getattr(frame, kind) for i, frame in enumerate(frames) for kind in ("vertices", "faces")
         }
         np.savez_compressed(keep, **arrays)
-    # Limbs that swing may leave the cells that hold both shapes.
+    # Limbs that swing may leave the grid of the two shapes.
     bounds = np.stack([mesh.bounds for mesh in (*frames, *ends.shapes)])
     lattice = ends.lattice.holding(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0))
     found = Passage.of(frames, ends.shapes, TIMES, lattice)
@@ -49,5 +49,5 @@ CASES = {"passage": passage}
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What becomes of two shapes on the way from one to the other: figures that mean the same for every method."""
+"""Measures of the frames between two shapes that are comparable for all methods."""
 
 from __future__ import annotations
 
@@ -16,30 +16,31 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.occupancy import occupancy
 from convwass_addon.transport import Grid, distance_matrix
 
-# Distances are measured with blocks of cells joined so that so many are left along the longest side.
+# For distances, blocks of cells are summed so that this many remain along the longest side.
 _DISTANCE_CELLS = 40
 _DISTANCE_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
 class Passage:
-    """Frames from one solid to another, in figures.
+    """Measures of the frames from one solid to another.
 
     Attributes
     ----------
     outside : float
-        Share of the volume between the ends that lies where neither of the two solids is, the mean of the frames: what
-        is under way. A fade has nothing there.
+        Fraction of the volume outside both solids, mean over the frames between the ends: moving material. It is 0 for
+        a fade.
     detour : float
-        W2 from the first solid to the middle frame and on to the second, over W2 from the first to the second, all as
-        distributions of mass 1. It is 1 where all mass goes straight, and up to the square root of 2 where half of the
+        W2 from the first solid to the middle frame plus W2 from there to the second, over W2 from the first to the
+        second, all as distributions of mass 1. It is 1 if all mass moves straight, and the square root of 2 if half of
+        the first is replaced by half of the second.
         first is replaced by half of the second.
     volumes : (n,) float64
-        Of the frames, over the straight line between the volumes of the two solids.
+        Volumes of the frames over the linearly interpolated volume of the two solids.
     pieces, handles : int
-        The most of a mesh between the ends.
+        Largest number in a frame between the ends.
     smallest : float
-        Share that the smallest piece has of its mesh's volume, the least of all between the ends.
+        Smallest fraction of a frame's volume in a single component, over all frames between the ends.
     arrival : float
         Intersection over union of the last frame and the second solid.
     """
@@ -61,47 +62,47 @@ class Passage:
         Parameters
         ----------
         frames : sequence of TriangleMesh
-            Outward; the first and the last one are those at the ends.
+            Oriented outward; the first and the last are at the ends.
         shapes : sequence of TriangleMesh
-            The two that they were made of.
+            The two shapes that the frames were made from.
         times : (n,)
             From 0 to 1.
         lattice : Lattice
-            About the shapes, both of which stand where the first one does.
+            Grid around the shapes, both at the position of the first.
         """
         filled, ends = (np.stack([solid(mesh, lattice) for mesh in meshes]) for meshes in (frames, shapes))
         volumes = ends.sum(axis=(1, 2, 3), dtype=np.float64)
         line = np.array([(1.0 - t) * volumes[0] + t * volumes[1] for t in times])
-        found = [Hold.of(frame) for frame in frames[1:-1]]
+        found = [Connectivity.of(frame) for frame in frames[1:-1]]
         return cls(
             float(np.mean([_share_outside(frame, ends) for frame in filled[1:-1]])),
             detour(filled[len(filled) // 2], ends),
             filled.sum(axis=(1, 2, 3), dtype=np.float64) / line,
-            max(len(hold.shares) for hold in found),
-            max(hold.handles for hold in found),
-            min(float(hold.shares.min()) for hold in found),
+            max(len(each.shares) for each in found),
+            max(each.handles for each in found),
+            min(float(each.shares.min()) for each in found),
             overlap(filled[-1], ends[1]),
         )
 
 
 @dataclass(frozen=True)
-class Hold:
-    """How a closed mesh hangs together.
+class Connectivity:
+    """Components and handles of a closed mesh.
 
     Attributes
     ----------
     shares : (n,) float64
-        Of every piece in the volume of all.
+        Fraction of the total volume in each component.
     handles : int
-        Of all pieces together.
+        Handles of all components together.
     """
 
     shares: NDArray[np.float64]
     handles: int
 
     @classmethod
-    def of(cls, mesh: TriangleMesh) -> Hold:
-        """Count; bubbles, whose surfaces look inward, are no pieces."""
+    def of(cls, mesh: TriangleMesh) -> Connectivity:
+        """Compute them; bubbles, whose surfaces face inward, do not count as components."""
         volumes = np.bincount(face_components(mesh.faces), weights=mesh.face_volumes)
         edges = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
         euler = len(np.unique(mesh.faces)) - len(np.unique(edges, axis=0)) + len(mesh.faces)
@@ -110,7 +111,7 @@ class Hold:
 
 
 def solid(mesh: TriangleMesh, lattice: Lattice) -> NDArray[np.float32]:
-    """Return which part of every cell a mesh fills that stands where the lattice's first shape does."""
+    """Return the filled fraction of every cell for a mesh at the position of the lattice's first shape."""
     return occupancy(lattice.to_cells(mesh, 0), lattice.shape)
 
 
@@ -120,7 +121,7 @@ def overlap(one: NDArray[np.floating], other: NDArray[np.floating]) -> float:
 
 
 def detour(middle: NDArray[np.floating], ends: NDArray[np.floating]) -> float:
-    """How much longer the way from the first to the second is by way of the middle, in W2; see `Passage`."""
+    """Return the length of the path from the first to the second via the middle over the direct one, in W2."""
     block = max(1, round(max(middle.shape) / _DISTANCE_CELLS))
     solids = np.stack([_joined(one, block) for one in (ends[0], middle, ends[1])])
     grid = Grid(solids.shape[1:], sigma=1.0)
@@ -129,12 +130,12 @@ def detour(middle: NDArray[np.floating], ends: NDArray[np.floating]) -> float:
 
 
 def _share_outside(filled: NDArray[np.floating], ends: NDArray[np.floating]) -> float:
-    # By cells: parts of a cell that are filled need not be the same part.
+    # Cell by cell, because the filled parts of a cell need not coincide.
     return float(filled[(ends <= 0.0).all(axis=0)].sum(dtype=np.float64) / filled.sum(dtype=np.float64))
 
 
 def _joined(filled: NDArray[np.floating], block: int) -> NDArray[np.float64]:
-    """Sum up blocks of cells; what does not fill a block is padded by empty cells."""
+    """Sum blocks of cells; incomplete blocks are padded with empty cells."""
     padded = np.pad(filled.astype(np.float64), [(0, -n % block) for n in filled.shape])
     sides = [part for n in padded.shape for part in (n // block, block)]
     return padded.reshape(sides).sum(axis=(1, 3, 5))

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user of Blender would pick in place of transport: the same two shapes, blended in five ways.
+"""Alternatives to transport in Blender: the same two shapes, blended by five methods.
 
-All of them get the same meshes, center of mass on center of mass, and the same size of a cell:
+All receive the same meshes, with centers of mass aligned, and the same cell size:
 
-- ``fade``: the occupancies of the cells mixed linearly, and the surface that encloses the interpolated volume;
-- ``shrinkwrap``: the first mesh wrapped onto the second by a Shrinkwrap modifier as Blender sets it up (nearest surface
+- ``fade``: linear mix of the occupancies of the cells, and the surface that encloses the interpolated volume;
+- ``shrinkwrap``: the first mesh wrapped onto the second by a Shrinkwrap modifier with default settings (nearest surface
   point), kept as a shape key whose value goes from 0 to 1;
 - ``sdf``: Mesh to SDF Grid of both, mixed linearly, Grid to Mesh, in Geometry Nodes (on their menus since Blender 5.0);
-- ``transport``: a morph by transport alone, at default settings otherwise;
+- ``transport``: a morph by transport alone, otherwise with default settings;
 - ``automatic``: a morph at default settings.
 """
 
@@ -38,22 +38,22 @@ from convwass_addon.progress import payloads
 
 STEPS = 4
 TIMES = tuple(step / STEPS for step in range(STEPS + 1))
-"""When a frame is made, the two ends among them."""
+"""Times of the frames, including both ends."""
 
-# Voxels on either side of a surface in which signed distances are known; a wider band yields the same surfaces.
+# Half-width in voxels of the band with signed distances; a wider band yields the same surfaces.
 _BAND = 24
-# Cells over which a linear mix is averaged before its surface is read, as a morph's is.
+# Blur of a linear mix before its surface is extracted, as for a morph.
 _READING_BLUR = 0.7
 
 
 @dataclass(frozen=True)
 class Ends:
-    """Two shapes, each with its center of mass at the origin, and the cells that all methods use.
+    """Two shapes, each with its center of mass at the origin, and the grid that all methods use.
 
     Attributes
     ----------
     names : (str, str)
-        Of their files.
+        Names of the files.
     shapes : (TriangleMesh, TriangleMesh)
         The meshes.
     cells : int
@@ -69,14 +69,14 @@ class Ends:
 
     @classmethod
     def read(cls, paths: Sequence[str | Path], cells: int) -> Ends:
-        """Read two meshes, smoothed by one subdivision, with `cells` along the longest side of the grid."""
+        """Read two meshes, smoothed by one subdivision; the grid has `cells` along its longest side."""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         shapes = tuple(_smoothed(Path(path)) for path in paths)
         names = tuple(Path(path).stem for path in paths)
         return cls(names, shapes, cells, Lattice.around(shapes, cells, MorphSettings(resolution=cells).sigma))
 
     def occupancies(self) -> NDArray[np.float32]:
-        """Which part of every cell each of the two fills, (2, nx, ny, nz)."""
+        """Return the filled fraction of every cell for each shape, (2, nx, ny, nz)."""
         return np.stack(list(voxelize(self.shapes, self.names, self.lattice, 0.0)))
 
 
@@ -101,7 +101,7 @@ def faded(ends: Ends) -> list[TriangleMesh]:
 
 
 def shrinkwrapped(ends: Ends) -> list[TriangleMesh]:
-    """Wrap the first mesh onto the second, and key how far it has gone."""
+    """Wrap the first mesh onto the second, and keep the result as a shape key."""
     with _objects(ends) as (source, target):
         source.shape_key_add(name="Basis")
         modifier = source.modifiers.new("Wrapped", "SHRINKWRAP")
@@ -113,12 +113,12 @@ def shrinkwrapped(ends: Ends) -> list[TriangleMesh]:
 
 
 def sdf_mixed(ends: Ends) -> list[TriangleMesh]:
-    """Mix the signed distances linearly, by Geometry Nodes.
+    """Mix the signed distances linearly with Geometry Nodes.
 
     Raises
     ------
     RuntimeError
-        Blender is older than 5.0.
+        Blender is older than version 5.0.
     """
     if not has_sdf_grids():
         raise RuntimeError("Geometry Nodes have no SDF grids before Blender 5.0")
@@ -129,7 +129,7 @@ def sdf_mixed(ends: Ends) -> list[TriangleMesh]:
         try:
             mixer.modifiers.new("Mix", "NODES").node_group = tree
             factor = _sdf_mix(tree, pair, ends.lattice.spacing)
-            # The surface of a mixed grid looks inward.
+            # The surface of a mixed grid faces inward.
             return [_at(mixer, factor, "default_value", t).flipped() for t in TIMES]
         finally:
             mesh = mixer.data
@@ -139,14 +139,14 @@ def sdf_mixed(ends: Ends) -> list[TriangleMesh]:
 
 
 def has_sdf_grids() -> bool:
-    """Tell whether this Blender's Geometry Nodes know signed distances."""
+    """Tell whether this Blender version has SDF grids in Geometry Nodes."""
     return hasattr(bpy.types, "GeometryNodeMeshToSDFGrid")
 
 
 def _sdf_mix(
     tree: bpy.types.NodeTree, pair: tuple[bpy.types.Object, bpy.types.Object], voxel: float
 ) -> bpy.types.NodeSocket:
-    """Fill a tree, and return the socket of the factor."""
+    """Build a node tree and return the socket of the factor."""
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     mix = tree.nodes.new("ShaderNodeMix")
     for socket, obj in zip(("A", "B"), pair, strict=True):
@@ -164,12 +164,12 @@ def _sdf_mix(
 
 
 def transported(ends: Ends) -> list[TriangleMesh]:
-    """Morph by transport alone, at default settings otherwise."""
+    """Morph by transport alone, otherwise with default settings."""
     return _morphed(ends, "transport")
 
 
 def held_together(ends: Ends) -> list[TriangleMesh]:
-    """Morph at default settings."""
+    """Morph with default settings."""
     return _morphed(ends, "automatic")
 
 
@@ -187,12 +187,12 @@ METHODS: dict[str, Callable[[Ends], list[TriangleMesh]]] = {
     "transport": transported,
     "automatic": held_together,
 }
-"""What makes the frames at `TIMES`, by name."""
+"""Functions that make the frames at `TIMES`, by name."""
 
 
 @contextmanager
 def _objects(ends: Ends) -> Iterator[tuple[bpy.types.Object, bpy.types.Object]]:
-    """Put the two shapes into the scene, and take them away again."""
+    """Add the two shapes to the scene temporarily."""
     objects = []
     for name, shape in zip(ends.names, ends.shapes, strict=True):
         mesh = bpy.data.meshes.new(name)

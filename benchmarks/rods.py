@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A body on thin legs and its images under linear maps, between which every blend is known.
+"""A body on thin legs and its images under linear maps, between which all blends are known exactly.
 
-The optimal map between a solid and its image under a symmetric positive matrix, moved anywhere, is that map itself: it
-is the gradient of a convex function (Brenier 1991). So the blend at t is the image under (1 - t) I + t S.
+The optimal map between a solid and its image under a symmetric positive definite matrix plus a translation is that map
+itself, because it is the gradient of a convex function (Brenier 1991). So the blend at t is the image under
+(1 - t) I + t S.
 """
 
 from __future__ import annotations
@@ -14,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 RADIUS = 1.5
-"""Of the legs, in cells."""
+"""Radius of the legs in cells."""
 
 _BODY = np.array([0.0, 0.0, 8.0])
 _BODY_RADIUS = 10.0
-# Four legs from inside the body down: start and end of each.
+# Four legs from inside the body downward: start and end of each.
 _LEGS = np.array(
     [
         [[5.0, 4.0, 6.0], [5.0, 4.0, -18.0]],
@@ -27,20 +28,20 @@ _LEGS = np.array(
         [[-5.0, -4.0, 6.0], [-5.0, -4.0, -18.0]],
     ]
 )
-# Legs count from so many cells below the skin of the body: nearer to it they are not thin.
+# Only parts of legs at least this far from the body, in cells, count as thin.
 _CLEAR = 1.0
 
 
 @dataclass(frozen=True)
 class Legged:
-    """The body on legs, stretched along the axes about `center`, in cells."""
+    """The body on legs, scaled along the axes about `center`, in cells."""
 
     center: NDArray[np.float64]
     stretch: NDArray[np.float64]
 
     @classmethod
     def at(cls, center: ArrayLike, stretch: ArrayLike = (1.0, 1.0, 1.0)) -> Legged:
-        """Make one from anything like arrays of three numbers."""
+        """Make one from array-likes of three numbers."""
         return cls(np.asarray(center, np.float64), np.asarray(stretch, np.float64))
 
     def barycenter(self, other: Legged, t: float) -> Legged:
@@ -51,7 +52,7 @@ class Legged:
         )
 
     def occupancy(self, cells: int, samples: int = 4) -> NDArray[np.float64]:
-        """Fraction of every cell of a cube that is inside, by subsampling."""
+        """Return the filled fraction of every cell of a cubic grid, by subsampling."""
         inside = np.zeros((cells,) * 3)
         box = tuple(slice(int(low), int(high) + 1) for low, high in zip(*self.bounds, strict=True))
         axes = [
@@ -70,10 +71,10 @@ class Legged:
         return self.center + self.stretch * np.stack([low, high])
 
     def thin_points(self, count: int = 10000) -> NDArray[np.float64]:
-        """Return points spread evenly over the thin parts, (n, 3), at random but always the same."""
+        """Return uniformly distributed points in the thin parts, (n, 3), with a fixed random seed."""
         draw = np.random.default_rng(0)
         low, high = _LEGS.min(axis=(0, 1)) - RADIUS, _LEGS.max(axis=(0, 1)) + RADIUS
-        # About one point of the box in twenty lies in a leg.
+        # About one point in twenty of the bounding box lies in a leg.
         points = draw.uniform(low, high, (20 * count, 3))
         thin = _in_legs(points) & (np.linalg.norm(points - _BODY, axis=-1) > _BODY_RADIUS + _CLEAR)
         return self.center + self.stretch * points[thin][:count]
@@ -88,7 +89,7 @@ class Legged:
 
 
 def _in_legs(points: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """Tell which points are within a leg, a rod with round ends."""
+    """Tell which points are inside a leg, a rod with round ends."""
     hit = np.zeros(points.shape[:-1], bool)
     for start, end in _LEGS.astype(points.dtype):
         along = end - start

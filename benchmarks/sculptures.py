@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed meshes from smooth unions of signed distances, each with triangles of its own."""
+"""Closed meshes from smooth unions of signed distance functions, each with its own triangulation."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from .deformed_pairs import decimated
 
 SPACING = 0.017
-"""Of the grid that a surface is found on, for shapes about 2 units long."""
+"""Cell size of the grid for extraction; shapes are about 2 units long."""
 TRIANGLES = 8000
 
 # Grids of different shapes differ by up to this share in spacing and are shifted by up to one cell, so that two poses
 # of one body share no triangles.
 _SPACING_SPREAD = 0.12
-# Free room around the solids in cells.
+# Margin around the solids in cells.
 _MARGIN = 3.0
 _RELAXING_ROUNDS = 2
 
@@ -35,27 +35,27 @@ class _Step:
 
 @dataclass
 class Sculpture:
-    """Solids that are added and carved in order.
+    """Solids added and carved in order.
 
     Attributes
     ----------
     seed : int
-        Decides the grid that the surface is found on.
+        Determines the grid that the surface is extracted on.
     """
 
     seed: int
     _steps: list[_Step] = field(default_factory=list)
 
     def add(self, solid: Solid, blend: float = 0.0) -> None:
-        """Add a solid, its joint rounded over about `blend`."""
+        """Add a solid, with its joint rounded by about `blend`."""
         self._steps.append(_Step(solid, blend, carves=False))
 
     def carve(self, solid: Solid, blend: float = 0.0) -> None:
-        """Take a solid away, the rim rounded over about `blend`."""
+        """Subtract a solid, with its rim rounded by about `blend`."""
         self._steps.append(_Step(solid, blend, carves=True))
 
     def mesh(self, triangles: int = TRIANGLES) -> TriangleMesh:
-        """Return the surface, closed and outward, with about so many triangles."""
+        """Return the closed surface, oriented outward, with approximately this many triangles."""
         draw = np.random.default_rng(self.seed)
         spacing = SPACING * (1.0 + _SPACING_SPREAD * draw.uniform(-1.0, 1.0))
         shift = spacing * draw.uniform(0.0, 1.0, 3)
@@ -76,5 +76,5 @@ def capsules(points: ArrayLike, radii: ArrayLike) -> Solid:
 
 
 def mirrored(points: ArrayLike, side: float) -> NDArray[np.float64]:
-    """Return points, (n, 3) or (3,), on the side y > 0 for 1, and their mirror images for -1."""
+    """Return points, (n, 3) or (3,), on the side y > 0 for `side` 1, and their mirror images for -1."""
     return np.asarray(points, float) * (1.0, side, 1.0)

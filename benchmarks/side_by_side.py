@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Morphs beside what else Blender offers: a linear fade of volumes, Shrinkwrap as a shape key, a mix of distances."""
+"""Morphs compared with alternatives in Blender: linear fade of volumes, Shrinkwrap as a shape key, SDF mix."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .processes import measured
 
 SHAPES = Path(__file__).resolve().parent.parent / "assets" / "shapes"
 PAIRS = (("horse", "cow"), ("horse", "bird"), ("double_torus", "horse"), ("dolphins", "bird"))
-"""Of the sample shapes."""
+"""Pairs of sample shapes."""
 TITLES = {
     "fade": "Linear fade of volumes",
     "shrinkwrap": "Shrinkwrap as a shape key",
@@ -18,18 +18,18 @@ TITLES = {
     "transport": "Convwass, Transport",
     "automatic": "Convwass, Automatic",
 }
-"""What the methods are called, in the order in which they are shown."""
+"""Names of the methods, in display order."""
 
 _HEADING = """
-The same two meshes, center of mass on center of mass, {cells} cells along the longest side; five frames with both ends.
+The same two meshes, centers of mass aligned, {cells} cells along the longest side; five frames including both ends.
 
-outside    share of the volume in cells that neither shape touches, mean of the frames between: what is under way. A
-           mix of distances never gets there, and a fade by no more than its blur.
-detour     W2 from the first shape to the middle frame and on to the second, all of mass 1, over W2 from one to the
-           other: 1 where all mass goes straight, 1.41 where half of one shape is replaced by half of the other
-volume     of the frame that is farthest from the straight line between the volumes, relative to that line
-pieces     the most of a frame between; smallest is the share that the smallest piece has of its frame
-handles    the most of a frame between
+outside    fraction of the volume in cells that neither shape touches, mean of the inner frames: moving material. It is
+           zero for an SDF mix, and only the blur for a fade.
+detour     W2 from the first shape to the middle frame plus W2 from there to the second, all of mass 1, over W2 from the
+           first to the second: 1 if all mass moves straight, 1.41 if half of one shape is replaced by half of the other
+volume     largest deviation of a frame's volume from the interpolated volume, relative to the latter
+pieces     largest number of components in an inner frame; smallest is the smallest component's fraction of its frame
+handles    largest number in an inner frame
 arrival    intersection over union of the last frame and the second shape
 """
 COLUMNS = (
@@ -55,7 +55,7 @@ def main(cells: int) -> None:
 
 
 def passage(pair: tuple[str, str], cells: int, method: str, keep: Path | None = None) -> dict[str, object]:
-    """Make the frames of one method in a process of its own and return their figures; see `rival_cases.passage`."""
+    """Make the frames of one method in a separate process and return their measures; see `rival_cases.passage`."""
     paths = [str(SHAPES / f"{name}.ply") for name in pair]
     return measured(
         "benchmarks.rival_cases",
@@ -72,7 +72,7 @@ def line(method: str, found: dict[str, object]) -> str:
     if "missing" in found:
         return f"{TITLES[method]:28} {found['missing']}"
     excess = max((volume - 1.0 for volume in found["volumes"][1:-1]), key=abs)
-    # Zero has no sign.
+    # Avoids "-0.0".
     volume = round(100 * excess, 1) + 0.0
     return (
         f"{TITLES[method]:28} {percent(found['outside']):>8} {found['detour']:7.2f} {volume:+6.1f} % "
@@ -82,7 +82,7 @@ def line(method: str, found: dict[str, object]) -> str:
 
 
 def percent(share: float) -> str:
-    """Write a share; small ones with more places."""
+    """Format a fraction as a percentage; small ones with more digits."""
     if 0.0 < share < 1e-4:
         return "< 0.01 %"
     return f"{100 * share:.0f} %" if share >= 0.1 or share == 0 else f"{100 * share:.2g} %"

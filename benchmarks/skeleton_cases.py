@@ -33,12 +33,12 @@ from convwass_addon.progress import drained
 from .meshes import blob
 
 _SKELETONS = Path(__file__).parent / "skeletons.json"
-# Bones are longer or shorter than by hand by up to this.
+# Bones are longer or shorter than by hand by up to this fraction.
 _DISTURBANCE = 0.4
 
 
 def fit(path: str, name: str) -> dict[str, object]:
-    """Fit the skeleton of one body in several ways."""
+    """Fit the skeleton of one body by several methods."""
     placed = _skeleton(name)
     mesh = _piece(_read(Path(path)), placed.positions)
     graph = _disturbed(placed)
@@ -62,7 +62,7 @@ def fit(path: str, name: str) -> dict[str, object]:
 
 
 def large(vertices: int, joints: int) -> dict[str, object]:
-    """Fit a star of five limbs in a bumpy shape."""
+    """Fit a star with five limbs to a bumpy shape."""
     mesh = TriangleMesh.from_arrays(*blob(vertices))
     limbs = 5
     count = (joints - 1) // limbs
@@ -82,14 +82,14 @@ def _fitted(mesh: TriangleMesh, graph: JointGraph, settings: SkeletonSettings) -
 
 
 def _means(mesh: TriangleMesh, graph: JointGraph) -> NDArray[np.float64]:
-    """Return joints at the means of their distributions; none moved inside."""
+    """Return joints at the means of their distributions, without moving any inside."""
     settings = SkeletonSettings(placement="expected")
     body = skeleton_body(mesh, graph.positions[graph.pinned], graph.names)
     return LayoutProblem(graph, body, settings).solved(settings.gamma).positions
 
 
 def _harmonic(graph: JointGraph, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return free joints at the means of their neighbors, weighted by the inverse lengths of the bones."""
+    """Return free joints at the means of their neighbors, weighted by the inverse bone lengths."""
     count = len(graph.positions)
     matrix = np.zeros((count, count))
     for (tail, head), length in zip(graph.edges, lengths, strict=True):
@@ -102,7 +102,7 @@ def _harmonic(graph: JointGraph, lengths: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def _straight(graph: JointGraph, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return joints along straight lines; branching ones at the mean of all pins."""
+    """Return joints along straight lines, with branching joints at the mean of all pins."""
     positions = np.where(graph.pinned[:, None], graph.positions, graph.positions[graph.pinned].mean(axis=0))
     bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
     for chain in chains(graph):
@@ -120,7 +120,7 @@ def _score(placed: JointGraph, positions: NDArray[np.float64], body: SkeletonBod
 
 
 def _skeleton(name: str) -> JointGraph:
-    """Read joints that were placed by hand, where needed along the curves that our own shapes are sculpted about."""
+    """Read joints placed by hand, or for our own shapes along the curves that they were sculpted around."""
     found = json.loads(_SKELETONS.read_text(encoding="utf-8"))[name]
     names = list(found["joints"])
     bones = [[names.index(joint) for joint in bone] for bone in found["bones"]]
@@ -129,7 +129,7 @@ def _skeleton(name: str) -> JointGraph:
 
 
 def _disturbed(graph: JointGraph) -> JointGraph:
-    """Return the skeleton in a shape of its own, with longer and shorter bones, bone by bone from its first joint."""
+    """Return the skeleton in a rest shape with longer and shorter bones, scaled one by one from its first joint."""
     factors = np.random.default_rng(0).uniform(1.0 - _DISTURBANCE, 1.0 + _DISTURBANCE, len(graph.positions))
     rest, known, waiting = graph.rest.copy(), {0}, [0]
     while waiting:
@@ -143,7 +143,7 @@ def _disturbed(graph: JointGraph) -> JointGraph:
 
 
 def _piece(mesh: TriangleMesh, joints: NDArray[np.float64]) -> TriangleMesh:
-    """Return the piece of a mesh that the joints lie in."""
+    """Return the connected component of a mesh that contains the joints."""
     labels = vertex_components(mesh)[mesh.faces[:, 0]]
     pieces = [TriangleMesh(mesh.vertices, mesh.faces[labels == label]) for label in range(labels.max() + 1)]
     return max(pieces, key=lambda piece: float(winding_numbers(joints, piece).sum()))
@@ -159,7 +159,7 @@ def _read(path: Path) -> TriangleMesh:
     (obj,) = import_objects(path, None)
     mesh = surface_mesh(obj, bpy.context.evaluated_depsgraph_get())
     if path.suffix == ".obj":
-        # As the file has it: y points up.
+        # In the file, y points up.
         x, y, z = mesh.vertices.T
         return TriangleMesh(np.stack([x, z, -y], axis=1), mesh.faces)
     return mesh

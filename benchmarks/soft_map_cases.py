@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The cases of the soft map benchmark, one per process: ``python -m benchmarks.soft_map_cases CASE OPTIONS``.
 
-Each prints one line of JSON. A pair is made once and written to a file, which the others read.
+Each prints one line of JSON. A pair is made once and written to a file, which the other cases read.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from .deformed_pairs import PAIRS, DeformedPair, Geodesics, deformed_pair
 from .processes import peak_megabytes
 
 RADII = (0.01, 0.02, 0.03, 0.05, 0.1, 0.2)
-"""Of the Princeton curve, in square roots of the target's area."""
+"""Radii of the Princeton curve, in square roots of the target's area."""
 
-# What counts as a match in robust weight transfer: a share of the bounds' diagonal, and an angle in degrees.
+# Thresholds for a match in robust weight transfer: a fraction of the bounds' diagonal, and an angle in degrees.
 _NEAR, _TURN = 0.05, 30.0
-# Vertices that lie this far from their mirror image can be flipped; a flip is nearer to the latter by a margin.
+# Vertices this far from their mirror image can be flipped; a flip is nearer to the mirror image by a margin.
 _OFF_MIDDLE, _MARGIN = 0.1, 0.02
 
 
 def make(name: str, file: str, path: str, vertices: int) -> dict[str, object]:
-    """Make a pair and write it."""
+    """Make a pair and write it to a file."""
     (kind,) = (kind for kind in PAIRS if kind.name == name)
     pair = deformed_pair(kind, Path(file), vertices)
     nearest = np.linalg.norm(pair.truth[:, None] - pair.target.vertices, axis=2).min(axis=1)
@@ -58,7 +58,7 @@ def make(name: str, file: str, path: str, vertices: int) -> dict[str, object]:
 
 
 def read(path: str) -> DeformedPair:
-    """Read a pair that was written."""
+    """Read a pair from a file."""
     with np.load(path) as stored:
         data = dict(stored)
     source, target = (TriangleMesh.from_arrays(data[side], data[f"{side}_faces"]) for side in ("source", "target"))
@@ -67,13 +67,13 @@ def read(path: str) -> DeformedPair:
 
 
 def judged(pair: DeformedPair, points: NDArray[np.float64]) -> dict[str, object]:
-    """Compare images of the source's vertices with the truth.
+    """Compare images of the source's vertices with the true points.
 
     Returns
     -------
     dict
-        The mean error x 100, the percentages of matches below `RADII`, and of off-middle vertices that are flipped
-        (none where the shape is not symmetric).
+        The mean error x 100, the percentages of matches below `RADII`, and the percentage of off-center vertices that
+        are flipped (None if the shape is not symmetric).
     """
     surface = Geodesics(pair.target)
     points = surface.finder.find(points).interpolated(pair.target.corners)
@@ -87,7 +87,7 @@ def judged(pair: DeformedPair, points: NDArray[np.float64]) -> dict[str, object]
 
 
 def ours(path: str, landmarks: int) -> dict[str, object]:
-    """Compute the soft map as the extension does, from two meshes to a point for every vertex."""
+    """Compute the soft map as the extension does, from two meshes to one point for every vertex."""
     pair = read(path)
     sides = [MapSide(pair.source, "source"), MapSide(pair.target, "target")]
     begun = time.process_time()
@@ -98,27 +98,27 @@ def ours(path: str, landmarks: int) -> dict[str, object]:
 
 
 def nearest(path: str) -> dict[str, object]:
-    """Take the nearest point, as Data Transfer does, after the best rigid motion that the truth itself gives."""
+    """Take nearest points, like Data Transfer, after the best rigid motion, computed from the true points."""
     pair = read(path)
-    found = ClosestPointFinder(pair.target.corners).find(_laid_over(pair))
+    found = ClosestPointFinder(pair.target.corners).find(_aligned(pair))
     return judged(pair, found.interpolated(pair.target.corners))
 
 
 def inpainted(path: str) -> dict[str, object]:
-    """Take nearest points that face the same way, and fill in the others smoothly.
+    """Take nearest points with similar normals, and fill in the others smoothly.
 
-    That is how R. Abdrashitov, K. Raichstat, J. Monsen and D. Hill, "Robust Skin Weights Transfer via Weight
-    Inpainting", SIGGRAPH Asia Technical Communications, 2023, transfer weights; here, coordinates.
+    This is how R. Abdrashitov, K. Raichstat, J. Monsen and D. Hill, "Robust Skin Weights Transfer via Weight
+    Inpainting", SIGGRAPH Asia Technical Communications, 2023, transfer weights; here it transfers coordinates.
     """
     pair = read(path)
-    laid = _laid_over(pair)
-    found = ClosestPointFinder(pair.target.corners).find(laid)
+    aligned = _aligned(pair)
+    found = ClosestPointFinder(pair.target.corners).find(aligned)
     points = found.interpolated(pair.target.corners)
-    own = vertex_normals(laid, pair.source.faces)
+    own = vertex_normals(aligned, pair.source.faces)
     other = vertex_normals(pair.target.vertices, pair.target.faces)
     facing = np.einsum("nc,ncd->nd", found.shares, other[pair.target.faces[found.triangles]])
     facing /= np.linalg.norm(facing, axis=1, keepdims=True)
-    reach = _NEAR * float(np.linalg.norm(np.ptp(laid, axis=0)))
+    reach = _NEAR * float(np.linalg.norm(np.ptp(aligned, axis=0)))
     matched = (found.distances < reach) & (np.einsum("nd,nd->n", own, facing) > np.cos(np.radians(_TURN)))
     stiffness = laplacian(pair.source)
     bending = (stiffness.matrix @ diags_array(1.0 / stiffness.areas) @ stiffness.matrix + stiffness.matrix).tocsc()
@@ -129,12 +129,12 @@ def inpainted(path: str) -> dict[str, object]:
 
 
 def matched(path: str, match: str) -> dict[str, object]:
-    """Judge vertices that another program has found."""
+    """Evaluate vertices found by another program."""
     pair = read(path)
     return judged(pair, pair.target.vertices[np.load(match)])
 
 
-def _laid_over(pair: DeformedPair) -> NDArray[np.float64]:
+def _aligned(pair: DeformedPair) -> NDArray[np.float64]:
     center, goal = pair.source.vertices.mean(axis=0), pair.truth.mean(axis=0)
     turn, _ = Rotation.align_vectors(pair.truth - goal, pair.source.vertices - center)
     return turn.apply(pair.source.vertices - center) + goal

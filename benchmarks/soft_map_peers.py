@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functional maps by pyFM between the pairs of the soft map benchmark; runs in the peers' environment.
+"""Functional maps by pyFM for the pairs of the soft map benchmark; runs in the peers' environment.
 
-``python -m benchmarks.soft_map_peers CASE OPTIONS`` prints one line of JSON. Nothing of ours is imported.
+``python -m benchmarks.soft_map_peers CASE OPTIONS`` prints one line of JSON. Imports nothing from the project.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import warnings
 
 import numpy as np
 
-# Functions of the fit, and of the refined map, as in pyFM's own examples.
+# Numbers of functions of the first fit and of the refined map, as in pyFM's examples.
 _FIRST, _LAST, _STEP = 30, 150, 5
 
 
@@ -30,7 +30,7 @@ def functional_map(path: str, landmarks: int, fitted: str, refined: str) -> dict
     begun = time.process_time()
     with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
         warnings.simplefilter("ignore")
-        # pyFM's maps lead from the second mesh to the first.
+        # pyFM's maps go from the second mesh to the first.
         meshes = [TriMesh(data[side], data[f"{side}_faces"], area_normalize=True) for side in ("target", "source")]
         for mesh in meshes:
             mesh.process(k=_LAST)

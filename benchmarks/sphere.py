@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast and how right transport on the sphere is: kernels, lobes of materials, skies."""
+"""Speed and accuracy of transport on the sphere: kernels, lobes of materials, skies."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from .processes import measured
 _CASES = "benchmarks.sphere_cases"
 
 _KERNELS = """
-Kernels with a sigma of 4.2 degrees. CPU seconds: to build it, to apply it to 2 columns, and for a barycenter of two
-blobs to a marginal error of 0.1 %, the mean of four ways; the last column is how far the worst midpoint is off the
-great circle.
+Kernels with a sigma of 4.2 degrees. CPU seconds to build a kernel, to apply it to 2 columns, and for a barycenter of
+two blobs to a marginal error of 0.1 %, the mean over four paths; the last column is the largest distance of a midpoint
+from the great circle.
 """
 _LOBES = """
-Materials half way between two, 64 x 256 cells a lobe. CPU seconds: to tabulate both, for all incoming directions, and
-for one of them; the marginal error, the mean entropy, and what of the light the nearest GGX sends elsewhere.
+Materials halfway between two, 64 x 256 cells per lobe. CPU seconds to tabulate both, for all incoming directions, and
+for one of them; the marginal error, the mean entropy, and the fraction of light that the nearest GGX misplaces.
 """
 _SKIES = """
-Skies between two with suns 93 degrees apart. CPU seconds: to prepare with a first frame, and a frame; how far the sun
-is off the great circle at worst, and how far the energy is off the mix of both.
+Skies between two with suns 93 degrees apart. CPU seconds to prepare including the first frame, and per frame; largest
+distance of the sun from the great circle, and of the energy from the linear mix.
 """
 
 
@@ -29,7 +29,7 @@ def main(rows: list[int]) -> None:
     Parameters
     ----------
     rows : list of int
-        Rows of the spheres and, times four, of the skies.
+        Numbers of rows of the spheres; the skies have four times as many.
     """
     print(_KERNELS)
     print(f"{'rows':>5}  {'kernel':8} {'build':>7} {'apply':>7} {'solve':>7} {'off, px':>8}")

@@ -34,8 +34,8 @@ _TIMES = (0.1, 0.25, 0.5, 0.75, 0.9)
 
 
 def kernel(rows: int, kind: str) -> dict[str, object]:
-    """Apply a kernel to two columns, and find midpoints of blobs with it."""
-    # A narrower one does not reach as far as these ways go.
+    """Apply a kernel to two columns, and use it to compute midpoints of blobs."""
+    # A narrower kernel would not reach as far as these paths.
     domain = Sphere(rows, 1.5 * rows / 64, kernel=kind)
     start = time.process_time()
     domain.apply(np.ones(domain.shape))
@@ -62,7 +62,7 @@ def kernel(rows: int, kind: str) -> dict[str, object]:
 
 
 def lobes(pair: str, entropy: str) -> dict[str, object]:
-    """Interpolate two materials half way, for all incoming directions."""
+    """Interpolate halfway between two materials, for all incoming directions."""
     turns = {"turns": 4, "incoming": 4} if pair != "round" else {}
     start = time.process_time()
     blend = LobeBlend.of(_PAIRS[pair], ReflectanceSettings(entropy_limit=entropy, **turns))
@@ -83,7 +83,7 @@ def lobes(pair: str, entropy: str) -> dict[str, object]:
 
 
 def skies(rows: int) -> dict[str, object]:
-    """Interpolate two skies by formula, the suns 93 degrees apart."""
+    """Interpolate two analytic skies with suns 93 degrees apart."""
     low, high = _unit(12, 70), _unit(50, 165)
     ends = _sky(rows, low, (3, 1.5, 0.5), (0.5, 0.3, 0.15)), _sky(rows, high, (1.5, 1.4, 1.2), (2, 1.9, 1.7))
     start = time.process_time()

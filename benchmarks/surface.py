@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What it takes to interpolate densities along surfaces, with and without a bound of the entropy."""
+"""Cost of interpolating densities on surfaces, with and without bounded entropy."""
 
 from __future__ import annotations
 
 from .processes import measured
 
 SIZES = (1000, 10_000, 100_000, 500_000)
-"""Vertices of the meshes."""
+"""Numbers of vertices of the meshes."""
 
 _TITLE = """
 CPU seconds of {steps} steps to a marginal error of 1 %, by bisection.
@@ -15,7 +15,7 @@ CPU seconds of {steps} steps to a marginal error of 1 %, by bisection.
 setup    Laplacian and factorization
 coarser  all coarser meshes, once per mesh
 solve    all steps
-sweeps   on the mesh itself, of the slowest step of every level
+sweeps   on the finest mesh, for the slowest step of every bisection level
 MB       peak memory
 """
 

@@ -19,12 +19,12 @@ from convwass_addon.transport import Surface, bisect
 from .meshes import blob
 from .processes import peak_megabytes
 
-# Of the caps in radians: their radius and how far their centers are apart.
+# Radius of the caps, and distance between their centers, in radians.
 _RADIUS, _APART = 0.3, 1.6
 
 
 def interpolation(count: int, steps: int, bounded: bool) -> dict[str, object]:
-    """Move a cap along a bumpy shape of so many vertices; CPU seconds by stage."""
+    """Move a cap along a bumpy shape with this many vertices; returns CPU seconds by stage."""
     vertices, faces = blob(count)
     marks = [time.process_time()]
     surface = Surface(vertices, faces)
@@ -55,7 +55,7 @@ def ladder(surface: Surface) -> list[Surface]:
 
 
 def caps(surface: Surface) -> NDArray[np.float64]:
-    """Return two caps with soft rims on a shape around the origin, (2, n)."""
+    """Return two caps with soft rims on a surface around the origin, (2, n)."""
     return np.stack([_cap(surface, angle) for angle in (0.0, _APART)])
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Table 1 of Solomon et al. 2015, redone: what a distance costs and how right it is, next to what else there is."""
+"""Table 1 of Solomon et al. 2015, reproduced: cost and accuracy of distances, compared with other methods."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from statistics import mean
 from .processes import measured, reports
 
 SIZES = (693, 1150, 1911, 3176, 5278, 8774, 14584, 100_000, 500_000)
-"""Those of the paper, and two more."""
+"""Mesh sizes of the paper, and two more."""
 
 _SMOOTH_SIZES = (693, 1911, 3176)
 _CASES = "benchmarks.table1_cases"
 _PEERS = ("linear_program", "pot", "dense")
-# Bytes of a matrix of all pairs; a peer needs two to five of them.
+# Bytes of a matrix with all pairs; a peer needs two to five times as much.
 _LARGEST_MATRIX = 4e9
-# For a process to start and to read a matrix.
+# Time to start a process and read a matrix.
 _START_SECONDS = 20.0
 
 _TIMES = """
-CPU seconds per distance between random densities: mean of {trials} trials, of a single one where all pairs of vertices
-are too many, of as many as there was time for where a peer takes long.
+CPU seconds per distance between random densities: mean of {trials} trials; of a single one if the mesh has too many
+vertices for all pairs; for slow peers, of as many as the time allowed.
 A star: more than {limit:.0f} s, or too many pairs.
 
 paths     once per mesh: all pairs of distances along edges (SciPy, Dijkstra), which the next three need
@@ -31,30 +31,30 @@ LP        exact transport (POT, emd2)
 POT       entropic transport with the dense kernel (POT, sinkhorn2; it stops at 1e-5 in the 2-norm, every 10th time)
 dense     the same, in NumPy, to the same error as Convwass
 setup     Convwass, once per mesh: Laplacian and factorization
-eq. (10)  Convwass: to a marginal error of 1e-5 in the 1-norm, as the paper's value
-debiased  Convwass: eq. (10) and what the two densities cost to themselves
-it.       iterations of POT, of dense and of eq. (10)
+eq. (10)  Convwass: to a marginal error of 1e-5 in the 1-norm, the value of the paper
+debiased  Convwass: eq. (10) and the self-distances of the two densities
+it.       iterations of POT, dense and eq. (10)
 """
 
 _COSTS = """
-What it takes and what it gives: squared distances on meshes of unit area. gamma is 1 % of the median of all pairs.
+Cost and values: squared distances on meshes of unit area. gamma is 1 % of the median of all pairs.
 
-MB        peak memory, and how much of it there was before: Python, its libraries, the mesh and the densities
+MB        peak memory; before: the part needed for Python, its libraries, the mesh and the densities
 ms        one application of the kernel to two columns
-bound     ms in which memory delivers the factor's numbers as often as they are read; caches are faster
+bound     ms for reading the factor's numbers from memory as often as needed; caches are faster
 LP, POT, dense: exact transport and the cost of entropic plans, both with distances along edges;
 eq. (10), debiased: Convwass
 """
 
 _SMOOTH = """
 Two densities of two smooth bumps each on a sphere of unit area: squared distances. gamma is 1 % of the median as above,
-and what Surface chooses by itself.
+and the default of Surface.
 
 circles   exact transport with the true distances, great circles
-paths     exact transport with distances along edges, which are too long; it is what the paper compares with
+paths     exact transport with distances along edges, which are too long; the reference in the paper
 eq. (10)  Convwass, as in the paper
 diverg.   debiased, Distance.divergence
-value     and corrected for the kernel's tail, Distance.value; error of its square root against circles
+value     corrected for the kernel's tail, Distance.value; error of its square root compared with circles
 """
 
 
@@ -64,16 +64,16 @@ def main(sizes: list[int], trials: int, limit: float) -> None:
     Parameters
     ----------
     sizes : list of int
-        Vertices of the meshes.
+        Numbers of vertices of the meshes.
     trials : int
-        Random pairs of densities per mesh.
+        Number of random pairs of densities per mesh.
     limit : float
-        Seconds of a single distance from which on a peer is left out.
+        Seconds for a single distance above which a peer is skipped.
     """
     peers = _PEERS
     if find_spec("ot") is None:
         print(
-            "POT is not installed, so the columns LP and POT stay empty; it is among the extra test of pyproject.toml."
+            "POT is not installed, so the columns LP and POT stay empty; pyproject.toml lists it in the extra `test`."
         )
         peers = ("dense",)
     rows = _times(sizes, trials, limit, peers)
@@ -106,7 +106,7 @@ def _times(sizes: list[int], trials: int, limit: float, peers: tuple[str, ...]) 
 
 
 def _row(size: int, trials: int, limit: float, peers: tuple[str, ...]) -> dict[str, object]:
-    """Run all cases of one mesh; the peers' reports are empty where they did not finish."""
+    """Run all cases of one mesh; the reports of peers that did not finish are empty."""
     row: dict[str, object] = {"size": size, "paths": None, **{name: [] for name in _PEERS}}
     has_pairs = 8 * size**2 < _LARGEST_MATRIX
     with tempfile.TemporaryDirectory() as folder:
@@ -123,8 +123,8 @@ def _row(size: int, trials: int, limit: float, peers: tuple[str, ...]) -> dict[s
 
 
 def _peer(case: str, limit: float, **options: object) -> list[dict[str, object]]:
-    """Return what a peer's trials took; none if a single one of them took too long."""
-    # Time for one trial of the largest, or for all of the smaller ones.
+    """Return the reports of a peer's trials; empty if a single trial took too long."""
+    # Time for one trial on the largest meshes, or for all trials on the smaller ones.
     found = reports("benchmarks.peer_cases", case, _START_SECONDS + 2.0 * limit, **options)
     return found if found and mean(trial["cpu"] for trial in found) <= limit else []
 
@@ -184,7 +184,7 @@ def _average(trials: list[dict[str, object]], name: str) -> float | None:
 
 
 def _column(value: float | None, is_tried: bool, width: int, digits: int) -> str:
-    """Return a number, a star for what did not finish, or a dash for what is not there."""
+    """Format a number, with a star for an unfinished run and a dash for a missing one."""
     return f"{'*' if is_tried else '-':>{width}}" if value is None else f"{value:{width}.{digits}f}"
 
 

@@ -29,7 +29,7 @@ _READ_BYTES = 1 << 29
 
 
 def shape(count: int, folder: str) -> dict[str, object]:
-    """Write a mesh to a folder: making it takes more memory than all that follows."""
+    """Write a mesh to a folder, in a separate case because creating it takes more memory than the others."""
     vertices, faces = blob(count)
     np.save(Path(folder) / "vertices.npy", vertices)
     np.save(Path(folder) / "faces.npy", faces)
@@ -37,7 +37,7 @@ def shape(count: int, folder: str) -> dict[str, object]:
 
 
 def paths(trials: int, folder: str) -> dict[str, object]:
-    """Write what the peers need, all-pairs costs along the edges and masses of random densities, to a folder."""
+    """Write the peers' input to a folder: all-pairs costs along edges and masses of random densities."""
     vertices, faces = _read_shape(folder)
     graph = edge_graph(vertices, faces)
     start = time.process_time()
@@ -50,7 +50,7 @@ def paths(trials: int, folder: str) -> dict[str, object]:
 
 
 def sampled_gamma(folder: str) -> dict[str, object]:
-    """Return gamma where there are too many vertices for all pairs, from a few of them."""
+    """Estimate gamma from a few vertices if there are too many for all pairs."""
     vertices, faces = _read_shape(folder)
     sources = np.random.default_rng(0).integers(len(vertices), size=_SOURCES)
     lengths = dijkstra(edge_graph(vertices, faces), indices=sources)
@@ -85,7 +85,7 @@ def noise(trials: int, gamma: float, folder: str) -> dict[str, object]:
 
 
 def smooth(count: int, gamma: float | None, folder: str) -> dict[str, object]:
-    """Solve one distance between smooth densities on a sphere; write what the peers need to a folder."""
+    """Solve one distance between smooth densities on a sphere; write the peers' input to a folder."""
     vertices, faces = sphere(count)
     surface = Surface(vertices, faces, gamma=gamma)
     densities = bumps(vertices)
@@ -109,7 +109,7 @@ def _read_shape(folder: str) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def _save_masses(densities: NDArray[np.float64], surface: Surface, folder: Path) -> None:
-    """Write the mass of every vertex, (trials, 2, n), summing to one."""
+    """Write the mass of every vertex, (trials, 2, n); each density sums to one."""
     masses = densities * surface.weights
     np.save(folder / "masses.npy", masses / masses.sum(axis=-1, keepdims=True))
 
@@ -121,7 +121,7 @@ def _solved(surface: Surface, densities: NDArray[np.float64], *, debias: bool) -
 
 
 def _best(action: Callable[[], object], times: int) -> float:
-    """CPU seconds of the fastest of several runs."""
+    """Return the CPU seconds of the fastest of several runs."""
     seconds = []
     for _ in range(times):
         start = time.process_time()
@@ -131,10 +131,10 @@ def _best(action: Callable[[], object], times: int) -> float:
 
 
 def _bound(surface: Surface) -> float | None:
-    """Milliseconds in which memory delivers the factor's numbers as often as one application reads them.
+    """Estimate the milliseconds for reading the factor's numbers from memory as often as one application does.
 
-    A solve reads the factor twice, forward and backward, for all columns at once. None where nothing can tell how many
-    numbers the factor has in the ordering that leaves the fewest.
+    A solve reads the factor twice, forward and backward, for all columns at once. None without CHOLMOD, which counts
+    the numbers of the factor in the ordering with the least fill.
     """
     try:
         from sksparse.cholmod import cholesky

@@ -32,7 +32,7 @@ def chair(seed: int) -> Sculpture:
 
 
 def table(seed: int) -> Sculpture:
-    """Sculpt a long table on four legs that two rails join, one at either end."""
+    """Sculpt a long table on four legs, with a rail between the two legs at either end."""
     clay = Sculpture(seed)
     clay.add(ribbon([(-0.78, 0, 1.0), (0, 0, 1.0), (0.78, 0, 1.0)], [0.42] * 3, [0.075] * 3, _ACROSS))
     for x in (-0.68, 0.68):

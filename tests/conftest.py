@@ -41,7 +41,7 @@ def pytest_unconfigure() -> None:
     shutil.rmtree(_USER_RESOURCES, ignore_errors=True)
     bpy = sys.modules.get("bpy")
     if bpy is not None and bpy.app.version < (5, 0):
-        # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+        # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(_exit_status)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators, the settings of scenes and the commands of the command line as Markdown."""
+"""Markdown pages about operators, scene settings and the command line."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import bpy
 from convwass_addon import operators
 from convwass_addon.cli import program
 
-# Every operator of Blender has it.
+# A property that every operator inherits from Blender.
 _USUAL = ("rna_type",)
 _UNBOUNDED = 1e9
 
 
 def operator_pages() -> dict[str, list[str]]:
-    """Return the Markdown of every operator, by its name; the add-on is registered."""
+    """Return the Markdown of every operator by name; the add-on must be registered."""
     kinds = [kind for module in operators._MODULES for kind in module.classes if issubclass(kind, bpy.types.Operator)]
     return {kind.bl_idname: _operator(kind.bl_idname) for kind in kinds}
 
@@ -30,7 +30,7 @@ def _operator(name: str) -> list[str]:
 
 
 def scene_pages() -> dict[str, list[str]]:
-    """Return the Markdown of what every scene keeps for the panels, by its name."""
+    """Return the Markdown of the settings that every scene keeps for the panels, by name."""
     groups = [prop for prop in bpy.types.Scene.bl_rna.properties if prop.identifier.startswith("convwass_")]
     found = {}
     for group in groups:
@@ -61,7 +61,7 @@ def _listed(names: set[str]) -> str:
 
 def _values(prop: bpy.types.Property) -> str:
     if prop.type == "ENUM":
-        # Items that a function makes depend on the scene.
+        # Dynamic enum items depend on the scene.
         return ", ".join(f"`{item.identifier}`" for item in prop.enum_items_static)
     if prop.type in ("INT", "FLOAT"):
         low, high = (None if abs(edge) >= _UNBOUNDED else _number(edge) for edge in (prop.hard_min, prop.hard_max))
@@ -79,7 +79,7 @@ def _number(value: float) -> str:
 
 
 def command_pages() -> dict[str, list[str]]:
-    """Return the Markdown of every command of the command line, by its name."""
+    """Return the Markdown of every command by name."""
     found = {}
     for command in program.COMMANDS:
         parser = ArgumentParser(command.name, add_help=False)

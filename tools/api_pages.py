@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write the pages about the API from docstrings: ``docs/api.md`` and what it leads to in ``docs/api/``.
+"""Write the API pages, ``docs/api.md`` and ``docs/api/``, from the docstrings.
 
 python3 run.py api [--check]
 """
@@ -27,36 +27,36 @@ PROJECT = Path(__file__).resolve().parents[1]
 FOLDER = "docs/api"
 INDEX = "docs/api.md"
 
-_MADE = "<!-- Made by `python3 run.py api` from the docstrings; changes belong there. -->"
+_MADE = "<!-- Generated from the docstrings by `python3 run.py api`; edit those instead. -->"
 
 _INDEX = """# The API
 
-For those who write scripts. The same work can be asked for in four ways, from the shortest to the most open:
+For script authors. There are four interfaces, from the highest level to the lowest:
 
 - [The command line](api/command_line.md): `blender --command convwass COMMAND` or `python -m convwass_addon COMMAND`.
-- [Operators](api/operators.md): `bpy.ops.convwass.…` in Blender's Python, the same that the buttons call. In a script
-  they do all of their work before they return; in the window they work in the background.
-- [Applications](api/applications.md): what the operators do, on arrays; no Blender is needed.
-- [Transport](api/transport.md): the functions of the paper on arrays.
+- [Operators](api/operators.md): `bpy.ops.convwass.…` in Blender's Python, the same ones that the buttons call. In a
+  script they return when all their work is done; in the window they work in the background.
+- [Applications](api/applications.md): the work of the operators on arrays, without Blender.
+- [Transport](api/transport.md): the algorithms of the paper on arrays.
 
-The [scripts](scripts/README.md) show all four. Names that do not stand here may change without notice.
+The [scripts](scripts/README.md) use all four. Names that are not listed here may change without notice.
 
 """
 
 _TRANSPORT = """# Transport
 
 Distances, barycenters, interpolation, propagation and maps between distributions, on any domain. Import them from
-`convwass_addon.transport`. Densities have the shape of their domain and a mass of one under its area weights; arrays of
-several have the distribution first.
+`convwass_addon.transport`. A density has the shape of its domain and a mass of one under the domain's area weights; in
+arrays of several densities the first axis counts them.
 
 """
 
 _APPLICATIONS = """# Applications
 
-What a user does, on arrays and without Blender. Functions whose names end in `_steps`, and `morph`, `flat_morph` and
-`lobe_frames`, do long work: generators that yield `Progress` with a `fraction`, a `message` and, where something is
-finished on the way, a `payload`, and that return their result. A loop drives them, or `drained` where only the result
-counts:
+The features of the extension on arrays, without Blender. Functions whose names end in `_steps`, and `morph`,
+`flat_morph` and `lobe_frames`, do long work: they are generators that yield `Progress` (a `fraction`, a `message` and,
+whenever a part is finished, its `payload`) and return their result. Drive them with a loop, or with `drained` if you
+need only the result:
 
 ```python
 from convwass_addon.progress import drained
@@ -66,22 +66,22 @@ for progress in morph(shapes, names, blends, MorphSettings()):
 frames = drained(interpolation_steps(first, second, surface, DensitySettings()))
 ```
 
-All of them take a `Control` of the same module, whose `cancel` ends them from any thread with
+All of them take a `Control` from the same module. Calling its `cancel` from any thread ends them with
 `convwass_addon.errors.Cancelled`.
 
-Errors that a user can mend are `convwass_addon.errors.InputError`; their text says what to do.
+Errors that the user can fix are `convwass_addon.errors.InputError`; the message says what to do.
 
 """
 
 _OPERATORS = """# Operators
 
-`bpy.ops.convwass.NAME(...)`, where the extension is enabled, or after `convwass_addon.register()` where `bpy` came from
-pip. What cannot work raises `RuntimeError` with a sentence that says what to do. Arguments that are left out have the
-defaults below, not what the panels show; where a panel keeps settings, they are in `bpy.context.scene` (see the end).
+`bpy.ops.convwass.NAME(...)`, available when the extension is enabled, or after `convwass_addon.register()` if `bpy`
+came from pip. On failure they raise `RuntimeError`; the message says what to do. Omitted arguments take the defaults
+below, not the values in the panels; those are in `bpy.context.scene` (see the end).
 
 """
 
-_SCENES = """## What scenes keep
+_SCENES = """## Scene settings
 
 The settings that the panels show, such as `bpy.context.scene.convwass_soft_map.source`.
 
@@ -90,9 +90,9 @@ The settings that the panels show, such as `bpy.context.scene.convwass_soft_map.
 _COMMAND_LINE = """# The command line
 
 With the extension installed, run `blender --command convwass COMMAND …`; in a checkout of this project,
-`python3 run.py python -m convwass_addon COMMAND …`. `COMMAND --help` prints what this page says.
+`python3 run.py python -m convwass_addon COMMAND …`. `COMMAND --help` prints the same text as this page.
 
-Exit codes: 0 success, 1 failure while working, 2 wrong command line, 3 unusable shapes or settings, 4 not enough
+Exit codes: 0 success, 1 failure while working, 2 invalid command line, 3 unusable shapes or settings, 4 not enough
 memory, 130 interrupted.
 
 """
@@ -105,10 +105,9 @@ class Entry:
     Attributes
     ----------
     name : str
-        The heading; classes are marked as such, since some differ from a function only by a capital, and addresses of
-        headings have none.
+        The heading; marked for classes, because some differ from a function only in case, and anchors ignore case.
     summary : str
-        In one sentence, as Markdown; empty where none is wanted.
+        One sentence of Markdown, or empty.
     lines : list of str
         The Markdown below the heading.
     """
@@ -119,9 +118,9 @@ class Entry:
 
 
 def main() -> int:
-    """Write the pages, or with ``--check`` say which are out of date."""
+    """Write the pages, or with ``--check`` list those that are out of date."""
     parser = argparse.ArgumentParser(prog="run.py api", description=__doc__.partition("\n")[0])
-    parser.add_argument("--check", action="store_true", help="write nothing; fail where a page is out of date")
+    parser.add_argument("--check", action="store_true", help="write nothing; fail if a page is out of date")
     options = parser.parse_args()
     stale = {name: text for name, text in made_pages().items() if _text_of(PROJECT / name) != text}
     for name, text in stale.items():
@@ -137,7 +136,7 @@ def _text_of(path: Path) -> str | None:
 
 
 def made_pages() -> dict[str, str]:
-    """Return all pages by their path in the project; registers the add-on for as long as it takes."""
+    """Return all pages by their path in the project; registers the add-on while it works."""
     convwass_addon.register()
     try:
         return pages_of_registered()
@@ -146,7 +145,7 @@ def made_pages() -> dict[str, str]:
 
 
 def pages_of_registered() -> dict[str, str]:
-    """Return all pages, where the add-on is registered."""
+    """Return all pages; the add-on must be registered."""
     functions = [_entry(name, getattr(transport, name)) for name in transport.__all__]
     operators = [Entry(f"bpy.ops.{name}", "", lines) for name, lines in operator_pages().items()]
     scenes = [Entry(f"scene.{name}", "", lines) for name, lines in scene_pages().items()]
@@ -174,8 +173,11 @@ def _written(entries: Iterable[Entry], marks: str = "##") -> list[str]:
 
 
 def _application_packages() -> list[str]:
-    """Return the applications, package by package, and the mesh that all of them take."""
-    parts = ["## geometry.mesh\n\nWhat all of them take.\n\n", *_written([_entry("TriangleMesh", TriangleMesh)], "###")]
+    """Return the applications by package, and the mesh that all of them take."""
+    parts = [
+        "## geometry.mesh\n\nThe mesh that all of them take.\n\n",
+        *_written([_entry("TriangleMesh", TriangleMesh)], "###"),
+    ]
     for name, modules in APPLICATIONS.items():
         package = importlib.import_module(f"{applications.__name__}.{name}")
         parts.append(f"## applications.{name}\n\n{plain(parsed(package.__doc__).text)}\n\n")
@@ -185,8 +187,8 @@ def _application_packages() -> list[str]:
 
 
 def _bridge() -> list[str]:
-    """Return what leads from Blender's data to arrays and back."""
-    parts = ["## bridge\n\nBetween Blender's data and arrays; these need `bpy`.\n\n"]
+    """Return the functions that convert between Blender's data and arrays."""
+    parts = ["## bridge\n\nConversion between Blender's data and arrays; needs `bpy`.\n\n"]
     for module, names in BRIDGE.items():
         parts += _of_module(f"{bridge.__name__}.{module}", names)
     return parts
@@ -202,7 +204,7 @@ def _of_module(path: str, names: Iterable[str]) -> list[str]:
 
 
 def _index(functions: Iterable[Entry]) -> str:
-    """Return the contents of the page on transport, which has no packages."""
+    """Return the table of contents of the transport page, which has no packages."""
     lines = [
         f"- [{entry.name}](api/transport.md#{entry.name.lower().replace(' ', '-')}): {entry.summary}"
         for entry in functions

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own tool for building and validating extensions, taken out of the ``bpy`` package without loading it."""
+"""Blender's own tool for building and validating extensions, called from the ``bpy`` package without importing it."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from pathlib import Path
 
 
 class BuilderError(Exception):
-    """Blender's tool refused; the message is what it printed."""
+    """Blender's tool failed; the message is its output."""
 
 
 def build(source: Path, *, output: Path, split_platforms: bool = False) -> None:
-    """Build the extension whose manifest lies in `source`.
+    """Build the extension from the folder of its manifest.
 
     Parameters
     ----------
     source : Path
         Folder with ``blender_manifest.toml``.
     output : Path
-        Folder for the zip files; made where it is missing.
+        Folder for the zip files; created if missing.
     split_platforms : bool
-        One zip for each of the manifest's platforms, with the wheels that fit it, instead of one with everything.
+        Build one zip per platform of the manifest, with the wheels for it, instead of one with everything.
 
     Raises
     ------
     BuilderError
-        If the manifest or the files are not as Blender wants them.
+        If Blender's tool rejects the manifest or the files.
     """
     output.mkdir(parents=True, exist_ok=True)
     options = ["--split-platforms"] if split_platforms else []
@@ -37,12 +37,12 @@ def build(source: Path, *, output: Path, split_platforms: bool = False) -> None:
 
 
 def validate(extension: Path) -> None:
-    """Check a zip file, or a folder with a manifest, as Blender would on installing it.
+    """Check a zip file, or a folder with a manifest, as Blender does when installing it.
 
     Raises
     ------
     BuilderError
-        If it would be refused.
+        If Blender would reject it.
     """
     _call("validate", str(extension))
 
@@ -55,7 +55,7 @@ def _call(*arguments: str) -> None:
 
 
 def program() -> Path:
-    """Return where the builder is that comes with Blender; raises BuilderError where there is none."""
+    """Return the path of the builder that comes with Blender; raises BuilderError if it is missing."""
     spec = importlib.util.find_spec("bpy")
     folders = map(Path, (spec and spec.submodule_search_locations) or ())
     for folder in folders:

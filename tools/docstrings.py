@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Docstrings in numpydoc's format, and signatures, as Markdown."""
+"""Convert numpydoc docstrings and signatures to Markdown."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 _ROLE = re.compile(r":\w+:`~?\.?([^`]+)`")
 _CODE = re.compile(r"(`[^`]+`)")
 _MARKUP = re.compile(r"([*<\[\]])")
-# Columns of a page; a longer signature has a line for every parameter.
+# Page width; longer signatures get one line per parameter.
 _WIDTH = 100
 
 
@@ -24,9 +24,9 @@ class Section:
     Attributes
     ----------
     title : str
-        Such as "Parameters".
+        For example "Parameters".
     entries : tuple of (str, str)
-        What stands at the margin, a name with its type or a type, and what is said of it.
+        Unindented line (a name with its type, or a type) and its indented description.
     """
 
     title: str
@@ -35,14 +35,14 @@ class Section:
 
 @dataclass(frozen=True)
 class Docstring:
-    """A docstring in parts.
+    """A parsed docstring.
 
     Attributes
     ----------
     text : str
-        What stands before the first section: summary and further paragraphs.
+        Everything before the first section: summary and further paragraphs.
     sections : tuple of Section
-        In their order.
+        In order of appearance.
     """
 
     text: str
@@ -55,7 +55,7 @@ class Docstring:
 
 
 def parsed(docstring: str) -> Docstring:
-    """Take a docstring apart: sections begin with a title that is underlined with hyphens."""
+    """Parse a docstring; a section begins with a title underlined with hyphens."""
     lines = inspect.cleandoc(docstring).splitlines()
     rules = [place for place, line in enumerate(lines) if place and re.fullmatch(r"-{3,}", line)]
     starts = [place - 1 for place in rules]
@@ -78,14 +78,14 @@ def _entries(lines: list[str]) -> tuple[tuple[str, str], ...]:
 
 
 def plain(text: str) -> str:
-    """Return a docstring's text as Markdown: roles and double backticks become code, the rest stays what it is."""
+    """Return a docstring's text as Markdown: roles and double backticks become code."""
     text = _ROLE.sub(lambda match: f"`{match[1].rpartition('.')[2]}`", text).replace("``", "`")
     parts = _CODE.split(text)
     return "".join(part if part.startswith("`") else _MARKUP.sub(r"\\\1", part) for part in parts)
 
 
 def markdown(docstring: str) -> list[str]:
-    """Return the lines of a docstring as Markdown, sections as lists."""
+    """Return the lines of a docstring as Markdown, with sections as lists."""
     found = parsed(docstring)
     lines = [_paragraphs(found.text)]
     for section in found.sections:
@@ -95,21 +95,21 @@ def markdown(docstring: str) -> list[str]:
 
 
 def _paragraphs(text: str) -> str:
-    # What is indented is a formula or an example, which Markdown shows as it stands.
+    # Indented blocks are formulas or examples, which Markdown shows verbatim.
     blocks = re.split(r"\n{2,}", text)
     return "\n\n".join(block if block.startswith("    ") else plain(block) for block in blocks)
 
 
 def _entry(head: str, body: str) -> str:
     name, colon, kind = head.partition(" : ")
-    # Long names without a type are sentences on what is returned.
+    # A long unnamed entry is a sentence about the return value.
     title = f"`{name}`" if re.fullmatch(r"[\w.*, ()\[\]]+", name) else plain(name)
     typed = f" ({plain(kind)})" if colon else ""
     return f"- {title}{typed}" + (f": {plain(body)}" if body else "")
 
 
 def signature(name: str, function: Callable[..., object], *, is_method: bool = False) -> str:
-    """Return a call with its parameters and defaults, without types, which the docstring tells."""
+    """Return a call with its parameters and defaults; types are in the docstring."""
     parameters = list(inspect.signature(function).parameters.values())[1 if is_method else 0 :]
     words, starred = [], False
     for parameter in parameters:
@@ -126,12 +126,12 @@ def _word(parameter: inspect.Parameter) -> str:
     if parameter.default is parameter.empty:
         return prefix + parameter.name
     shown = repr(parameter.default)
-    # Objects whose text tells nothing, and factories of dataclasses.
+    # Uninformative representations: objects and factories of dataclasses.
     return f"{parameter.name}=…" if "<" in shown else f"{parameter.name}={shown}"
 
 
 def described(name: str, thing: object) -> list[str]:
-    """Return the Markdown of a function or a class: how it is called, what it says of itself, and its methods."""
+    """Return the Markdown of a function or class: signature, docstring and methods."""
     lines = []
     if not inspect.isclass(thing) or _is_made_by_users(thing):
         lines += ["```text", signature(name, thing), "```", ""]
@@ -144,7 +144,7 @@ def described(name: str, thing: object) -> list[str]:
 
 
 def _is_made_by_users(kind: type) -> bool:
-    """Tell classes that one calls from protocols, errors and records that functions return."""
+    """Tell classes that users construct from protocols, errors and returned records."""
     if getattr(kind, "_is_protocol", False) or issubclass(kind, Exception):
         return False
     if not dataclasses.is_dataclass(kind):
@@ -153,7 +153,7 @@ def _is_made_by_users(kind: type) -> bool:
 
 
 def _member(name: str, value: object) -> str | None:
-    """Return a line on a method or a property; None for plain values."""
+    """Return a line about a method or property; None for plain values."""
     if isinstance(value, classmethod | staticmethod):
         call = signature(name, value.__func__, is_method=isinstance(value, classmethod))
     elif inspect.isfunction(value):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make the project's own Python environment once, and know at the next start that it is still right."""
+"""Create the project's own Python environment once, and check at every later start that it is still valid."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ _LOAD_BLENDER = """
 import ctypes, sys
 import bpy
 if sys.platform == "linux":
-    ctypes.CDLL("libEGL.so.1")  # Blender opens it at the first picture, and aborts without it
+    ctypes.CDLL("libEGL.so.1")  # Blender loads it for the first render and aborts if it is missing
 """
-# Without bytecode on disk every process compiles all of the project again, and the tests start some fifty.
+# Without bytecode on disk, every process would compile the whole project again, and the tests start about fifty.
 _DROPPED_VARIABLES = ("PYTHONHOME", "PYTHONPATH", "PYTHONDONTWRITEBYTECODE", "__PYVENV_LAUNCHER__")
 _DROPPED_PREFIXES = ("BLENDER_USER_", "BLENDER_SYSTEM_")
 
 
 class SetupError(Exception):
-    """The environment cannot be made; the message says what to do about it."""
+    """The environment cannot be created; the message says what to do."""
 
 
 @dataclass(frozen=True)
 class Stamp:
-    """What an environment says about itself.
+    """The record that an environment keeps about itself.
 
     Attributes
     ----------
     declared : str
-        Hash of the dependencies it was made from; empty while it is being made.
+        Hash of the dependencies it was made from; empty until it is complete.
     folder : str
-        Where it was made: environments do not survive being moved.
+        Where it was created; environments cannot be moved.
     distributions : list of str
-        The records of the installed packages, relative to the folder.
+        The metadata folders of the installed packages, relative to the folder.
     blender_loads : bool
-        Whether ``import bpy`` has been seen to work.
+        Whether ``import bpy`` has succeeded before.
     """
 
     declared: str = ""
@@ -67,9 +67,9 @@ class Environment:
     project : Path
         The folder that holds ``pyproject.toml``.
     folder : Path
-        Where the environment is, or will be.
+        Path of the environment, which need not exist yet.
     blender : str or None
-        The Blender whose module it has, such as ``"5.0"``; None leaves it to the Python.
+        The version of the ``bpy`` module to install, such as ``"5.0"``; None chooses it by the Python version.
     """
 
     project: Path
@@ -78,16 +78,16 @@ class Environment:
 
     @property
     def program(self) -> Path:
-        """The environment's Python."""
+        """Path of the environment's Python."""
         return self.folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
     @property
     def shown(self) -> str:
-        """The folder as messages name it."""
+        """The folder as it appears in messages."""
         return os.path.relpath(self.folder, self.project)
 
     def variables(self, base: Mapping[str, str] = os.environ) -> dict[str, str]:
-        """Return `base` for a program started here: nothing of the user's own Python or Blender settings gets in."""
+        """Return `base` for a program started here, without the user's own Python and Blender settings."""
         kept = {
             name: value
             for name, value in base.items()
@@ -96,22 +96,22 @@ class Environment:
         return {**kept, "BLENDER_USER_RESOURCES": str(self.folder / "blender-user")}
 
     def declared(self) -> str:
-        """Hash of the dependencies that belong in here."""
+        """Hash of the declared dependencies."""
         declared = declared_hash(self.project / "pyproject.toml")
         return declared if self.blender is None else f"{declared} with Blender {self.blender}"
 
     def prepare(self, wanted: Iterable[str] = pythons.WANTED) -> None:
-        """Make the environment, unless it is there and still right.
+        """Create the environment unless a valid one exists.
 
         Parameters
         ----------
         wanted : iterable of str
-            Python versions to make it from, best first.
+            Python versions to use, best first.
 
         Raises
         ------
         SetupError, pythons.NoPythonError
-            If it cannot be made; the message is for the user.
+            If it cannot be created; the message is for the user.
         """
         if self.is_installed() and self._read_stamp().blender_loads:
             return
@@ -122,7 +122,7 @@ class Environment:
                 self._check_blender()
 
     def is_installed(self) -> bool:
-        """Tell whether all that is declared was installed here and has not been taken away since."""
+        """Tell whether everything declared was installed here and is still present."""
         stamp = self._read_stamp()
         return (
             stamp.declared == self.declared()
@@ -182,9 +182,9 @@ class Environment:
             _say(f"  it could not be compiled (see {self.shown}/{log.name}); cholespy is used instead")
 
     def _check_blender(self) -> None:
-        """Try to load Blender's module and what it renders with, which fails where the system lacks a library.
+        """Try to import ``bpy`` and to load its rendering library, which fails if a system library is missing.
 
-        The packages stay: once the library is there, the next start only repeats this check.
+        The packages stay: once the library is installed, the next start only repeats this check.
         """
         _say("  loading Blender's module bpy once (a few seconds)")
         command = [self.program, "-c", _LOAD_BLENDER]
@@ -199,14 +199,14 @@ class Environment:
         return [str(self.program), "-m", "pip", "install", "--disable-pip-version-check", "--no-input", *options]
 
     def _pip_variables(self) -> dict[str, str]:
-        return {**self.variables(), "PIP_USER": "0"}  # some settings make pip install outside the environment
+        return {**self.variables(), "PIP_USER": "0"}  # user settings could make pip install outside the environment
 
     def _run(self, command: list[str], problem: str) -> None:
         if subprocess.run(command, cwd=self.project, env=self._pip_variables()).returncode:
             raise SetupError(problem)
 
     def _remove(self) -> None:
-        """Remove what is left of an earlier environment, but nothing that is not one."""
+        """Remove an earlier environment; refuse to remove anything else."""
         if self.folder.is_symlink():
             self.folder.unlink()
         if not self.folder.exists():
@@ -235,7 +235,7 @@ class Environment:
 
 
 def declared_hash(pyproject: Path) -> str:
-    """Return a hash of what ``pyproject.toml`` says about dependencies, and of nothing else in it."""
+    """Return a hash of only the dependency declarations in ``pyproject.toml``."""
     declared = tomllib.loads(pyproject.read_text(encoding="utf-8"))
     project = declared["project"]
     names = ("name", "requires-python", "dependencies", "optional-dependencies", "scripts")
@@ -244,7 +244,7 @@ def declared_hash(pyproject: Path) -> str:
 
 
 def _base_exists(folder: Path) -> bool:
-    """Tell whether the Python that an environment was made from is still installed."""
+    """Tell whether the Python that an environment was created from is still installed."""
     try:
         lines = (folder / "pyvenv.cfg").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
@@ -266,7 +266,7 @@ def _why_blender_fails(error_output: str, code: int) -> str:
 
 @contextlib.contextmanager
 def _locked(path: Path, shown: str) -> Iterator[None]:
-    """Hold a file locked, so that one start at a time sets up; the system lets go of it however the holder ends."""
+    """Hold a lock on a file, so that only one process sets up; the system releases it even if the process crashes."""
     with open(path, "a+b") as handle:
         if not _try_lock(handle):
             _say(f"Another start is setting up {shown}; waiting for it.")

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the extension: a small zip for Blenders that have SciPy, and one with wheels for each platform.
+"""Build the extension: a small zip for Blender versions that include SciPy, and one with wheels per platform.
 
-All of it happens in ``build/``; the tracked manifest is read and never edited. The zip files are rewritten with sorted
-entries and one fixed date, so that the same source gives the same bytes.
+Everything happens in ``build/``; the tracked manifest is only read. The zip files are rewritten with sorted entries and
+a fixed date, so that the same source gives the same bytes.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ from . import builder
 PROJECT = Path(__file__).resolve().parents[1]
 
 SHIPPED = ("__init__.py", "blender_manifest.toml", "LICENSE", "convwass_addon")
-"""What the extension consists of."""
+"""The files and folders of the extension."""
 
 PLATFORMS = {
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_24_x86_64", "manylinux2014_x86_64"),
     "windows-x64": ("win_amd64",),
     "macos-arm64": ("macosx_12_0_arm64", "macosx_11_0_arm64"),
 }
-"""Blender's names of the platforms, each with the tags of wheels that run wherever Blender runs on it."""
+"""Blender's platform names, each with the wheel tags that run on every system Blender supports there."""
 
 PYTHONS = ("311", "313")
-"""The Pythons inside Blender 4.5 to 5.0, and 5.1 to 5.2."""
+"""The Python versions of Blender 4.5 to 5.0, and of 5.1 to 5.2."""
 
-_DATE = (1980, 1, 1, 0, 0, 0)  # where the zip format begins
+_DATE = (1980, 1, 1, 0, 0, 0)  # earliest date of the zip format
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Build the zip files that the command line asks for, print their sizes and return the exit code."""
+    """Build the requested zip files, print their sizes and return the exit code."""
     parser = argparse.ArgumentParser(prog="run.py package", description=__doc__.splitlines()[0])
     parser.add_argument(
         "--output", type=Path, default=PROJECT / "dist", help="folder for the zip files (default: dist)"
     )
-    parser.add_argument("--no-wheels", action="store_true", help="only the small zip; quick, and needs no network")
+    parser.add_argument("--no-wheels", action="store_true", help="build only the small zip; fast, needs no network")
     options = parser.parse_args(arguments)
     build = PROJECT / "build"
     try:
@@ -62,19 +62,19 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def build_small(work: Path, output: Path) -> Path:
-    """Build the zip without wheels and return where it is.
+    """Build the zip without wheels and return its path.
 
     Parameters
     ----------
     work : Path
         Folder to build in.
     output : Path
-        Folder for the zip file; made where it is missing.
+        Folder for the zip file; created if missing.
 
     Raises
     ------
     builder.BuilderError
-        If Blender's builder refuses the extension.
+        If Blender's builder rejects the extension.
     """
     stage = work / "source"
     _copy_shipped(stage)
@@ -82,19 +82,19 @@ def build_small(work: Path, output: Path) -> Path:
 
 
 def build_platforms(work: Path, wheels: Path, output: Path) -> list[Path]:
-    """Build one zip for each platform, with the wheels for it, and return where they are.
+    """Build one zip per platform, with its wheels, and return the paths.
 
     Parameters
     ----------
     work, output
         As in `build_small`.
     wheels : Path
-        Folder that `download_wheels` filled.
+        Folder filled by `download_wheels`.
 
     Raises
     ------
     builder.BuilderError
-        If Blender's builder refuses the extension.
+        If Blender's builder rejects the extension.
     """
     stage = work / "source"
     _copy_shipped(stage)
@@ -109,7 +109,7 @@ def build_platforms(work: Path, wheels: Path, output: Path) -> list[Path]:
 
 
 def manifest_with_wheels(manifest: str, wheels: list[str]) -> str:
-    """Return the text of a manifest with the platforms and the wheels stated, before its first table."""
+    """Return the text of a manifest with platforms and wheels inserted before its first table."""
     lines = ["platforms = [", *(f'    "{name}",' for name in PLATFORMS), "]"]
     lines += ["wheels = [", *(f'    "./wheels/{name}",' for name in wheels), "]"]
     head, table, tail = manifest.partition("\n[")
@@ -117,12 +117,12 @@ def manifest_with_wheels(manifest: str, wheels: list[str]) -> str:
 
 
 def download_wheels(folder: Path) -> None:
-    """Fill a folder with the wheels of ``wheels.txt`` for every platform and Python, and with nothing else.
+    """Fill a folder with exactly the wheels of ``wheels.txt`` for every platform and Python version.
 
     Raises
     ------
     builder.BuilderError
-        If pip cannot get them.
+        If pip cannot download them.
     """
     print(f"downloading the wheels for {', '.join(PLATFORMS)} (about 320 MB, unless pip has them already)", flush=True)
     shutil.rmtree(folder, ignore_errors=True)
@@ -137,7 +137,7 @@ def download_wheels(folder: Path) -> None:
 
 
 def _copy_shipped(stage: Path) -> None:
-    """Copy what the extension consists of, so that nothing else that lies about in the project can get in."""
+    """Copy only the files of the extension, so that no stray file of the project is shipped."""
     shutil.rmtree(stage, ignore_errors=True)
     stage.mkdir(parents=True)
     for name in SHIPPED:
@@ -149,7 +149,7 @@ def _copy_shipped(stage: Path) -> None:
 
 
 def _build(stage: Path, built: Path, output: Path, *, split_platforms: bool) -> list[Path]:
-    """Build what is staged, make it reproducible, validate it and move it to the output folder."""
+    """Build the staged files, make the zip reproducible, validate it and move it to the output folder."""
     shutil.rmtree(built, ignore_errors=True)
     builder.build(stage, output=built, split_platforms=split_platforms)
     output.mkdir(parents=True, exist_ok=True)
@@ -164,13 +164,13 @@ def _build(stage: Path, built: Path, output: Path, *, split_platforms: bool) -> 
 
 
 def _rewrite(source: Path, target: Path) -> None:
-    """Copy a zip file with its entries sorted and nothing in it of when and where it was built."""
+    """Copy a zip file with sorted entries and without traces of when and where it was built."""
     unfinished = target.with_suffix(".new")
     with zipfile.ZipFile(source) as old, zipfile.ZipFile(unfinished, "w") as new:
         for entry in sorted(old.infolist(), key=lambda entry: entry.filename):
             plain = zipfile.ZipInfo(entry.filename, _DATE)
             plain.compress_type = entry.compress_type
-            plain.create_system = 3  # Unix, whatever this is, for the permissions that follow
+            plain.create_system = 3  # Unix, on every system, because Unix permissions follow
             plain.external_attr = 0o100644 << 16
             new.writestr(plain, old.read(entry), compresslevel=9)
     unfinished.replace(target)

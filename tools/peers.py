@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An environment of their own for the programs that the benchmarks compare with."""
+"""A separate environment for the programs that the benchmarks compare with."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ OPTIONAL = "benchmarks/peers-optional.txt"
 
 
 class PeersEnvironment(Environment):
-    """A folder with a Python and what `REQUIREMENTS` lists, and `OPTIONAL` where pip finds it; nothing of our own."""
+    """An environment with `REQUIREMENTS`, with `OPTIONAL` if pip finds it, and without the project's dependencies."""
 
     @classmethod
     def of(cls, project: Path) -> PeersEnvironment:
-        """Return the one of a project's folder."""
+        """Return the peers' environment of a project folder."""
         return cls(project, project / FOLDER)
 
     def declared(self) -> str:
-        """Hash of the requirements, with the optional ones."""
+        """Hash of all requirements, including the optional ones."""
         both = [(self.project / name).read_bytes() for name in (REQUIREMENTS, OPTIONAL)]
         return hashlib.sha256(b"\0".join(both)).hexdigest()
 
     def prepare_peers(self) -> None:
-        """Make the environment with the running Python, unless it is there and still right.
+        """Create the environment with the running Python unless a valid one exists.
 
         Raises
         ------
         SetupError
-            If it cannot be made; the message is for the user.
+            If it cannot be created; the message is for the user.
         """
         if self.is_installed():
             return

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find a Python that Blender's module ``bpy`` is built for.
+"""Find a Python for which Blender's module ``bpy`` is built.
 
-Kept to what Python 3.9 understands, so that ``run.py`` can hand over from an older Python to the right one.
+Runs on Python 3.9, so that ``run.py`` can hand over from an older Python to the right one.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from pathlib import Path
 from .system import as_root
 
 WANTED = ("3.13", "3.11")
-"""The Python versions that ``bpy`` has wheels for, best first."""
+"""The Python versions with ``bpy`` wheels, best first."""
 
 BLENDERS = {"5.2": "3.13", "5.0": "3.11", "4.5": "3.11"}
-"""The Python of each Blender that the project is tried with."""
+"""The Python version of each Blender version that the project is tested with."""
 
 USUAL_BLENDER = {"3.13": "5.2", "3.11": "4.5"}
-"""The Blender that each Python gets unless another one is asked for: the newest long-term one."""
+"""The default Blender version for each Python version: the newest long-term release."""
 
 _PROBE = """
 import importlib.util, json, os, struct, sys, sysconfig
@@ -42,22 +42,22 @@ print(json.dumps({
 
 
 class NoPythonError(Exception):
-    """No usable Python was found; the message says how to get one."""
+    """No usable Python was found; the message says how to install one."""
 
 
 @dataclass(frozen=True)
 class Interpreter:
-    """A Python on this machine, as it described itself.
+    """A Python on this machine, as reported by itself.
 
     Attributes
     ----------
     path : str
-        The program to start. Not one inside an environment, but the one it was made from, since an environment may be
-        about to be rebuilt.
+        The program to start: never the Python of an environment but the one it was created from, because the
+        environment may be about to be rebuilt.
     version : str
-        Three numbers, such as ``"3.13.0"``.
+        Three numbers, for example ``"3.13.0"``.
     has_venv : bool
-        Whether it can make environments with pip (Debian ships that apart).
+        Whether it can create environments with pip (a separate package on Debian).
     has_headers : bool
         Whether extension modules can be compiled for it.
     """
@@ -69,12 +69,12 @@ class Interpreter:
 
     @property
     def minor(self) -> str:
-        """The first two numbers of the version, such as ``"3.13"``."""
+        """The first two numbers of the version, for example ``"3.13"``."""
         return self.version.rpartition(".")[0]
 
 
 def probe(path: str) -> Interpreter | None:
-    """Ask a program what Python it is; None where it is not a 64-bit CPython with a global interpreter lock."""
+    """Ask a Python program for its version; None unless it is a 64-bit CPython with a global interpreter lock."""
     try:
         answer = subprocess.run([path, "-I", "-c", _PROBE], capture_output=True, text=True, timeout=30, check=True)
         told = json.loads(answer.stdout)
@@ -87,19 +87,19 @@ def probe(path: str) -> Interpreter | None:
 
 
 def find(wanted: Iterable[str] = WANTED, places: Iterable[str] | None = None) -> Interpreter:
-    """Return the first Python that has one of the wanted versions and can make environments.
+    """Return the first Python that has one of the wanted versions and can create environments.
 
     Parameters
     ----------
     wanted : iterable of str
-        Versions such as ``"3.13"``, best first.
+        Versions, for example ``"3.13"``, best first.
     places : iterable of str, optional
-        Programs to look at instead of those that `candidates` lists.
+        Programs to try instead of those from `candidates`.
 
     Raises
     ------
     NoPythonError
-        If there is none; its message is for the user.
+        If there is none; the message is for the user.
     """
     wanted = tuple(wanted)
     without_venv = None
@@ -119,7 +119,7 @@ def candidates(
     environ: Mapping[str, str] = os.environ,
     home: Path | None = None,
 ) -> Iterator[str]:
-    """Yield the programs on this machine that may be Python `version`, nearest first, each once.
+    """Yield the programs on this machine that may be Python `version`, most likely first, each once.
 
     The running Python comes first, then those on PATH, then the folders that pyenv, uv, Homebrew, python.org's
     installers and Windows' ``py`` launcher use.
@@ -145,7 +145,7 @@ def _places(version: str, environ: Mapping[str, str], home: Path) -> Iterator[st
 
 
 def _install_folders(version: str, environ: Mapping[str, str], home: Path) -> Iterator[tuple[Path, str]]:
-    """Yield folders and the patterns by which Pythons of that version lie below them."""
+    """Yield folders with glob patterns that match Pythons of that version in them."""
     pyenv = Path(environ.get("PYENV_ROOT") or home / ".pyenv")
     if os.name == "nt":
         local, roaming = Path(environ.get("LOCALAPPDATA", home)), Path(environ.get("APPDATA", home))
@@ -169,7 +169,7 @@ def _numbers(path: str) -> list[int]:
 
 
 def _ask_launcher(launcher: str, version: str) -> str | None:
-    """Ask Windows' ``py`` launcher where it keeps a version."""
+    """Ask Windows' ``py`` launcher for the path of a version."""
     command = [launcher, "-" + version, "-c", "import sys; print(sys.executable)"]
     try:
         return subprocess.run(command, capture_output=True, text=True, timeout=30, check=True).stdout.strip()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the operating system must have, and the line that installs it where it is missing."""
+"""Required system packages, and the command that installs them."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from pathlib import Path
 
 BLENDER_APT = "libx11-6 libxext6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1 libegl1"
 BLENDER_DNF = "libX11 libXext libXrender libXfixes libXi libxkbcommon libSM libICE libglvnd-glx libglvnd-egl"
-"""The packages that hold the libraries which ``import bpy`` loads, and libEGL, without which rendering aborts."""
+"""The packages of the libraries that ``import bpy`` loads, and of libEGL, without which rendering aborts."""
 
 CHOLMOD_APT = "gcc libc6-dev python3-dev libsuitesparse-dev"
 CHOLMOD_DNF = "gcc python3-devel suitesparse-devel"
-"""The packages that scikit-sparse needs to be compiled."""
+"""The packages needed to compile scikit-sparse."""
 
 
 def as_root() -> str:
-    """Return what begins a line that root has to run: nothing where the user is root, who may not have sudo."""
+    """Return the prefix for commands that need root: empty if the user is root, because sudo may be missing then."""
     return "" if hasattr(os, "geteuid") and os.geteuid() == 0 else "sudo "
 
 
 def install_lines(apt: str, dnf: str) -> str:
-    """Return the command that installs packages here; both known ones where neither apt-get nor dnf is found."""
+    """Return the command that installs packages on this system; both variants if it has neither apt-get nor dnf."""
     sudo = as_root()
     by_tool = {
         "apt-get": f"    {sudo}apt-get update && {sudo}apt-get install -y {apt}",
@@ -34,7 +34,7 @@ def install_lines(apt: str, dnf: str) -> str:
 
 
 def missing_for_cholmod(has_python_headers: bool) -> list[str]:
-    """Return what is not there of the things that scikit-sparse needs to be compiled; empty where it can be tried."""
+    """Return the missing prerequisites for compiling scikit-sparse; empty if it can be tried."""
     missing = []
     if not any(map(shutil.which, (os.environ.get("CC", "cc"), "cc", "gcc", "clang"))):
         missing.append("a C compiler")

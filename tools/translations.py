@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""List the texts of the user interface that are not translated yet, and the translations whose text is gone.
+"""List user interface texts without a translation, and translations whose text no longer exists.
 
 python3 run.py translations [LANGUAGE ...]
 
-What is missing is printed as empty entries, to be pasted into the ``.po`` file of the language and filled in.
+Missing texts are printed as empty entries, ready to be pasted into the ``.po`` file of the language and filled in.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .ui_texts import all_texts
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print what is missing and what is unused in the languages that the command line names; return the exit code."""
+    """Print missing and unused texts of the requested languages; return the exit code."""
     known = translations.languages()
     parser = argparse.ArgumentParser(prog="run.py translations", description=__doc__.splitlines()[0])
     parser.add_argument("languages", nargs="*", metavar="LANGUAGE", help=f"{', '.join(known)} (default: all of them)")
@@ -35,16 +35,16 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def report(language: str, texts: Mapping[str, str], translated: Iterable[str]) -> Iterator[str]:
-    """Yield the lines about one language.
+    """Yield the report on one language.
 
     Parameters
     ----------
     language : str
-        Its name.
+        Name of the language.
     texts : mapping
-        All English texts, with a place where each stands or an empty text.
+        Every English text with one place where it occurs, or an empty string.
     translated : iterable of str
-        The English texts that are translated.
+        The English texts that have a translation.
     """
     translated = set(translated)
     missing = sorted(texts.keys() - translated)
@@ -62,7 +62,7 @@ def report(language: str, texts: Mapping[str, str], translated: Iterable[str]) -
 
 
 def quoted(text: str) -> str:
-    """Return a text as a ``.po`` file has it."""
+    """Return a text in the quoting of ``.po`` files."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     return f'"{escaped}"'
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All English texts that users see: those that Blender knows by itself, and those in the source."""
+"""All English texts that users see: those registered with Blender and those in the source."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ PACKAGE = Path(convwass_addon.__file__).parent
 PACKAGES = ("operators", "panels", "bridge")
 
 _TRANSLATORS = {"rpt_", "tip_", "iface_", "poll_message_set"}
-# They make errors and sentences of templates that come from the others.
-_HANDING_ON = {"bridge/soft_maps/soft_map_bytes.py", "errors.py", "sentence.py", "translations/__init__.py"}
+# These modules build errors and sentences from templates that other modules pass in.
+_PASS_THROUGH = {"bridge/soft_maps/soft_map_bytes.py", "errors.py", "sentence.py", "translations/__init__.py"}
 _ARGUMENTS = {"label": "text", "operator": "text", "prop": "text", "row": "heading", "column": "heading"}
 
 
 def registered_texts() -> Iterator[str]:
-    """Yield names and descriptions of all that is registered; needs the add-on."""
+    """Yield the names and descriptions of everything registered; needs the add-on."""
     import bpy
 
     from convwass_addon import preferences
@@ -36,7 +36,7 @@ def registered_texts() -> Iterator[str]:
 
     for name in dir(bpy.types):
         if name.startswith("CONVWASS_PT_"):
-            # Blender gives the popover of presets the name of the last one, and does not show it.
+            # Blender names the preset popover after the last preset and never shows that name.
             if not hasattr(getattr(bpy.types, name), "preset_subdir"):
                 yield getattr(bpy.types, name).bl_label
         elif name.startswith("CONVWASS_OT_"):
@@ -60,7 +60,7 @@ def registered_texts() -> Iterator[str]:
 
 
 def _texts_of_properties(cls: type, rna: bpy.types.Struct) -> Iterator[str]:
-    """Yield the texts of the properties that the add-on has defined, not Blender."""
+    """Yield the texts of the properties defined by the add-on, without Blender's own."""
     own = [base for base in cls.__mro__ if base.__module__.startswith("convwass_addon")]
     names = {name for base in own for name in vars(base).get("__annotations__", {}) if name in rna.properties}
     for prop in (rna.properties[name] for name in names):
@@ -71,7 +71,7 @@ def _texts_of_properties(cls: type, rna: bpy.types.Struct) -> Iterator[str]:
 
 
 def source_texts() -> Iterator[str]:
-    """Yield the texts that the source hands to Blender or to its translation."""
+    """Yield the texts that the source passes to Blender or to translation."""
     for package in PACKAGES:
         for path in sorted((PACKAGE / package).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -86,7 +86,7 @@ def _name(call: ast.Call) -> str:
 
 
 def texts_of_call(call: ast.Call) -> Iterator[str]:
-    """Yield the texts for users that stand in a call."""
+    """Yield the user-visible texts in a call."""
     name = _name(call)
     if name in _TRANSLATORS and call.args:
         yield from _literal(call.args[0])
@@ -105,16 +105,16 @@ def _literal(node: ast.expr) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Message:
-    """Where a sentence is made, or an error whose message is one.
+    """A call that creates a sentence, or an error with a sentence as its message.
 
     Attributes
     ----------
     call : ast.Call
-        How.
+        The call.
     templates : list of str
-        Those that it may be made of.
+        The templates it may use.
     is_literal : bool
-        Whether these are all, written out there or in a constant of the same module.
+        Whether the list is complete: every template is a literal in the call or a constant of the module.
     """
 
     call: ast.Call
@@ -124,20 +124,20 @@ class Message:
 
 @cache
 def messages() -> tuple[tuple[str, Message], ...]:
-    """Return all texts of all packages with their places."""
+    """Return the messages of all packages with their places."""
     return tuple(_messages())
 
 
 def _messages() -> Iterator[tuple[str, Message]]:
     for path in sorted(PACKAGE.rglob("*.py")):
         module = path.relative_to(PACKAGE).as_posix()
-        if module not in _HANDING_ON:
+        if module not in _PASS_THROUGH:
             for line, message in messages_of(path.read_text(encoding="utf-8")):
                 yield f"{module}:{line}", message
 
 
 def messages_of(source: str) -> Iterator[tuple[int, Message]]:
-    """Yield those of one module with their lines."""
+    """Yield the messages of one module with their lines."""
     tree = ast.parse(source)
     names = {kind.__name__ for kind in (ConvwassError, *_kinds_of(ConvwassError))} | {"Sentence"}
     constants: dict[str, ast.expr] = {}
@@ -153,13 +153,13 @@ def messages_of(source: str) -> Iterator[tuple[int, Message]]:
 
 
 def _choices(node: ast.expr, constants: dict[str, ast.expr]) -> list[ast.expr]:
-    """Return the expressions of which one becomes the template."""
+    """Return the expressions that may become the template."""
     if isinstance(node, ast.IfExp):
         return [choice for branch in (node.body, node.orelse) for choice in _choices(branch, constants)]
     if isinstance(node, ast.Name) and node.id in constants:
         return [constants[node.id]]
     if isinstance(node, ast.Subscript) and isinstance(table := constants.get(getattr(node.value, "id", "")), ast.Dict):
-        # A key of None stands before a table from elsewhere, which is read there.
+        # A key of None means an unpacked table (**table), which is read where it is defined.
         return [value for key, value in zip(table.keys, table.values, strict=True) if key is not None]
     return [node]
 
@@ -171,7 +171,7 @@ def _kinds_of(error: type[ConvwassError]) -> Iterator[type[ConvwassError]]:
 
 @cache
 def all_texts() -> dict[str, str]:
-    """Return all of them with a place where each stands, empty where Blender knows it by itself; needs the add-on."""
+    """Return all texts, each with one place where it occurs or, for registered texts, an empty string."""
     found = dict.fromkeys((*registered_texts(), *source_texts()), "")
     for place, message in messages():
         found |= dict.fromkeys(message.templates, place)

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks import bipeds, creatures, hands, quadrupeds
 from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, TUNED, further_pairs
-from benchmarks.rival_measures import Hold
+from benchmarks.rival_measures import Connectivity
 from convwass_addon.geometry.edges import topology
 
 
@@ -24,9 +24,9 @@ def test_there_are_pairs_of_both_kinds_in_both_halves_and_none_in_both():
 def test_two_poses_of_a_body_are_closed_and_meshed_anew():
     ends = TUNED[0].ends()
     for mesh in (ends.first, ends.second):
-        hold = Hold.of(mesh)
+        connectivity = Connectivity.of(mesh)
         assert topology(mesh).closed
-        assert (len(hold.shares), hold.handles) == (1, 0)
+        assert (len(connectivity.shares), connectivity.handles) == (1, 0)
         assert mesh.volume > 0
         assert 5000 <= len(mesh.faces) <= 15000
     assert ends.first.volume == pytest.approx(ends.second.volume, rel=0.02)
