@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes and exact maps between them, for the tests of what is carried along maps."""
+"""Meshes and exact maps between them, for tests of transfer along maps."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 
 def exact_map(places, giver):
-    """The points of a giver that are closest to places, all of them confident."""
+    """The closest points of a giver to given places, all with full confidence."""
     found = ClosestPointFinder(giver.corners).find(places)
     count = len(found.triangles)
     figures = np.zeros(count, np.float32), np.full(count, -5.0, np.float32), np.ones(count, np.float32)
@@ -21,7 +21,7 @@ def exact_map(places, giver):
 
 
 def without_points(points, lost):
-    """The map without the points of some vertices."""
+    """The map with the points of some vertices removed."""
     faces = np.where(lost, -1, points.faces).astype(np.int32)
     shares = np.where(lost[:, None], 0.0, points.barycentric).astype(np.float32)
     confidence = np.where(lost, 0.0, points.confidence).astype(np.float32)
@@ -29,7 +29,7 @@ def without_points(points, lost):
 
 
 def subdivided(mesh):
-    """Every triangle cut into four; the vertices that there were come first."""
+    """Every triangle split into four; the original vertices come first."""
     faces = mesh.faces
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
@@ -45,7 +45,7 @@ def turn(angles=(40, -70, 25)):
 
 
 def shuffled(mesh, seed=0):
-    """The mesh with its vertices and faces in another order, and where each vertex went."""
+    """The mesh with vertices and faces in random order, and the new index of every vertex."""
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(mesh.vertices))
     place = np.argsort(order)
@@ -53,7 +53,7 @@ def shuffled(mesh, seed=0):
 
 
 def arm(angle=0.0, around=16, along=40, length=4.0, radius=0.3):
-    """A closed tube along x whose second half is turned about z by an angle, around an elbow of constant length."""
+    """A closed tube along x whose second half is bent about z by an angle, with an elbow of constant length."""
     x = np.linspace(0.0, length, along)
     elbow = 1.2
     bend = np.clip((x - 0.5 * (length - elbow)) / elbow, 0.0, 1.0) * angle
@@ -75,7 +75,7 @@ def arm(angle=0.0, around=16, along=40, length=4.0, radius=0.3):
 
 
 def tube(around, along, shift=0.0):
-    """An open tube about z of height 2, its UVs by angle and height with one seam, and the quad of every triangle."""
+    """An open tube about z of height 2, with UVs from angle and height (one seam), and the quad of every triangle."""
     angles = (np.arange(around) + shift) * 2 * np.pi / around
     vertices = [(np.cos(t), np.sin(t), z) for z in np.linspace(0, 2, along) for t in angles]
     faces, uvs = [], []

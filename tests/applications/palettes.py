@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colors whose palettes are known."""
+"""Colors with known palettes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from convwass_addon.applications.palettes.palette_statistics import Palette, mea
 def cloud(seed: int, mean: ArrayLike, spread: ArrayLike, count: int = 40_000) -> NDArray[np.float64]:
     """Return normally distributed colors in Lab, (3, count), with a mean and a (3, 3) square root of the covariance."""
     drawn = np.random.default_rng(seed).standard_normal((3, count))
-    # Exactly, not on average.
+    # Make mean and covariance exact, not only expected.
     drawn -= drawn.mean(axis=1, keepdims=True)
     drawn = np.linalg.solve(np.linalg.cholesky(np.cov(drawn)), drawn)
     return np.asarray(mean, float)[:, None] + np.asarray(spread, float) @ drawn

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work beside other things, on a thread and in turn; both are used alike."""
+"""Long work in the background, on a thread or interleaved; both are used alike."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def asking(control: Control) -> Work[int]:
     return 2 * request.value
 
 
-def polled(job, take=lambda report: None):
-    """All reports of a job, until it has ended."""
+def poll_until_end(job, take=lambda report: None):
+    """Return all reports of a job until it has ended."""
     reports, deadline = [], time.monotonic() + 30
     while time.monotonic() < deadline:
         done = job.done
@@ -54,33 +54,33 @@ def polled(job, take=lambda report: None):
 @EACH
 def test_reports_come_once_and_in_order_and_the_result_last(kind):
     job = kind(counting)
-    assert [report.payload for report in polled(job)] == [0, 1, 2]
+    assert [report.payload for report in poll_until_end(job)] == [0, 1, 2]
     assert (job.result, job.error, job.cancelled) == ("done", None, False)
     assert list(job.poll()) == []
 
 
 @EACH
-def test_requests_are_answered_by_whoever_polls(kind):
+def test_requests_are_answered_by_the_polling_thread(kind):
     job = kind(asking)
-    polled(job, lambda report: report.payload.answer(21))
+    poll_until_end(job, lambda report: report.payload.answer(21))
     assert job.error is None
     assert job.result == 42
 
 
 @EACH
-def test_errors_are_handed_over(kind):
+def test_errors_are_passed_on(kind):
     def refused(control: Control) -> Work[None]:
         yield Progress(0.0, Sentence("Starting"))
         raise InputError("No.")
 
     job = kind(refused)
-    assert len(polled(job)) == 1
+    assert len(poll_until_end(job)) == 1
     assert isinstance(job.error, InputError)
 
 
 @EACH
 @pytest.mark.parametrize("work", [endless, asking])
-def test_cancelling_ends_the_work_wherever_it_waits(kind, work):
+def test_cancelling_ends_waiting_work(kind, work):
     job = kind(work)
     next(report for _ in iter(int, 1) for report in job.poll())
     assert job.cancel()
@@ -89,7 +89,7 @@ def test_cancelling_ends_the_work_wherever_it_waits(kind, work):
     assert job.result is None
 
 
-def test_work_in_turn_stays_on_the_thread_that_polls_and_waits_for_it():
+def test_interleaved_work_runs_only_while_polled_on_the_polling_thread():
     places = []
 
     def noting(control: Control) -> Work[None]:
@@ -105,7 +105,7 @@ def test_work_in_turn_stays_on_the_thread_that_polls_and_waits_for_it():
     assert job.done
 
 
-def test_what_was_cancelled_in_its_last_part_has_no_result():
+def test_work_cancelled_in_its_last_step_has_no_result():
     begun, going = threading.Event(), threading.Event()
 
     def slow(control: Control) -> Work[str]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What goes with what, on surfaces where that is known."""
+"""Compatibility of points on surfaces with known correspondence."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def positions(found, target):
     return np.einsum("nc,ncd->nd", images.shares, target.corners[images.triangles])
 
 
-def test_a_turned_and_reordered_copy_is_found_without_any_pair():
+def test_a_rotated_and_reordered_copy_is_matched_without_any_pair():
     mesh = TriangleMesh.from_arrays(*blob(400))
     turned = TriangleMesh(Rotation.from_euler("xyz", (1.0, 2.0, 3.0)).apply(mesh.vertices) * 9.0, mesh.faces)
     other, order = reordered(turned)
@@ -64,7 +64,7 @@ def test_a_turned_and_reordered_copy_is_found_without_any_pair():
     assert not found.overlay.is_mirrored
 
 
-def test_left_and_right_look_the_same_until_something_is_marked(arms):
+def test_left_and_right_are_ambiguous_without_pairs(arms):
     mesh, mirror, hand, foot = arms
     shape = UnitShape.of(mesh)
     nothing = np.zeros((0, len(mirror)))
@@ -79,7 +79,7 @@ def test_left_and_right_look_the_same_until_something_is_marked(arms):
 
 @pytest.mark.parametrize(("bend", "pairs"), [(0.0, 2), (0.8, 3)])
 @pytest.mark.parametrize("is_mirrored", [False, True])
-def test_two_or_three_pairs_decide_either_way(arms, is_mirrored, pairs, bend):
+def test_two_or_three_pairs_tell_left_from_right(arms, is_mirrored, pairs, bend):
     mesh, mirror, hand, foot = arms
     other = bent(mesh, bend) if bend else mesh
     marked = np.array([hand, int(mirror[foot]), int(mirror[hand])])[:pairs]
@@ -106,7 +106,7 @@ def test_moving_scaling_and_reordering_change_nothing(arms):
     assert np.abs(second - first[order]).mean() < 0.01
 
 
-def test_painted_groups_tell_alike_points_apart():
+def test_painted_groups_distinguish_similar_points():
     mesh = ball(points=200)
     weights = (mesh.vertices[:, 2] > 0.3).astype(float)
     painted = side(mesh, cap=weights, own=np.ones(200))
@@ -130,7 +130,7 @@ def test_painted_groups_tell_alike_points_apart():
         (square(), box(), ONE),
     ],
 )
-def test_odd_cases_give_numbers(source, target, pairs):
+def test_degenerate_input_gives_finite_numbers(source, target, pairs):
     found = comparison(side(source), side(target), pairs)
     assert found.costs.shape == (len(source.vertices), len(target.vertices))
     assert np.isfinite(found.costs).all()
@@ -138,7 +138,7 @@ def test_odd_cases_give_numbers(source, target, pairs):
     assert np.isfinite(found.overlay.energy)
 
 
-def test_loose_vertices_do_no_harm():
+def test_loose_vertices_are_ignored():
     mesh = TriangleMesh.from_arrays(*blob(200))
     loose = TriangleMesh(np.concatenate([[[9.0, 9, 9]], mesh.vertices]), mesh.faces + 1)
     found = compatibility(side(loose), side(loose), NONE)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities on the project's own animals: they go along the skin and never through the air."""
+"""Densities on the project's own animals: they travel along the skin and never through the air."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SHAPES = Path(__file__).parents[2] / "assets" / "shapes"
 
 @cache
 def horse():
-    """The horse, from its file: float32 positions, then triangles with their count before them."""
+    """Read the horse from its file: float32 positions, then triangles, each preceded by its vertex count."""
     data = (SHAPES / "horse.ply").read_bytes()
     header, _, body = data.partition(b"end_header\n")
     counts = [int(line.split()[-1]) for line in header.splitlines() if line.startswith(b"element")]
@@ -35,11 +35,11 @@ def horse():
     return TriangleMesh.from_arrays(vertices, faces)
 
 
-def ways_along_edges(mesh, vertices):
-    """Lengths of the shortest ways along edges from vertices to all others, (k, n)."""
+def edge_path_lengths(mesh, vertices):
+    """Lengths of the shortest paths along edges from vertices to all others, (k, n)."""
     tails, heads = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
     lengths = np.linalg.norm(mesh.vertices[tails] - mesh.vertices[heads], axis=1)
-    # A closed mesh has every edge in both directions.
+    # In a closed mesh, every edge appears in both directions.
     graph = coo_array((lengths, (tails, heads)), shape=(len(mesh.vertices),) * 2).tocsr()
     return dijkstra(graph, indices=vertices)
 
@@ -52,16 +52,16 @@ def hoof(mesh, side):
 
 
 @pytest.mark.parametrize("entropy_limit", ["max", None])
-def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(entropy_limit):
-    """The corridor, a fifth of the horse, is what lies on ways along edges of up to 1.3 times the shortest.
+def test_from_hoof_to_hoof_the_path_is_up_one_leg_and_down_the_other(entropy_limit):
+    """The corridor, a fifth of the horse, holds all points on edge paths of up to 1.3 times the shortest length.
 
-    With a bound less than 1e-4 of the mass ever leaves it, without one 2 %; and it is where it should be, as the
-    difference of its distances from both ends tells.
+    With bounded entropy, less than 1e-4 of the mass ever leaves it; without, 2 %. The difference of the mean distances
+    from both ends shows that the mass is where it should be.
     """
     mesh = horse()
     surface = density_surface(mesh)
     ends = [hoof(mesh, 1), hoof(mesh, -1)]
-    here, there = ways_along_edges(mesh, ends)
+    here, there = edge_path_lengths(mesh, ends)
     whole = here[ends[1]]
     assert whole > 3 * np.linalg.norm(mesh.vertices[ends[0]] - mesh.vertices[ends[1]])
     paint = [np.where(way < 0.15 * whole, 1.0, 0.0) for way in (here, there)]
@@ -74,18 +74,18 @@ def test_from_hoof_to_hoof_the_way_is_up_one_leg_and_down_the_other(entropy_limi
     assert all(figures["converged"] for figures in frames.records)
     if entropy_limit:
         places = mass @ (here - there) / whole
-        # Paint on a hoof has its mean a little up the leg; steps near the ends are shorter.
+        # The mean of paint on a hoof lies slightly up the leg; steps near the ends are shorter.
         np.testing.assert_allclose(places[1:-1], np.linspace(places[0], places[-1], 9)[1:-1], atol=0.09)
         entropies = np.array([figures["entropy"] for figures in frames.records])
         assert (frames.densities.max(axis=1) / np.exp(1.0 - entropies)).max() < 1.4
 
 
 def test_distances_along_the_skin_are_those_along_edges():
-    """Measured 4 % less in the middle; ways along edges are too long, and heat that legs keep together seems nearer."""
+    """Measured 4 % less halfway: edge paths are too long, and heat that a leg confines makes points seem nearer."""
     mesh = horse()
     surface = density_surface(mesh, substeps=MEASURING_SUBSTEPS)
     source = hoof(mesh, 1)
-    (edges,) = ways_along_edges(mesh, [source])
+    (edges,) = edge_path_lengths(mesh, [source])
     far = edges > 0.3
     ratio = distances_from(source, surface).lengths[far] / edges[far]
     low, middle, high = np.percentile(ratio, [5, 50, 95])

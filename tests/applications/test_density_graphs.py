@@ -20,8 +20,8 @@ ENDS = {0: cap(SPHERE, 0.0), 4: cap(SPHERE, 1.2)}
 NAMES = ["Dawn", "Morning", "Noon", "Evening", "Night"]
 
 
-def test_moments_between_two_lie_between_them():
-    """On a line the places are at equal distances; measured within 0.01 rad."""
+def test_densities_between_two_fixed_ones_lie_between_them():
+    """On a line, the nodes are equally spaced; measured within 0.01 rad."""
     found = recorded(propagation_steps(LINE, ENDS, SPHERE, DensitySettings(), NAMES))
     assert str(found.reports[0].message) == "Filling in 3 of 5 places"
     frames = found.result
@@ -43,7 +43,7 @@ def test_a_star_is_the_barycenter_of_its_tips():
     assert np.abs(frames.densities[3] - expected) @ SPHERE.weights < 1e-5
 
 
-def test_all_places_known_need_no_work():
+def test_nothing_is_solved_if_all_nodes_are_fixed():
     frames = drained(propagation_steps([(0, 1)], {0: ENDS[0], 1: ENDS[4]}, SPHERE, DensitySettings()))
     assert len(frames.times) == 2
     alone = drained(propagation_steps([], {0: ENDS[0]}, SPHERE, DensitySettings()))
@@ -63,7 +63,7 @@ def test_all_places_known_need_no_work():
         (LINE, {0: ENDS[0], 4: 0 * ENDS[4]}, NAMES, "Night is empty"),
     ],
 )
-def test_graphs_that_make_no_sense_are_refused_by_name(edges, fixed, names, message):
+def test_invalid_graphs_are_refused_by_name(edges, fixed, names, message):
     with pytest.raises(InputError, match=message):
         next(propagation_steps(edges, fixed, SPHERE, DensitySettings(), names))
 
@@ -74,7 +74,7 @@ def test_edges_need_positive_weights(weights, message):
         next(propagation_steps(LINE, ENDS, SPHERE, DensitySettings(), edge_weights=weights))
 
 
-def test_pieces_are_heeded():
+def test_components_are_respected():
     with pytest.raises(InputError, match="0 and 2 lie on different pieces"):
         next(propagation_steps([(0, 1), (1, 2)], {0: on(1, 0), 2: on(0, 1)}, BALLS, DensitySettings()))
 

@@ -19,7 +19,7 @@ from tests.controls import CountingControl, recorded
 from tests.transport.sheets import strip
 from tests.transport.spheres import cap, icosphere, sphere
 
-# A radius of 3 in scene units; the blur is that of gamma 0.0145 on the unit sphere.
+# Radius 3 in scene units; the blur corresponds to gamma 0.0145 on the unit sphere.
 _UNIT = icosphere(3)
 LARGE = density_surface(TriangleMesh(3.0 * _UNIT.vertices, _UNIT.faces), 0.9, MEASURING_SUBSTEPS)
 PLAIN = sphere(3, 0.0145)
@@ -30,8 +30,8 @@ def caps(*places):
 
 
 @pytest.mark.parametrize("apart", [0.5, 1.0, 1.5])
-def test_caps_are_as_far_apart_as_the_great_circle(apart):
-    """In scene units, in any scale of the weights. A turn is not the best transport: measured 0 to 5 % short."""
+def test_the_distance_of_caps_is_that_of_their_centers(apart):
+    """In scene units, for any scale of the weights. A rotation is not optimal: the distance is 0 to 5 % shorter."""
     first, second = caps(0.0, apart)
     found = drained(measuring_steps(0.2 * first, 7.0 * second, LARGE, ("A", "B")))
     assert found.converged
@@ -40,7 +40,7 @@ def test_caps_are_as_far_apart_as_the_great_circle(apart):
     assert found.marginal_error < 1e-5
 
 
-def test_the_debiased_distance_to_itself_is_zero_and_that_of_the_paper_is_not():
+def test_only_the_debiased_distance_to_itself_is_zero():
     (only,) = caps(0.0)
     found = drained(measuring_steps(only, only, LARGE, ("A", "A")))
     assert found.length < 1e-3
@@ -62,7 +62,7 @@ def test_tables_hold_the_distances():
     np.testing.assert_array_equal(np.diag(table.lengths), 0.0)
 
 
-def test_tables_tell_of_every_few_pairs():
+def test_tables_report_progress():
     groups = caps(*np.linspace(0.0, 2.0, 8))
     found = recorded(distance_table_steps(groups, "ABCDEFGH", LARGE))
     fractions = [step.fraction for step in found.reports]
@@ -71,7 +71,7 @@ def test_tables_tell_of_every_few_pairs():
     assert found.result.converged
 
 
-def test_tables_leave_out_what_no_mass_can_reach():
+def test_tables_leave_out_pairs_on_different_components():
     groups = [on(1.0, 0.0, 1), on(1.0, 0.0, 2), on(0.0, 1.0, 3), on(0.5, 0.5, 4)]
     table = drained(distance_table_steps(groups, ["Head", "Ear", "Tail", "All"], BALLS))
     apart = np.isinf(table.lengths)
@@ -80,7 +80,7 @@ def test_tables_leave_out_what_no_mass_can_reach():
     assert "Head, Ear; Tail; All" in str(table.notices[0])
 
 
-def test_pieces_are_refused_or_matched():
+def test_different_masses_of_components_are_refused_or_matched():
     pair = on(0.5, 0.5, 1), on(0.4, 0.6, 2)
     with pytest.raises(InputError, match="Head and Tail have different shares"):
         drained(measuring_steps(*pair, BALLS, ("Head", "Tail")))
@@ -96,7 +96,7 @@ def test_it_can_be_cancelled():
     assert control.count == 2
 
 
-def test_what_is_no_distribution_is_refused_by_name():
+def test_weights_that_are_no_distribution_are_refused_by_name():
     first, second = caps(0.0, 1.0)
     with pytest.raises(InputError, match="The end is empty"):
         drained(measuring_steps(first, 0 * second, LARGE, ("The start", "The end")))
@@ -106,8 +106,8 @@ def test_what_is_no_distribution_is_refused_by_name():
         drained(distance_table_steps([first], "A", LARGE))
 
 
-def test_a_blur_that_does_not_reach_says_so():
-    """On more vertices than a dense kernel takes."""
+def test_a_blur_too_short_for_the_distance_is_refused():
+    """On more vertices than a dense kernel supports."""
     long = strip(1300, 1e-6)
     first, second = np.zeros((2, *long.shape))
     first[0] = second[-1] = 1.0

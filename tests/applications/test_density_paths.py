@@ -30,7 +30,7 @@ FAR = 1.6
 
 
 def radius(surface, density, angle):
-    """Root of the mean squared angle from a point of the equator."""
+    """Root mean square angle from a point on the equator."""
     return np.sqrt((density * surface.weights) @ angles(surface, at(angle)) ** 2)
 
 
@@ -47,7 +47,7 @@ def check_records(frames, tolerance=1e-2):
 
 @pytest.mark.parametrize("steps", [4, 6, 8])
 def test_a_cap_stays_a_cap_on_the_great_circle(steps):
-    """Centers measured within 0.0023 rad; radii 4 % less than the cap's, as a bump of the same entropy has them."""
+    """Centers measured within 0.0023 rad; radii are 4 % below that of the cap, as for a bump of the same entropy."""
     first, second = cap(FINE, 0.0), cap(FINE, FAR)
     frames = drained(interpolation_steps(first, second, FINE, DensitySettings(steps=steps)))
     check_records(frames)
@@ -61,8 +61,8 @@ def test_a_cap_stays_a_cap_on_the_great_circle(steps):
 
 
 @pytest.mark.parametrize("steps", [8, 12])
-def test_a_pulse_from_head_to_foot_has_the_peak_of_a_gaussian_on_all_of_its_way(steps):
-    """A Gaussian of entropy H has the peak e^(1 - H); the mass is that of the mesh's own areas, too."""
+def test_a_pulse_from_head_to_foot_keeps_the_peak_of_a_gaussian(steps):
+    """A Gaussian with entropy H has the peak e^(1 - H); the mass uses the areas of the mesh."""
     mesh = body()
     up, across = mesh.vertices[:, 2], mesh.vertices[:, 0]
     head, foot = np.clip((up - 1.72) / 0.05, 0, 1), np.clip((0.08 - up) / 0.04, 0, 1) * (across > 0)
@@ -75,8 +75,8 @@ def test_a_pulse_from_head_to_foot_has_the_peak_of_a_gaussian_on_all_of_its_way(
     np.testing.assert_allclose(frames.densities @ mesh.vertex_areas / mesh.area, 1.0, atol=0.025)
 
 
-def test_without_a_bound_frames_spread_and_come_together_evenly():
-    """No frame is sharper than both of its neighbors by more than the last digits: nothing flickers."""
+def test_without_a_bound_frames_spread_and_contract_monotonically():
+    """No frame is sharper than both of its neighbors beyond rounding, so nothing flickers."""
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
     frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12, entropy_limit=None)))
     check_records(frames)
@@ -88,13 +88,13 @@ def test_without_a_bound_frames_spread_and_come_together_evenly():
         assert off_center(SPHERE, density, FAR * time) < 0.05
 
 
-def test_a_bound_in_nats_holds():
+def test_an_entropy_bound_in_nats_holds():
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
     frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=4, entropy_limit=-2.5)))
     assert max(figures["entropy"] for figures in frames.records) < -2.5 + 1e-3
 
 
-def test_a_path_is_at_its_keys_when_it_should_be():
+def test_a_path_reaches_its_keys_at_their_times():
     places, times = [0.0, 0.8, 0.2], [1.0, 3.0, 11.0]
     groups = [cap(SPHERE, place) for place in places]
     found = recorded(path_steps(groups, "ABC", SPHERE, DensitySettings(steps=4), times))
@@ -114,15 +114,15 @@ def test_a_path_is_at_its_keys_when_it_should_be():
     assert str(found.reports[-1].message) == "Reached C"
 
 
-def test_one_step_is_both_ends():
+def test_one_step_returns_the_two_ends():
     groups = cap(SPHERE, 0.0), 5.0 * cap(SPHERE, 1.0)
     frames = drained(interpolation_steps(*groups, SPHERE, DensitySettings(steps=1), ("A", "B")))
     check_records(frames)
     assert [figures["key"] for figures in frames.records] == ["A", "B"]
 
 
-def test_iterations_are_those_of_the_solve_that_made_the_frame():
-    """Midpoints of one level, and frames that are no midpoints, have a number each."""
+def test_iterations_are_reported_per_solve():
+    """Midpoints of one level share a number of iterations, and frames that are no midpoints have one each."""
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
     frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=12)))
     found = [figures["iterations"] for figures in frames.records]
@@ -131,8 +131,8 @@ def test_iterations_are_those_of_the_solve_that_made_the_frame():
     assert [{found[i] for i in own} for own in alike] == [{solve.iterations[i]} for i in (0, 1, 3)]
 
 
-def test_a_blend_lies_where_its_weights_say():
-    """Measured 0.025 rad off between two, and nothing for three of the same weight."""
+def test_a_blend_lies_at_the_weighted_mean():
+    """Measured 0.025 rad off between two, and 0 for three of equal weight."""
     groups = [cap(SPHERE, 0.0), cap(SPHERE, 0.8), cap(SPHERE, 0.4)]
     for shares, place in (([6.0, 2.0, 0.0], 0.2), ([1, 1, 1], 0.4), ([0, 1, 1], 0.6)):
         frames = drained(blend_steps(groups, "ABC", shares, SPHERE, DensitySettings()))
@@ -144,7 +144,7 @@ def test_a_blend_lies_where_its_weights_say():
         assert figures["entropy"] < entropy(groups[0], SPHERE.weights) + 1e-2
 
 
-def test_a_blend_of_one_is_that_one():
+def test_a_blend_of_one_density_is_that_density():
     groups = [cap(SPHERE, 0.0), cap(SPHERE, 0.8)]
     for shares, expected in (([2, 0], groups[0]), ([0, 1], groups[1])):
         (density,) = drained(blend_steps(groups, "AB", shares, SPHERE, DensitySettings())).densities
@@ -159,14 +159,14 @@ def test_a_blend_without_a_bound_is_that_of_the_paper():
     assert entropy(density, SPHERE.weights) > entropy(groups[0], SPHERE.weights) + 0.5
 
 
-def test_pieces_keep_their_mass_in_every_frame():
+def test_components_keep_their_mass_in_every_frame():
     pair = on(0.4, 0.6, 1), on(0.4, 0.6, 2)
     frames = drained(interpolation_steps(*pair, BALLS, DensitySettings(steps=4)))
     own = BALLS.pieces == 0
     np.testing.assert_allclose((frames.densities * BALLS.weights)[:, own].sum(axis=1), 0.4, atol=1e-6)
 
 
-def test_pieces_are_refused_by_name_or_matched():
+def test_different_masses_of_components_are_refused_by_name_or_matched():
     pair = on(0.4, 0.6, 1), on(0.5, 0.5, 2)
     with pytest.raises(InputError, match=r"Head and Tail have different shares.*300 vertices"):
         next(interpolation_steps(*pair, BALLS, DensitySettings(), ("Head", "Tail")))
@@ -177,7 +177,7 @@ def test_pieces_are_refused_by_name_or_matched():
 
 
 def fins():
-    """Three square sheets that share one edge line, with loose vertices beside them."""
+    """Three square sheets that share one edge line, with loose vertices."""
     flat = sheet_mesh(12, 12)
     turns = [np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]]) for a in (0.0, 2.1, 4.2)]
     vertices = np.concatenate([flat.vertices @ turn.T for turn in turns])
@@ -187,8 +187,8 @@ def fins():
     return TriangleMesh.from_arrays(np.concatenate([vertices[first], loose]), names.ravel()[faces])
 
 
-def test_edges_of_three_faces_and_loose_vertices_carry_and_hold_nothing_strange():
-    """From the tip of one fin to that of another, through the edge that all three share."""
+def test_nonmanifold_edges_and_loose_vertices_do_not_distort_the_mass():
+    """From the tip of one fin to the tip of another, through the edge that all three share."""
     mesh = fins()
     surface = density_surface(mesh)
     away = np.linalg.norm(mesh.vertices - [12, 6, 0], axis=1)
@@ -217,7 +217,7 @@ def test_an_open_and_a_closed_mesh_of_few_triangles_work():
     st.sampled_from(["max", None, -1.0]),
     st.floats(1e-6, 1e6),
 )
-def test_any_paint_gives_as_many_honest_frames_as_asked_for(seed, steps, entropy_limit, scale):
+def test_any_paint_gives_the_requested_number_of_valid_frames(seed, steps, entropy_limit, scale):
     rng = np.random.default_rng(seed)
     groups = np.where(rng.random((2, *COARSE.shape)) < 0.2, rng.random((2, *COARSE.shape)), 0.0) * scale
     groups[:, 0] += scale
@@ -240,7 +240,7 @@ COARSE = sphere(2, 0.05)
         (2, "AB", {"key_times": [0.0, np.nan]}, "later"),
     ],
 )
-def test_paths_that_make_no_sense_are_refused(groups, names, options, message):
+def test_invalid_paths_are_refused(groups, names, options, message):
     caps = [cap(SPHERE, 0.0), cap(SPHERE, 1.0)][:groups]
     with pytest.raises(InputError, match=message):
         next(path_steps(caps, names, SPHERE, DensitySettings(), **options))

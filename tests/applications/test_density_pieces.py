@@ -19,7 +19,7 @@ BALLS = density_surface(TriangleMesh.from_arrays(np.concatenate([_MESH.vertices,
 
 
 def on(large, small, seed=0):
-    """Density of random values with such masses on the balls."""
+    """Density of random values with the given masses on the two balls."""
     values = np.random.default_rng(seed).random(BALLS.shape) + 0.1
     values[-1] = 5.0
     for label, mass in ((0, large), (1, small)):
@@ -34,7 +34,7 @@ def refusal(first, second, match=False):
     return str(caught.value)
 
 
-def test_pieces_have_a_size_and_a_place():
+def test_components_have_a_size_and_a_center():
     small = piece(BALLS, 1)
     assert small.vertices == 300
     assert small.size == pytest.approx(1.4, rel=0.01)
@@ -42,14 +42,14 @@ def test_pieces_have_a_size_and_a_place():
     np.testing.assert_allclose(piece_masses(on(0.25, 0.75)[None], BALLS), [[0.25, 0.75]])
 
 
-def test_one_piece_takes_no_care():
+def test_a_connected_mesh_needs_no_matching():
     surface = density_surface(icosphere(2))
     densities = np.random.default_rng(0).random((2, *surface.shape))
     assert on_same_pieces(densities, ("a", "b"), surface) is densities
     np.testing.assert_array_equal(piece_masses(densities, surface), [[1.0], [1.0]])
 
 
-def test_mass_on_different_pieces_is_refused_by_group_and_piece():
+def test_mass_on_different_components_is_refused_by_group_and_component():
     text = refusal(on(1.0, 0.0), on(0.0, 1.0))
     assert text.startswith("Head and Tail lie on different pieces")
     assert "piece of 400 vertices, 2 long" in text
@@ -67,14 +67,14 @@ def test_different_shares_are_refused_or_matched():
     np.testing.assert_allclose(matched[1][own] / pair[1][own], 0.5 / 0.75)
 
 
-def test_nothing_cannot_be_matched_with_something():
+def test_an_empty_component_cannot_be_matched():
     assert "different pieces" in refusal(on(1.0, 0.0), on(0.5, 0.5), match=True)
     assert "different pieces" in refusal(on(0.5, 0.5), on(1.0, 0.0), match=True)
 
 
 @settings(max_examples=30)
 @given(st.floats(0.0, 1.0), st.floats(-9e-4, 9e-4))
-def test_differences_that_nobody_paints_are_evened_out(share, difference):
+def test_rounding_differences_are_evened_out(share, difference):
     other = min(max(share + difference, 0.0), 1.0)
     pair = np.stack([on(share, 1 - share, 1), on(other, 1 - other, 2)])
     even = on_same_pieces(pair, ("a", "b"), BALLS)

@@ -28,7 +28,7 @@ def variances(density, surface, middle):
     return (density * surface.weights) @ away[:, :2] ** 2
 
 
-def test_a_unit_mass_lies_where_it_was_dropped():
+def test_a_unit_mass_is_at_its_vertices():
     density = unit_mass([3, 50, 50], SURFACE)
     assert density @ SURFACE.weights == pytest.approx(1.0)
     np.testing.assert_array_equal(np.flatnonzero(density), [3, 50])
@@ -46,7 +46,7 @@ def test_unit_masses_need_vertices_with_area(vertices, message):
 
 
 def test_diffusing_adds_the_square_of_the_length():
-    """On a plane the variance per axis grows by it; 3 and then 4 are 5, but for how the time is cut into steps."""
+    """On a plane, the variance per axis grows by length^2, so 3 and then 4 equal 5, except for the time steps."""
     density = diffused(unit_mass(MIDDLE, PLANE), PLANE, 1.0, "a")
     before = variances(density, PLANE, MIDDLE)
     np.testing.assert_allclose(variances(diffused(density, PLANE, 1.5, "a"), PLANE, MIDDLE) - before, 2.25, rtol=2e-3)
@@ -57,8 +57,8 @@ def test_diffusing_adds_the_square_of_the_length():
     assert np.abs(twice - once) @ PLANE.weights < 0.03
 
 
-def test_on_a_sphere_its_first_harmonic_decays_as_it_must():
-    """Under m Euler steps of time L^2 / 2 by (1 + L^2 / m)^-m: the eigenvalue of height is 2."""
+def test_the_first_harmonic_of_a_sphere_decays_at_the_exact_rate():
+    """m Euler steps of total time L^2 / 2 scale it by (1 + L^2 / m)^-m, because its eigenvalue is 2."""
     surface = density_surface(icosphere(4))
     height = surface.positions[:, 2]
     density = 1.0 + 0.5 * height
@@ -69,7 +69,7 @@ def test_on_a_sphere_its_first_harmonic_decays_as_it_must():
 
 @settings(max_examples=20)
 @given(st.floats(1e-3, 500.0), st.integers(0, 2**32))
-def test_diffusing_keeps_the_mass_of_every_piece_and_makes_entropy(length, seed):
+def test_diffusing_keeps_the_mass_of_every_component_and_raises_entropy(length, seed):
     rng = np.random.default_rng(seed)
     density = distribution(np.where(rng.random(BALLS.shape) < 0.1, rng.random(BALLS.shape), 0.0), BALLS, "a")
     spread = diffused(density, BALLS, length, "a")
@@ -81,7 +81,7 @@ def test_diffusing_keeps_the_mass_of_every_piece_and_makes_entropy(length, seed)
 
 
 @pytest.mark.parametrize("length", [0.0, -1.0, np.nan, np.inf, 1e9])
-def test_lengths_that_make_no_sense_are_refused(length):
+def test_invalid_lengths_are_refused(length):
     with pytest.raises(InputError, match="length"):
         diffused(unit_mass(0, PLANE), PLANE, length, "a")
 
@@ -94,7 +94,7 @@ def test_it_can_be_cancelled(tool):
 
 
 def test_sharpening_a_gaussian_narrows_it():
-    """Half of the area is one over the root of two of the deviation, and ln 2 nats less."""
+    """Half of the area means the deviation over sqrt(2), and ln 2 nats less."""
     away = np.linalg.norm(PLANE.positions - PLANE.positions[MIDDLE], axis=1)
     gauss = distribution(np.exp(-(away**2) / (2 * 4.0**2)), PLANE, "a")
     half = sharpened_by(gauss, PLANE, 0.5, "a")
@@ -102,7 +102,7 @@ def test_sharpening_a_gaussian_narrows_it():
     np.testing.assert_allclose(variances(half, PLANE, MIDDLE), 8.0, rtol=0.01)
 
 
-def test_what_is_sharp_enough_stays_as_it_is():
+def test_a_density_that_is_sharp_enough_is_unchanged():
     surface = density_surface(icosphere(3))
     density = cap(surface, 0.0)
     np.testing.assert_allclose(sharpened(density, surface, 0.0, "a"), density, rtol=1e-9, atol=1e-12)
@@ -111,7 +111,7 @@ def test_what_is_sharp_enough_stays_as_it_is():
 
 @settings(max_examples=20)
 @given(st.floats(-4.0, -1.5), st.integers(0, 2**32))
-def test_sharpening_reaches_its_entropy_and_keeps_the_mass_of_every_piece(limit, seed):
+def test_sharpening_reaches_its_entropy_and_keeps_the_mass_of_every_component(limit, seed):
     rng = np.random.default_rng(seed)
     density = diffused(unit_mass([*rng.integers(0, 400, 3), 500], BALLS), BALLS, 0.5, "a")
     sharp = sharpened(density, BALLS, limit, "a")
@@ -130,11 +130,11 @@ def test_a_flat_top_cannot_be_sharpened():
 
 
 @pytest.mark.parametrize("share", [0.0, -0.5, 1.5, np.nan])
-def test_shares_lie_between_nothing_and_all(share):
+def test_area_fractions_lie_between_zero_and_one(share):
     with pytest.raises(InputError, match="share"):
         sharpened_by(unit_mass(0, PLANE), PLANE, share, "a")
 
 
-def test_a_limit_is_a_number():
+def test_an_entropy_limit_must_be_a_number():
     with pytest.raises(InputError, match="number"):
         sharpened(unit_mass(0, PLANE), PLANE, np.nan, "a")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points inside bodies behind points of their surface."""
+"""Points inside bodies, behind points of their surface."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from convwass_addon.geometry.solid_angles import winding_numbers
 from tests.shapes import ball, box, joined, square, torus
 
 
-def test_behind_a_point_of_a_torus_is_its_circle():
+def test_inner_points_of_a_torus_lie_on_its_center_circle():
     found = InnerPointFinder(torus(1.0, 0.3)).find((1.3, 0.0, 0.0))
     assert np.linalg.norm(found.position - [1.0, 0.0, 0.0]) < 0.12
     assert found.depth == pytest.approx(0.3, abs=0.12)
@@ -26,14 +26,14 @@ def test_more_blur_goes_deeper():
 
 
 @pytest.mark.parametrize("mesh", [ball(), torus(), box(size=(2.0, 1.0, 0.1))], ids=["ball", "torus", "board"])
-def test_all_points_have_an_inside_behind_them(mesh):
+def test_inner_points_of_all_vertices_are_inside(mesh):
     finder = InnerPointFinder(mesh)
     points = mesh.corners.mean(axis=1)[:: max(len(mesh.faces) // 12, 1)]
     found = np.array([finder.find(point).position for point in points])
     assert (winding_numbers(found, mesh) > 0.5).all()
 
 
-def test_the_clicked_part_is_the_body():
+def test_the_clicked_component_is_the_body():
     finder = InnerPointFinder(joined(box(), box(center=(3.0, 0.0, 0.0))))
     for x in (0.0, 3.0, 0.0):
         assert np.abs(finder.find((x, 0.5, 0.0)).position - [x, 0.1, 0.0]).max() < 0.4

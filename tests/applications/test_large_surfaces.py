@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is done otherwise for meshes of very many vertices: it is told more often, and can be stopped anywhere."""
+"""Special handling of meshes with very many vertices: more frequent progress, and cancelling anywhere."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SETTINGS = DensitySettings(steps=4)
 
 @pytest.fixture
 def all_is_large(monkeypatch):
-    """Take every surface for a large one, with coarser ones."""
+    """Treat every surface as large, with coarser levels."""
     monkeypatch.setattr(density_preparing, "LARGE", 1)
     monkeypatch.setattr(density_preparing, "DRAWN_SECONDS", 0.0)
     monkeypatch.setattr(mesh_levels, "FEWEST_VERTICES", 500)
@@ -40,8 +40,8 @@ def steps_of(control=UNINTERRUPTED):
     return recorded(interpolation_steps(*ENDS, surface, SETTINGS, control=control))
 
 
-def test_every_sweep_is_told_and_nothing_else_changes(all_is_large, monkeypatch):
-    """Fractions never fall; what is being prepared is named."""
+def test_every_sweep_is_reported_and_the_result_is_unchanged(all_is_large, monkeypatch):
+    """Fractions never fall; preparations are named."""
     found = steps_of()
     fractions = [step.fraction for step in found.reports]
     assert fractions == sorted(fractions) and fractions[-1] == 1.0
@@ -57,7 +57,7 @@ def test_every_sweep_is_told_and_nothing_else_changes(all_is_large, monkeypatch)
     np.testing.assert_allclose(fewer.result.densities, found.result.densities, rtol=1e-12)
 
 
-def test_measuring_tells_every_round_and_finds_the_same(all_is_large):
+def test_measuring_reports_every_round_with_the_same_result(all_is_large):
     surface = density_surface(MESH, 0.3, 20)
     found = recorded(measuring_steps(*ENDS, surface, ("A", "B")))
     fractions = [step.fraction for step in found.reports]
@@ -65,17 +65,17 @@ def test_measuring_tells_every_round_and_finds_the_same(all_is_large):
     assert len(found.reports) > found.result.iterations + 2
 
 
-def test_a_density_can_be_stopped_between_steps_of_time_and_while_the_mesh_is_made_coarser(all_is_large):
+def test_a_density_can_be_cancelled_between_time_steps_and_while_coarsening(all_is_large):
     every = CountingControl()
     steps_of(every)
-    # Ten steps of time in every application of the kernel, and no sweep has fewer than two.
+    # Every application of the kernel has ten time steps, and no sweep has fewer than two applications.
     assert every.count > 20 * 10
     for last in np.linspace(1, every.count, 4).astype(int):
         with pytest.raises(Cancelled):
             steps_of(CountingControl(last))
 
 
-def test_coarsening_asks_often():
+def test_coarsening_checks_for_cancelling_often():
     control = CountingControl()
     level = mesh_levels.MeshLevel.of(icosphere(5), control)
     before = control.count
@@ -83,7 +83,7 @@ def test_coarsening_asks_often():
     assert control.count > before + 15
 
 
-def test_voxelizing_can_be_stopped():
+def test_voxelizing_can_be_cancelled():
     mesh, control = ball(11, (16, 16, 16)), CountingControl()
     filled = occupancy(mesh.corners, (32, 32, 32), control)
     np.testing.assert_array_equal(filled, occupancy(mesh.corners, (32, 32, 32)))
@@ -92,7 +92,7 @@ def test_voxelizing_can_be_stopped():
             occupancy(mesh.corners, (32, 32, 32), CountingControl(last))
 
 
-def test_a_soft_map_can_be_stopped_while_it_is_taken_to_all_vertices():
+def test_a_soft_map_can_be_cancelled_while_it_is_extended_to_all_vertices():
     sides = MapSide(ball(points=300), "A"), MapSide(ball(points=280), "B")
     control, counts = CountingControl(), {}
     for step in soft_map_steps(*sides, [[0, 0]], control=control):
@@ -100,7 +100,7 @@ def test_a_soft_map_can_be_stopped_while_it_is_taken_to_all_vertices():
     assert counts["The map is there"] >= counts["Taking the map to all vertices"] + 6
 
 
-def test_levels_below_are_about_those_that_there_are():
+def test_the_estimated_levels_match_the_actual_ones():
     surface = density_surface(icosphere(6))
     assert surface.shape[0] > 40_000
     found = 0

@@ -23,7 +23,7 @@ def ranges(matches):
     return {(int(m.source[0]), int(m.source[-1]), int(m.target[0]), int(m.target[-1])) for m in matches}
 
 
-def test_pieces_that_look_alike_and_lie_alike_belong_together():
+def test_components_are_matched_by_shape_and_place():
     body, eyes = ball(points=300), [ball(0.1, (x, 1.0, 0.5), 60) for x in (-0.3, 0.3)]
     source, target = side(body, *eyes), side(eyes[1], body, eyes[0])
     matches = matched_pieces(source, target, NO_PAIRS)
@@ -32,7 +32,7 @@ def test_pieces_that_look_alike_and_lie_alike_belong_together():
     assert ranges(matches) == {(0, 299, 60, 359), (300, 359, 360, 419), (360, 419, 0, 59)}
 
 
-def test_pairs_overrule_looks_and_tie_several_pieces_together():
+def test_pairs_override_shape_and_can_join_several_components():
     one, other = ball(points=100), torus(center=(4, 0, 0), segments=(12, 8))
     source, target = side(one, other), side(other, one)
     (match,) = matched_pieces(source, side(joined(one, other)), np.array([(0, 0), (5, 150), (120, 7)]))
@@ -41,12 +41,12 @@ def test_pairs_overrule_looks_and_tie_several_pieces_together():
     assert ranges(crossed) == {(0, 99, 0, 95), (100, 195, 96, 195)}
 
 
-def test_what_looks_like_nothing_there_has_no_counterpart():
+def test_a_component_without_a_similar_one_has_no_counterpart():
     matches = matched_pieces(side(ball(points=100), ball(0.001, (9, 9, 9), 40)), side(ball(points=90)), NO_PAIRS)
     assert ranges(matches) == {(0, 99, 0, 89)}
 
 
-def test_a_part_has_just_its_own_faces_and_weights():
+def test_a_component_gets_only_its_own_faces_and_weights():
     whole = MapSide(joined(box(), ball(points=50), box(center=(5, 0, 0))), "Pet", {"Fur": np.arange(66.0)})
     vertices = np.r_[0:8, 58:66]
     part = part_of(whole, vertices)
@@ -56,8 +56,8 @@ def test_a_part_has_just_its_own_faces_and_weights():
 
 
 @pytest.mark.parametrize("scale", [1.0, 2.5])
-def test_an_eye_is_turned_as_the_head_around_it_is(scale):
-    """An eye is round, or a box: only what lies around it tells how it sits."""
+def test_an_eye_rotates_with_the_surrounding_head(scale):
+    """An eye is a ball or a box, so only its surroundings determine its rotation."""
     rotation = turn((70, 20, -110))
     source = side(ball(points=400), ball(0.1, (0, 1, 0.5), 80))
     target = MapSide(TriangleMesh(scale * source.mesh.vertices @ rotation.T + 4.0, source.mesh.faces), "Dog")

@@ -18,8 +18,8 @@ ARM, _ = arm()
 IDENTITY = exact_map(ARM.vertices, ARM)
 
 
-def spoiled(points, bad, faces, seed=0):
-    """The map with nonsense in place of some points, of which it says so."""
+def corrupted(points, bad, faces, seed=0):
+    """The map with random points at some vertices, marked as unreliable."""
     noise = np.random.default_rng(seed).integers(0, faces, len(points))
     return replace(
         points,
@@ -29,11 +29,11 @@ def spoiled(points, bad, faces, seed=0):
 
 
 @pytest.mark.parametrize("bad", [ARM.vertices[:, 0] > 3.0, np.abs(ARM.vertices[:, 0] - 2.0) < 0.5])
-def test_a_region_is_laid_back_where_it_was_also_at_the_end_of_a_limb(bad):
-    """On a copy that is turned and larger: the region keeps its shape, not that of a film across its rim."""
+def test_a_region_is_restored_even_at_the_end_of_a_limb(bad):
+    """On a rotated and scaled copy: the region keeps its shape instead of becoming a film across its rim."""
     other = TriangleMesh(2.0 * ARM.vertices @ turn().T, ARM.faces)
     right = exact_map(other.vertices, other)
-    found = repaired_points(spoiled(right, bad, len(ARM.faces)), ARM, other)
+    found = repaired_points(corrupted(right, bad, len(ARM.faces)), ARM, other)
     np.testing.assert_allclose(found.positions(other), other.vertices, atol=1e-5)
     assert found.confidence.min() > 0.9
     np.testing.assert_array_equal(found.faces[~bad], right.faces[~bad])
@@ -42,14 +42,14 @@ def test_a_region_is_laid_back_where_it_was_also_at_the_end_of_a_limb(bad):
 def test_on_a_bent_arm_a_region_follows_the_bend():
     bent, _ = arm(1.2)
     bad = np.abs(ARM.vertices[:, 0] - 2.0) < 0.6
-    found = repaired_points(spoiled(exact_map(bent.vertices, bent), bad, len(ARM.faces)), ARM, bent)
+    found = repaired_points(corrupted(exact_map(bent.vertices, bent), bad, len(ARM.faces)), ARM, bent)
     miss = np.linalg.norm(found.positions(bent) - bent.vertices, axis=1)
     assert miss[bad].mean() < 0.06 and miss[bad].max() < 0.2
 
 
-def test_both_ways_of_a_map_are_repaired_and_their_number_is_told():
+def test_both_directions_of_a_map_are_repaired_and_counted():
     bad = ARM.vertices[:, 0] > 3.5
-    broken = spoiled(IDENTITY, bad, len(ARM.faces))
+    broken = corrupted(IDENTITY, bad, len(ARM.faces))
     found = repaired_map(SurfaceMap(broken, IDENTITY, None), ARM, ARM)
     np.testing.assert_allclose(found.forward.positions(ARM), ARM.vertices, atol=1e-5)
     np.testing.assert_array_equal(found.backward.faces, IDENTITY.faces)
@@ -57,18 +57,18 @@ def test_both_ways_of_a_map_are_repaired_and_their_number_is_told():
     assert notice.values["count"] == (broken.faces != found.forward.faces).sum() > 50
 
 
-def test_pieces_without_anything_to_go_by_and_good_maps_stay_as_they_are():
+def test_components_without_reliable_points_and_good_maps_are_unchanged():
     assert repaired_points(IDENTITY, ARM, ARM) is IDENTITY
     both = joined(ARM, torus(center=(0, 5, 0), segments=(24, 12)))
     points = exact_map(both.vertices, both)
     bad = np.arange(len(both.vertices)) >= len(ARM.vertices)
-    broken = spoiled(points, bad | (both.vertices[:, 0] > 3.5), len(both.faces))
+    broken = corrupted(points, bad | (both.vertices[:, 0] > 3.5), len(both.faces))
     found = repaired_points(broken, both, both)
     np.testing.assert_array_equal(found.faces[bad], broken.faces[bad])
     np.testing.assert_allclose(found.positions(both)[~bad], both.vertices[~bad], atol=1e-5)
 
 
-def test_what_cannot_be_repaired_is_refused():
+def test_maps_that_cannot_be_repaired_are_refused():
     with pytest.raises(InputError, match="between 0 and 1"):
         repaired_points(IDENTITY, ARM, ARM, 1.5)
     with pytest.raises(InputError, match="other meshes"):

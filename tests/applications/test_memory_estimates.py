@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The memory that a bake is said to need is what it needs at the peak: never less, and not several times as much."""
+"""Memory estimates of bakes: never below the measured peak, and not several times above it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BLENDS = path_blends(2, 4)
 
 
 def peak_of(work):
-    """The second time: what is imported and cached once is not counted."""
+    """Return the peak of the second run, which excludes what is imported and cached once."""
     drained(work())
     tracemalloc.start()
     drained(work())

@@ -19,7 +19,7 @@ from tests.shapes import ball, joined
 
 
 def animal():
-    """A body with four legs and two eyes, symmetric in x, its vertices not: which mirrors which is found by place."""
+    """A body with four legs and two eyes; the shape is symmetric in x, its vertices are not."""
     egg = ball(1.0, points=900)
     x, y, z = egg.vertices.T
     legs = sum(np.exp(-((x - a) ** 2 + (y - b) ** 2) / 0.03) for a in (-0.45, 0.45) for b in (-0.7, 0.8))
@@ -37,14 +37,14 @@ def test_left_goes_right_and_shape_keys_with_it():
     _, unique = np.unique(np.sort(pairs, axis=1), axis=0, return_index=True)
     pairs = pairs[unique]
     pairs = pairs[[len(np.intersect1d(pair, pairs)) == (np.isin(pairs, pair).sum()) for pair in pairs]]
-    # In any pose and place.
+    # In any pose and position.
     rotation = turn()
     posed = TriangleMesh(mesh.vertices @ rotation.T + [1, 2, 3], mesh.faces)
     found = drained(mirror_map_steps(MapSide(posed, "Pet"), pairs, SoftMapSettings(vertices=400, sweeps=6)))
     assert found.backward is found.forward
     away = np.linalg.norm(found.forward.positions(posed) - (mirrored @ rotation.T + [1, 2, 3]), axis=1)
     assert away[:900].mean() < 0.03 * np.sqrt(mesh.area)
-    # The eyes too change places, though no pair names them.
+    # The eyes are exchanged, too, although no pair names them.
     assert away[900:].max() < 0.25
     right, left = (np.clip(sign * mesh.vertices[:, :1] - 0.1, 0, None) for sign in (1, -1))
     key, expected = right * [0.1, 0.3, 0.2], left * [-0.1, 0.3, 0.2]
@@ -53,7 +53,7 @@ def test_left_goes_right_and_shape_keys_with_it():
     assert miss < 0.25 * np.linalg.norm(expected)
 
 
-def test_pairs_count_both_ways_and_those_in_the_middle_once():
+def test_pairs_are_used_in_both_directions_and_central_ones_once():
     side = MapSide(animal(), "Pet")
     assert mirrored_pairs([(1, 2), (5, 5)], side).tolist() == [[1, 2], [2, 1], [5, 5]]
     assert mirrored_pairs([(1, 2), (2, 1)], side).tolist() == [[1, 2], [2, 1]]

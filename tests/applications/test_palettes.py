@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between palettes, against what is known about them."""
+"""Maps between palettes, compared with known solutions."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ MIDDLE = (55.0, 10.0, -5.0)
 
 
 def moved(source, targets, own=None, weights=None):
-    """Return the colors of the source and how the map changes them, (3, n) each."""
+    """Return the colors of the source and their change by the map, (3, n) each."""
     found = recoloring(palette_of(source), [palette_of(target) for target in targets], weights, own)
     return found.shifts(source)
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
-def test_lab_is_that_of_scikit_image(kind):
+def test_lab_agrees_with_scikit_image(kind):
     rgb = np.random.default_rng(0).random((500, 3))
     found = lab_of_linear(linear_of_srgb(rgb.T.astype(kind)))
     np.testing.assert_allclose(found.T, rgb2lab(rgb), atol=0.01)
@@ -53,12 +53,12 @@ def test_lab_is_that_of_scikit_image(kind):
 
 
 @given(st.floats(-3.0, 1000.0), st.floats(-3.0, 1000.0), st.floats(-3.0, 1000.0))
-def test_lab_comes_back_for_any_scene(red, green, blue):
+def test_lab_conversion_is_invertible_for_any_scene_color(red, green, blue):
     linear = np.array([[red], [green], [blue]])
     np.testing.assert_allclose(linear_of_lab(lab_of_linear(linear)), linear, atol=1e-9 * (1 + np.abs(linear).max()))
 
 
-def test_the_own_palette_moves_nothing():
+def test_the_source_palette_changes_nothing():
     source = cloud(1, MIDDLE, np.diag([12.0, 9.0, 6.0]))
     assert np.abs(moved(source, [source])).max() == 0.0
 
@@ -73,8 +73,8 @@ def test_a_translated_palette_gives_that_translation(by):
     assert np.abs(found[:, inner] - np.array(by)[:, None]).max() < 0.5
 
 
-def test_gaussians_go_by_the_linear_monge_map():
-    """Against T(x) = m1 + A (x - m0), A = S0^-1/2 (S0^1/2 S1 S0^1/2)^1/2 S0^-1/2, of Olkin and Pukelsheim 1982."""
+def test_gaussians_follow_the_linear_monge_map():
+    """Compared with T(x) = m1 + A (x - m0), A = S0^-1/2 (S0^1/2 S1 S0^1/2)^1/2 S0^-1/2, Olkin and Pukelsheim 1982."""
     turned = np.array([[10.0, 4.0], [4.0, 7.0]])
     source = cloud(3, MIDDLE, np.diag([10.0, 12.0, 8.0]))
     target = cloud(4, (60.0, -20.0, 15.0), np.block([[5.0, np.zeros((1, 2))], [np.zeros((2, 1)), turned]]))
@@ -98,7 +98,7 @@ def test_two_single_colors(strength):
     np.testing.assert_allclose(found, np.repeat(strength * (second - first), 50, axis=1), atol=0.02)
 
 
-def test_the_palette_arrives():
+def test_the_recolored_palette_is_the_target():
     rng = np.random.default_rng(5)
     source = np.concatenate([cloud(6, (40, 20, 20), np.eye(3) * 5), cloud(7, (70, -20, 5), np.eye(3) * 4)], axis=1)
     target = cloud(8, (50, -10, -30), np.diag([15.0, 14.0, 5.0]))
@@ -121,7 +121,7 @@ def _sliced(first, second, rng):
     return float(np.mean(found))
 
 
-def test_the_barycenter_of_translates_is_the_translate():
+def test_the_barycenter_of_translates_is_a_translate():
     clouds = [cloud(9, (50.0, x, y), np.diag([10.0, 7.0, 7.0])) for x, y in ((-40, 0), (40, 0), (0, 48))]
     weights = np.array([0.2, 0.3, 0.5])
     found = palette_barycenter([palette_of(own) for own in clouds], weights)
@@ -132,21 +132,21 @@ def test_the_barycenter_of_translates_is_the_translate():
     np.testing.assert_allclose(np.sqrt(variance), 7.0, atol=0.4)
 
 
-def test_palettes_without_weight_do_not_count():
+def test_palettes_with_weight_zero_have_no_effect():
     source, first, second = (cloud(n, (50, 10 * n, 0), np.eye(3) * 5) for n in range(3))
     np.testing.assert_array_equal(moved(source, [first, second], weights=[0, 2]), moved(source, [second]))
 
 
 @given(st.lists(st.floats(0, 100), min_size=2, max_size=30), st.floats(-20, 20), st.floats(0, 3))
 @settings(max_examples=50)
-def test_lightness_keeps_its_order(values, shift, stretch):
+def test_the_lightness_map_is_monotone(values, shift, stretch):
     source = np.sort(np.repeat(values, 20))
     curve = lightness_curve(source, source * stretch + shift, smoothing=1.0)
     levels = np.linspace(-10, 120, 400)
     assert (np.diff(levels + curve(levels)) > -1e-3).all()
 
 
-def test_ties_of_lightness_share_their_images():
+def test_equal_lightness_has_equal_images():
     curve = lightness_curve([0, 0, 0, 50], [10, 20, 30, 80])
     np.testing.assert_allclose(curve(np.array([0.0, 50.0, -5.0])), [20.0, 30.0, 20.0], atol=1e-4)
 
@@ -167,7 +167,7 @@ def test_keeping_the_lightness():
 
 
 @pytest.mark.parametrize("gamut", ["clip", "chroma"])
-def test_results_can_be_shown(gamut):
+def test_results_are_displayable(gamut):
     source, target = cloud(1, MIDDLE, np.eye(3) * 6), cloud(2, (90, 60, -60), np.eye(3) * 20)
     found = recoloring(palette_of(source), [palette_of(target)], None, RecolorSettings(gamut=gamut))
     linear = linear_of_lab(source)
@@ -187,7 +187,7 @@ def test_pooled_palettes_are_those_of_all_pixels_together():
     assert pooled.mass == whole.mass
 
 
-def test_pixels_without_numbers_or_weight_do_not_count():
+def test_nonfinite_and_weightless_pixels_are_ignored():
     lab = cloud(1, MIDDLE, np.eye(3) * 4, 1000)
     spoiled = np.concatenate([lab, np.full((3, 5), np.nan), np.full((3, 5), 80.0)], axis=1)
     weights = np.r_[np.ones(1005), np.zeros(5)]

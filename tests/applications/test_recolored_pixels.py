@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What recoloring does to the pixels of images, and to tables of colors."""
+"""Effect of recoloring on the pixels of images and on lookup tables."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def mean_lab(pixels):
     return lab_of_linear(linear_of_srgb(pixels[..., :3].reshape(-1, 3).T.astype(float))).mean(axis=1)
 
 
-def test_the_mean_color_arrives_and_alpha_stays(source, target):
+def test_the_mean_color_is_the_target_and_alpha_is_unchanged(source, target):
     translucent = source.copy()
     translucent[..., 3] = np.linspace(0.2, 1.0, 100)
     found = recolored(translucent, change_of(translucent, target))
@@ -65,12 +65,12 @@ def test_the_mean_color_arrives_and_alpha_stays(source, target):
     np.testing.assert_array_equal(found[..., 3], translucent[..., 3])
 
 
-def test_no_strength_changes_no_bit(source, target):
+def test_zero_strength_changes_no_bit(source, target):
     found = recolored(source, change_of(source, target, RecolorSettings(strength=0.0)))
     np.testing.assert_array_equal(found, source)
 
 
-def test_halfway_lies_halfway(source, target):
+def test_half_strength_is_halfway(source, target):
     half = recolored(source, change_of(source, target, RecolorSettings(strength=0.5)))
     np.testing.assert_allclose(mean_lab(half), (mean_lab(source) + mean_lab(target)) / 2.0, atol=0.5)
 
@@ -95,7 +95,7 @@ def test_a_mask_chooses_the_palette(source):
     np.testing.assert_allclose(chosen.chroma, whole.chroma, atol=1e-15)
 
 
-def test_pixels_that_are_no_numbers_stay(source, target):
+def test_nonfinite_pixels_are_unchanged(source, target):
     spoiled = source.copy()
     spoiled[3, 4] = [np.nan, 0.5, 0.5, 1.0]
     spoiled[5, 6] = [np.inf, 0.5, 0.5, 1.0]
@@ -107,7 +107,7 @@ def test_pixels_that_are_no_numbers_stay(source, target):
         assert np.isfinite(np.delete(found.reshape(-1, 4), [304, 506, 708], axis=0)).all()
 
 
-def test_clear_pixels_neither_count_nor_change(source, target):
+def test_transparent_pixels_are_ignored_and_unchanged(source, target):
     part = source.copy()
     part[:30] = [1.0, 0.0, 0.0, 0.0]
     found = recolored(part, change_of(part, target))
@@ -125,14 +125,14 @@ def test_tiny_images(size, target):
     np.testing.assert_allclose(mean_lab(found), mean_lab(target), atol=0.5)
 
 
-def test_gray_takes_on_the_mean_hue(target):
+def test_gray_gets_the_mean_hue(target):
     gray = np.repeat(np.linspace(0.3, 0.6, 4000, dtype=np.float32)[:, None], 4, axis=1).reshape(40, 100, 4)
     gray[..., 3] = 1.0
     np.testing.assert_allclose(mean_lab(recolored(gray, change_of(gray, target))), mean_lab(target), atol=0.5)
 
 
 def test_scenes_keep_what_is_brighter_than_white(source, target):
-    """A scene whose palette is the source's own, and a few lamps."""
+    """A scene with the source's own palette, plus a few lamps."""
     scene = source.copy()
     scene[..., :3] = linear_of_srgb(source[..., :3])
     scene[::40, ::50, :3] *= 300.0
@@ -150,7 +150,7 @@ def test_scenes_keep_what_is_brighter_than_white(source, target):
 
 
 def test_linear_pixels_of_other_primaries(source, target):
-    """The same picture, in other numbers, becomes the same picture."""
+    """The same picture encoded with other primaries gives the same picture."""
     matrix = np.array([[1.6, -0.5, -0.1], [-0.1, 1.1, 0.0], [0.0, -0.1, 1.1]])
     wide = PixelFormat("linear", "straight", matrix)
     pixels = source.copy()
@@ -170,8 +170,8 @@ def test_blocks_and_threads_change_nothing(source, target):
         np.testing.assert_allclose(found[1100:1700], middle[100:700], atol=1e-6)
 
 
-def test_the_edge_aware_filter_averages_what_is_even(target):
-    """Two flat halves with grain: the grain that the map amplifies goes, the edge stays."""
+def test_the_edge_aware_filter_smooths_uniform_regions(target):
+    """Two uniform halves with grain: the amplified grain disappears, and the edge stays."""
     rng = np.random.default_rng(0)
     lab = np.zeros((3, 64 * 64))
     lab[0] = np.where(np.arange(64 * 64) % 64 < 32, 45.0, 65.0)
@@ -188,8 +188,8 @@ def test_the_edge_aware_filter_averages_what_is_even(target):
     assert abs(steps[1] / steps[0] - 1.0) < 0.1
 
 
-def test_the_filter_knows_colors_from_highlights(target):
-    """White spots on a saturated ground, among darker ones: each kind changes as it does without the filter."""
+def test_the_filter_separates_colors_from_highlights(target):
+    """White spots on a saturated ground, among darker ones: each kind changes as without the filter."""
     rng = np.random.default_rng(0)
     lab = np.zeros((3, 64, 64))
     lab[:] = np.array([45.0, 45.0, 30.0])[:, None, None]
@@ -205,7 +205,7 @@ def test_the_filter_knows_colors_from_highlights(target):
 
 
 @pytest.mark.parametrize("brightest", [1e3, 1e6])
-def test_the_filter_stands_lamps(source, target, brightest):
+def test_the_filter_tolerates_lamps(source, target, brightest):
     scene = source.copy()
     scene[..., :3] = linear_of_srgb(source[..., :3])
     scene[::9, ::7, :3] = brightest
@@ -215,7 +215,7 @@ def test_the_filter_stands_lamps(source, target, brightest):
     assert found[rest].max() < 2.0
 
 
-def test_large_images_take_little_more_than_themselves(source, target):
+def test_large_images_need_little_additional_memory(source, target):
     change = change_of(source, target)
     large = np.ones((2048, 2048, 4), np.float32)
     large[..., :3] = np.resize(source[..., :3], (2048, 2048, 3))
@@ -228,14 +228,14 @@ def test_large_images_take_little_more_than_themselves(source, target):
 
 
 def bytes_of(picture):
-    """Return a picture with the values that bytes have, as Blender gives them."""
+    """Return a picture with 8-bit values as floats, as Blender provides them."""
     return (np.round(picture * 255).astype(np.float32)) * np.float32(1 / 255)
 
 
 @pytest.mark.parametrize("repeats", [1, 7])
 @pytest.mark.parametrize("kind", ["map", "table"])
-def test_bytes_change_as_floats_do(source, target, repeats, kind):
-    """Both with few colors, each of which is changed once, and with more of them than half the pixels."""
+def test_bytes_change_like_floats(source, target, repeats, kind):
+    """Pictures with few colors, each computed once, and with more distinct colors than half of the pixels."""
     pixels = bytes_of(np.tile(source, (repeats, 1, 1)))
     pixels[2:4, 5:50, 3] = 0.0
     pixels[6, :, 3] = bytes_of(np.linspace(0.1, 0.9, 100))
@@ -243,13 +243,13 @@ def test_bytes_change_as_floats_do(source, target, repeats, kind):
     if kind == "table":
         change = lookup_table(change, 17)
     found, wanted = recolored(pixels, change, BYTES, workers=2), recolored(pixels, change)
-    # A sum of four shares may be rounded in another order, where a vector of the processor ends elsewhere.
+    # A sum of four products may be rounded in another order, where a vector register ends elsewhere.
     np.testing.assert_allclose(found, wanted, atol=1e-6)
     np.testing.assert_array_equal(found[2:4, 5:50], pixels[2:4, 5:50])
 
 
-def test_every_byte_comes_back(source, target):
-    """All 16 million colors would take long: every level of each channel, and some of their mixtures."""
+def test_every_byte_is_unchanged_by_the_identity(source, target):
+    """All 16 million colors would take long: every level of each channel, and some mixtures."""
     levels = np.arange(256)
     ends = [np.stack(np.broadcast_arrays(*own)) for own in ((levels, 0, 255), (255, levels, 0), (0, 255, levels))]
     channels = np.concatenate([*ends, np.random.default_rng(0).integers(0, 256, (3, 3000))], axis=1)
@@ -260,7 +260,7 @@ def test_every_byte_comes_back(source, target):
 
 
 @pytest.mark.parametrize("shape", [(7, 9), (5, 2, 4)])
-def test_tables_are_read_as_scipy_reads_them(shape):
+def test_tables_are_interpolated_like_scipy(shape):
     rng = np.random.default_rng(0)
     tables = rng.random((2, *shape)).astype(np.float32)
     places = rng.uniform(-1.0, max(shape) + 1.0, (len(shape), 40_000))
@@ -270,8 +270,8 @@ def test_tables_are_read_as_scipy_reads_them(shape):
         np.testing.assert_allclose(own, map_coordinates(table, inside, order=1), atol=1e-6)
 
 
-def test_tables_leave_scenes_what_they_have_above_white(source, target):
-    """An identity on the unit cube changes nothing anywhere; another table adds the rest to what it has at its rim."""
+def test_tables_keep_values_above_white(source, target):
+    """The identity on the unit cube changes nothing; other tables add the excess to the value at their border."""
     steps = np.linspace(0.0, 1.0, 5, dtype=np.float32)
     lattice = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1)
     identity = LookupTable(lattice, np.zeros(3), np.ones(3))
@@ -305,13 +305,13 @@ def test_steps_of_a_job(source, target):
 
 
 @pytest.mark.parametrize(("size", "mean", "worst"), [(17, 1.5, 12.0), (65, 0.2, 4.0)])
-def test_tables_do_what_the_map_does(source, target, size, mean, worst):
+def test_tables_agree_with_the_map(source, target, size, mean, worst):
     change = change_of(source, target)
     error = np.abs(recolored(source, lookup_table(change, size)) - recolored(source, change))[..., :3] * 255
     assert error.mean() < mean and error.max() < worst
 
 
-def test_cubes_are_written_red_fastest_and_come_back(tmp_path):
+def test_cubes_are_written_with_red_fastest_and_can_be_read_again(tmp_path):
     steps = np.linspace(0, 1, 3)
     colors = np.stack(np.meshgrid(steps, steps**2, 1 - steps, indexing="ij"), axis=-1).astype(np.float32)
     table = LookupTable(colors, np.zeros(3), np.ones(3))
@@ -325,7 +325,7 @@ def test_cubes_are_written_red_fastest_and_come_back(tmp_path):
 
 
 def test_cubes_of_other_programs(tmp_path):
-    """Comments, blank lines, another domain; an identity on it."""
+    """Comments, blank lines, and the identity on another domain."""
     rows = [f"{2 * r} {2 * g} {2 * b}" for b in (0, 1) for g in (0, 1) for r in (0, 1)]
     head = ["# made elsewhere", "", 'TITLE "x"', "LUT_3D_SIZE 2", "DOMAIN_MIN 0 0 0", "DOMAIN_MAX 2.0 2.0 2.0"]
     (tmp_path / "a.cube").write_text("\r\n".join([*head, *rows, ""]))

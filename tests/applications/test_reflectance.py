@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lobes of closed forms, between them, and what shows them."""
+"""Lobes with closed forms, their interpolation, and the tables that render them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def midpoint():
 
 
 @pytest.mark.parametrize("name", MATERIALS)
-def test_light_goes_both_ways(name):
+def test_reflectance_is_reciprocal(name):
     rng = np.random.default_rng(0)
     first, second = rng.normal(size=(2, 20, 3))
     first[:, 2], second[:, 2] = np.abs(first[:, 2]) + 0.1, np.abs(second[:, 2]) + 0.1
@@ -55,20 +55,20 @@ def test_light_goes_both_ways(name):
 
 
 @pytest.mark.parametrize("name", MATERIALS)
-def test_tables_have_mass_one_and_no_more_light_than_comes_in(name):
+def test_tables_have_mass_one_and_conserve_energy(name):
     table = tabulated(MATERIALS[name], incoming_directions(4, 1), ROWS)
     assert (table.lobes * table.cells).sum(axis=(1, 2)) == pytest.approx(np.ones(4), rel=1e-12)
     assert (table.albedo > 0.02).all() and (table.albedo < 1.01).all()
 
 
-def test_ggx_has_its_quantiles():
-    """From the normal, half of the facets' projected area lies within tan(theta) = alpha, by the closed form."""
+def test_ggx_has_the_exact_median():
+    """Half of the facets' projected area lies within tan(theta) = alpha of the normal, by the closed form."""
     alpha, rows = 0.2, 128
     table = tabulated(Ggx(alpha, alpha), incoming_directions(2, 1), rows)
     light = table.incoming[0]
     half = table.outgoing + light
     half /= np.linalg.norm(half, axis=-1, keepdims=True)
-    # f cos(out) is D G / (4 cos(in)), and half vectors have the measure d(out) / (4 H.in); G cancels as little else is.
+    # f cos(out) is D G / (4 cos(in)), half vectors have the measure d(out) / (4 H.in), and G is nearly one.
     facets = Ggx(alpha, alpha).reflectance(light, table.outgoing)[..., 0] * table.outgoing[..., 2]
     masking = 1 / (1 + 0.5 * (np.sqrt(1 + alpha**2 * (1 / table.outgoing[..., 2] ** 2 - 1)) - 1))
     mass = facets / masking * table.cells
@@ -79,7 +79,7 @@ def test_ggx_has_its_quantiles():
 
 
 def test_barycenter_of_ggx_has_nearly_the_mean_alpha(midpoint):
-    """In the half angle transport interpolates alpha linearly; the horizon and the blur take a little off."""
+    """In the half angle, transport interpolates alpha linearly; the horizon and the blur reduce it slightly."""
     _, found = midpoint
     fit = fit_ggx(found.table)
     assert 0.27 < fit.material.alpha_x < 0.335
@@ -89,7 +89,7 @@ def test_barycenter_of_ggx_has_nearly_the_mean_alpha(midpoint):
     assert found.table.albedo == pytest.approx(sum(table.albedo for table in midpoint[0].tables) / 2)
 
 
-def test_fit_finds_what_was_tabulated():
+def test_the_fit_recovers_the_tabulated_material():
     for material in (Ggx(0.3, 0.3), Ggx(0.4, 0.15)):
         turns = 1 if material.is_isotropic else 2
         fit = fit_ggx(tabulated(material, incoming_directions(4, turns), ROWS))
@@ -100,10 +100,10 @@ def test_fit_finds_what_was_tabulated():
         assert fit.material.color == pytest.approx((1, 1, 1), abs=0.01)
 
 
-def test_highlights_move_and_do_not_double():
-    """Two narrow lobes a way apart: linear keeps both, transport makes one between them."""
+def test_highlights_move_instead_of_doubling():
+    """Two separate narrow lobes: linear interpolation keeps both, transport makes one between them."""
     table = tabulated(Ggx(0.1, 0.1), incoming_directions(9, 1), ROWS)
-    # The same lobes four incoming angles further: between them lie those of two further.
+    # The same lobes four incoming angles further; the lobes between them are two angles further.
     near, far = (
         LobeTable(table.theta_in[:3], table.phi_in[:3], table.lobes[own], table.albedo[own])
         for own in (slice(0, 3), slice(4, 7))
@@ -116,7 +116,7 @@ def test_highlights_move_and_do_not_double():
         assert off[0] < 0.25 < 0.5 < off[1]
 
 
-def test_weights_of_one_give_the_material_back():
+def test_weight_one_returns_the_material():
     blend = LobeBlend.of([BlinnPhong(50), Ggx(0.5, 0.5)], QUICK)
     found = finished(blend, [1, 0])
     off = 0.5 * (np.abs(found.table.lobes - blend.tables[0].lobes) * found.table.cells).sum(axis=(1, 2))
@@ -124,7 +124,7 @@ def test_weights_of_one_give_the_material_back():
     assert np.array_equal(found.table.albedo, blend.tables[0].albedo)
 
 
-def test_starting_from_other_weights_changes_only_the_iterations(midpoint):
+def test_the_start_changes_only_the_number_of_iterations(midpoint):
     blend, found = midpoint
     cold = finished(blend, [0.4, 0.6])
     warm = finished(blend, [0.4, 0.6], found)
@@ -150,13 +150,13 @@ def test_four_materials():
     assert (found.table.lobes * found.table.cells).sum(axis=(1, 2)) == pytest.approx(1.0, abs=1e-9)
 
 
-def test_half_angle_table_shows_the_material():
+def test_the_half_angle_table_reproduces_the_material():
     material = Ggx(0.25, 0.25)
     image = half_angle_table(tabulated(material, incoming_directions(18, 1), 64))
     assert image.shape == (64, 256, 3) and image.dtype == np.float32
     theta_h = ((np.arange(256) + 0.5) / 256) ** 2 * np.pi / 2
     theta_d = (10 + 0.5) / 64 * np.pi / 2
-    # The light across the half vector: both directions lie alike.
+    # Light perpendicular to the half vector: both directions are symmetric.
     light = np.stack(
         [np.sin(theta_h) * np.cos(theta_d), np.full(256, np.sin(theta_d)), np.cos(theta_h) * np.cos(theta_d)], -1
     )
@@ -215,7 +215,7 @@ def test_bad_materials_and_settings_are_refused(make):
         make()
 
 
-def test_what_cannot_be_looked_up_is_refused():
+def test_invalid_lookups_are_refused():
     grain = tabulated(Ggx(0.4, 0.1), incoming_directions(2, 2), 8)
     with pytest.raises(InputError, match="anisotropic"):
         half_angle_table(grain)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of lobes and measured materials as files, good and bad."""
+"""Files of lobe tables and measured materials, valid and damaged."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def table():
     return tabulated(Ggx(0.4, 0.2, (0.9, 0.5, 0.1)), incoming_directions(3, 2), 8)
 
 
-def test_tables_come_back(table, tmp_path):
+def test_tables_can_be_written_and_read(table, tmp_path):
     path = tmp_path / "lobes.npz"
     write_table(path, table)
     back = read_table(path)
@@ -70,7 +70,7 @@ def test_files_that_are_no_tables_are_refused(table, tmp_path):
         read_table(tmp_path / "missing.npz")
 
 
-def test_headers_that_promise_more_are_refused(table, tmp_path):
+def test_headers_that_announce_too_much_data_are_refused(table, tmp_path):
     path = tmp_path / "bad.npz"
     np.savez(path, **spoiled(table))
     header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (99999999, 99999999), }\n"
@@ -91,11 +91,11 @@ def test_tables_that_cannot_be_written_leave_nothing(table, tmp_path):
 
 
 def merl_values(material):
-    """Values at the middles of all bins, as the database stores them, (3, 90, 90, 180)."""
+    """Values at the centers of all bins, as stored in the database, (3, 90, 90, 180)."""
     theta_h = ((np.arange(90) + 0.5) / 90)[:, None] ** 2 * np.pi / 2
     theta_d = (np.arange(90) + 0.5)[None] / 90 * np.pi / 2
     zeros = np.zeros((90, 90))
-    # The azimuth does not matter to D; light across the half vector stands for all.
+    # D does not depend on the azimuth, so light perpendicular to the half vector represents all.
     light = np.stack(
         [np.sin(theta_h) * np.cos(theta_d), zeros + np.sin(theta_d), np.cos(theta_h) * np.cos(theta_d)], -1
     )
@@ -120,9 +120,9 @@ def test_merl_files_are_read(tmp_path):
     assert found.albedo[:2] == pytest.approx(expected.albedo[:2], rel=0.06)
 
 
-def test_merl_bins_lie_where_the_database_has_them():
+def test_merl_bins_are_those_of_the_database():
     values = np.zeros((90, 90, 180, 3), np.float32)
-    # Half vector 9 degrees from the normal: row 90 sqrt(9 / 90). Light 30 degrees from it, turned by 60 degrees.
+    # Half vector 9 degrees from the normal: row 90 sqrt(9 / 90). Light 30 degrees from it, rotated by 60 degrees.
     values[28, 30, 120] = 1.0
     half, theta_d, phi_d = np.radians(9.0), np.radians(30.3), np.radians(120.5)
     x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)

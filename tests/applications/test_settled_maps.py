@@ -10,7 +10,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.maps import turn
 from tests.shapes import ball
 
-# An egg with three different axes and a nose: nothing of it can be turned into itself.
+# An egg with three different axes and a nose: it has no symmetries.
 _BALL = ball(points=500).vertices
 _NOSE = 1.0 + 0.8 * np.exp(-np.square(_BALL - [0.8, 0.5, 0.33]).sum(axis=1) / 0.1)[:, None]
 EGG = TriangleMesh(_BALL * _NOSE * [2.0, 1.0, 0.7], ball(points=500).faces)
@@ -18,7 +18,7 @@ NO_PAIRS = np.empty((0, 2), np.int64)
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
-def test_a_map_that_has_shrunk_away_from_the_ends_goes_back_to_them(is_mirrored):
+def test_a_map_that_misses_the_ends_is_stretched_back_to_them(is_mirrored):
     flip = np.array([1.0, 1.0, -1.0 if is_mirrored else 1.0])
     vertices = 3.0 * (EGG.vertices * flip) @ turn().T + [5, 6, 7]
     surface = TriangleMesh(vertices, EGG.faces[:, ::-1].copy() if is_mirrored else EGG.faces)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skeletons fitted into bodies with known axes, and what is said where that cannot work."""
+"""Skeletons fitted into bodies with known axes, and the messages if that fails."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def tube(axis, radius=0.2, segments=20):
 
 
 def chain(count, first, last):
-    """Joints in a row from one pin to another."""
+    """Joints in a row between two pins."""
     shares = np.linspace(0.0, 1.0, count)[:, None]
     positions = (1.0 - shares) * np.asarray(first, float) + shares * np.asarray(last, float)
     pinned = np.isin(np.arange(count), (0, count - 1))
@@ -89,7 +89,7 @@ def test_bones_keep_their_proportions(straight):
 
 
 @pytest.mark.parametrize("placement", ["centered", "expected"])
-def test_a_bent_tube_is_followed_where_the_straight_line_leaves_it(bent, placement):
+def test_a_chain_follows_a_bent_tube(bent, placement):
     graph = chain(7, (0.99, 0.0, 0.1), (-0.99, 0.0, 0.1))
     found = fit(bent, graph, SkeletonSettings(placement=placement))
     assert found.inside.all() and (found.winding > 0.5).all()
@@ -116,7 +116,7 @@ def test_pose_size_and_order_do_not_matter(bent):
     assert np.abs((found.positions - offset) @ turn / scale - expected).max() < 0.03
 
 
-def test_a_branch_lies_where_limbs_meet():
+def test_a_branching_joint_lies_where_limbs_meet():
     ways = [
         tube(np.linspace((0.0, 0.0, 0.0), 1.5 * np.array(end), 30)) for end in ((1, 0, 0), (-1, 0, 0.3), (0.2, 0, -1))
     ]
@@ -134,12 +134,12 @@ def test_a_branch_lies_where_limbs_meet():
     assert found.inside.all()
 
 
-def test_open_bodies_will_do(bent):
+def test_open_bodies_are_accepted(bent):
     found = fit(with_faces(bent, np.arange(len(bent.faces) - 20)), chain(5, (0.99, 0.0, 0.1), (-0.98, 0.0, 0.2)))
     assert found.inside.all()
 
 
-def test_a_ring_is_followed_with_three_pins():
+def test_a_loop_with_three_pins_follows_a_ring():
     turns = np.arange(9) * 2 * np.pi / 9
     positions = np.stack([np.cos(turns), np.sin(turns), 0.0 * turns], axis=1)
     pinned = np.arange(9) % 3 == 0
@@ -152,7 +152,7 @@ def test_a_ring_is_followed_with_three_pins():
         fit(torus(), JointGraph.from_arrays(positions, edges, np.isin(np.arange(9), (0, 4))))
 
 
-def test_limbs_without_a_pin_are_carried_along(straight):
+def test_limbs_without_a_pin_move_rigidly(straight):
     positions = [(0.1, 0, 0), (1.0, 0, 0), (2.0, 0, 0), (2.9, 0, 0), (1.0, 0.1, 0)]
     graph = JointGraph.from_arrays(positions, [(0, 1), (1, 2), (2, 3), (1, 4)], [1, 0, 0, 1, 0], tuple("abcde"))
     assert between_pins(graph).tolist() == [True, True, True, True, False]
@@ -194,11 +194,11 @@ def test_pins_in_one_place(straight):
         fit(straight, graph)
 
 
-def test_parts_that_do_not_touch():
+def test_pins_in_separate_parts_of_the_body_are_refused():
     mesh = joined(box(), box(center=(3.0, 0.0, 0.0)))
     with pytest.raises(InputError, match="The pins 0 and 2 lie in parts of the body that do not touch"):
         fit(mesh, chain(3, (0.0, 0.0, 0.0), (3.0, 0.0, 0.0)))
-    # What the skeleton has nothing to do with is no part of the body.
+    # Components without a pin do not belong to the body.
     assert fit(mesh, chain(3, (2.7, 0.0, 0.0), (3.3, 0.0, 0.0))).inside.all()
 
 
@@ -209,7 +209,7 @@ def test_sheets_need_thickness():
     assert fit(square(), graph, SkeletonSettings(thickness=0.08)).inside.all()
 
 
-def test_bones_that_leave_the_body_are_told(bent):
+def test_bones_that_leave_the_body_are_reported(bent):
     found = fit(bent, chain(3, (0.99, 0.0, 0.1), (-0.99, 0.0, 0.1)))
     assert [str(notice) for notice in found.notices] == [
         "Bones that leave the body between their joints: 2 (0 - 1, 1 - 2)."
@@ -237,7 +237,7 @@ def test_large_bodies_are_reduced():
     assert np.linalg.norm(found.positions - positions, axis=1).max() < 0.08
 
 
-def test_links_are_about_as_long_as_each_other():
+def test_links_have_similar_lengths():
     graph = JointGraph.from_arrays([(0, 0, 0), (1, 0, 0), (4, 0, 0)], [(0, 1), (1, 2)], [1, 0, 1])
     links = Links.of(graph, graph.lengths, 2)
     assert [len(path) - 1 for path in links.paths] == [1, 3]
@@ -265,7 +265,7 @@ def test_chains_end_at_pins_and_branches():
         ({"max_iterations": 0}, "Iterations"),
     ],
 )
-def test_settings_make_sense(changes, message):
+def test_invalid_settings_are_refused(changes, message):
     with pytest.raises(InputError, match=message):
         SkeletonSettings(**changes)
 
@@ -281,7 +281,7 @@ def test_settings_make_sense(changes, message):
         ({"rest": np.zeros((2, 3))}, "shape"),
     ],
 )
-def test_graphs_make_sense(changes, message):
+def test_invalid_graphs_are_refused(changes, message):
     given = {"positions": np.zeros((3, 3)), "edges": [(0, 1), (1, 2)], "pinned": [True, False, True]}
     with pytest.raises(InputError, match=message):
         JointGraph.from_arrays(**{**given, **changes})

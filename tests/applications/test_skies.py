@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies between two: where the sun is, how much light there is, and what is refused."""
+"""Interpolated skies: position of the sun, amount of light, and errors."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def angle_to(center, vectors):
     return np.arccos(np.clip(vectors @ center, -1, 1))
 
 
-def test_ends_are_the_skies(skies):
+def test_the_ends_are_the_input_skies(skies):
     first, second, found = skies
     assert np.array_equal(found.frame(0).image, first.astype(np.float32))
     assert np.array_equal(found.frame(1).image, second.astype(np.float32))
@@ -115,7 +115,7 @@ def test_overcast_sky_lets_the_sun_appear(skies):
     assert frame.lamps[0].flux == pytest.approx(0.25 * found.lamps[1][0].flux)
 
 
-def test_black_borders_do_no_harm():
+def test_black_borders_are_ignored():
     dark = np.zeros((32, 64, 3))
     dark[10, 20] = 1.0
     frame = Skies(dark, np.roll(dark, 7, axis=1), QUICK).frame(0.5)
@@ -127,7 +127,7 @@ def lamp(elevation, azimuth, power):
     return Lamp(toward(elevation, azimuth), np.full(3, float(power)), SUN_RADIUS)
 
 
-def test_lamps_are_matched_the_short_way():
+def test_lamps_are_matched_with_the_least_motion():
     moves = matched([lamp(20, 0, 1), lamp(20, 90, 1)], [lamp(30, 95, 1), lamp(30, 5, 1)])
     assert len(moves) == 2
     assert all(np.arccos(move.first.direction @ move.second.direction) < np.radians(12) for move in moves)

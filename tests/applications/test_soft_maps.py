@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The whole way from two meshes and pairs to points for all vertices, on meshes of which the answer is known."""
+"""Soft maps from two meshes and pairs to points for all vertices, on meshes with known correspondence."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ QUICK = SoftMapSettings(vertices=200, sweeps=4)
 
 
 def solved(source, target, pairs, settings=QUICK, **groups):
-    """Return the map, after a look at what is reported."""
+    """Return the map after checking the progress reports."""
     sides = (MapSide(source, "Fox", groups.get("here", {})), MapSide(target, "Dog", groups.get("there", {})))
     solving = recorded(soft_map_steps(*sides, pairs, settings))
     fractions = [step.fraction for step in solving.reports]
@@ -55,13 +55,13 @@ def ends(mesh, count):
 
 
 def errors(points, other, truth):
-    """Distances to where points belong, in lengths of the other surface."""
+    """Distances from the true points, relative to the size of the other surface."""
     return np.linalg.norm(points.positions(other) - truth, axis=1) / np.sqrt(other.area)
 
 
 @cache
 def posed_horse():
-    """The horse, bent and turned, its vertices in another order; the map between the two; where vertices went."""
+    """The horse, bent, rotated and reordered; the map between the two; the new index of every vertex."""
     source = horse()
     x, y, z = (source.vertices - source.vertices.mean(axis=0)).T
     along = y if np.ptp(y) > np.ptp(x) else x
@@ -91,8 +91,8 @@ def test_a_posed_copy_is_found_again_both_ways():
     assert 200 <= part["source_vertices"] < 400 and part["sweeps"] >= 4
 
 
-def test_confidence_is_less_where_the_error_is_more():
-    """Two pairs that are mixed up spoil the map around them, not elsewhere."""
+def test_confidence_is_lower_where_the_error_is_larger():
+    """Two swapped pairs spoil the map only around them."""
     source, target, place, chosen, good = posed_horse()
     pairs = np.stack([chosen, place[chosen]], axis=1)
     pairs[:2, 1] = pairs[1::-1, 1]
@@ -104,8 +104,8 @@ def test_confidence_is_less_where_the_error_is_more():
     assert any("is mapped with little confidence" in str(notice) for notice in found.notices)
 
 
-def test_a_soft_map_is_no_doubtful_map():
-    """With all of the blur left in its rows, it is as right as the sharp one, and as sure."""
+def test_a_blurred_map_is_not_a_doubtful_map():
+    """With all of its blur, the map is as accurate as the sharp one, and as confident."""
     source, target, place, chosen, sharp = posed_horse()
     pairs = np.stack([chosen, place[chosen]], axis=1)
     truth = target.vertices[place]
@@ -116,7 +116,7 @@ def test_a_soft_map_is_no_doubtful_map():
     assert not soft.notices
 
 
-def test_a_soft_map_that_is_wrong_is_doubtful():
+def test_a_wrong_blurred_map_is_doubtful():
     source, target, place, chosen, _ = posed_horse()
     pairs = np.stack([chosen, place[chosen]], axis=1)
     pairs[:2, 1] = pairs[1::-1, 1]
@@ -152,10 +152,10 @@ def test_one_mesh_may_be_much_finer(is_source_finer):
     assert errors(found.backward, source, target.vertices).mean() < 0.035
 
 
-def test_pieces_go_to_the_pieces_that_pairs_name_and_others_to_those_that_look_like_them():
+def test_components_are_matched_by_pairs_and_the_others_by_shape():
     big, small, ring = ball(1.0, (0, 0, 0), 700), ball(0.3, (3, 0, 0), 200), torus(1, 0.3, (0, 5, 0), (24, 12))
     source = joined(big, small, ring)
-    # In another order, and turned: the ring is recognized, and the pairs say which ball is which.
+    # Reordered and rotated: the ring is recognized by shape, and the pairs tell the balls apart.
     target = joined(ring, ball(1.0, (3, 0, 0), 600), ball(0.3, (0, 0, 0), 220))
     starts, others = np.cumsum([0, 700, 200]), np.cumsum([0, 288, 600])
     pairs = [(starts[0] + 10, others[1] + 10), (starts[0] + 600, others[1] + 500), (starts[1] + 5, others[2] + 5)]
@@ -164,14 +164,14 @@ def test_pieces_go_to_the_pieces_that_pairs_name_and_others_to_those_that_look_l
     reached = labels[target.faces[found.forward.faces][:, 0]]
     np.testing.assert_array_equal(reached, np.repeat([1, 2, 0], [700, 200, 288]))
     areas = target.vertex_areas / target.area
-    # The row of a small piece lies all on its counterpart.
+    # The whole row of a small component lies on its counterpart.
     density = distribution_of(found, 800)
     assert density @ areas == pytest.approx(1.0, abs=1e-4)
     assert not density[: others[2]].any()
     assert len(found.record["parts"]) == 3
 
 
-def test_a_piece_without_a_counterpart_has_no_point_and_is_told_of():
+def test_a_component_without_a_counterpart_has_no_points_and_is_reported():
     source = joined(torus(segments=(36, 18)), ball(0.2, (0, 0, 3), 100))
     target = torus(segments=(36, 18))
     chosen = np.array([0, 200, 400, 600])
@@ -184,7 +184,7 @@ def test_a_piece_without_a_counterpart_has_no_point_and_is_told_of():
     ]
 
 
-def test_without_pairs_there_is_a_result_and_a_word_of_warning():
+def test_without_pairs_there_is_a_result_and_a_warning():
     found = solved(arm(0.7)[0], arm()[0], [])
     assert found.forward.found.all()
     assert [str(notice) for notice in found.notices] == [
@@ -203,7 +203,7 @@ def test_another_genus_and_open_meshes_have_a_result():
     np.testing.assert_array_equal(found.backward.found, np.isin(np.arange(len(half.vertices)), half.faces))
 
 
-def test_a_pair_that_contradicts_the_others_is_told_of():
+def test_a_pair_that_contradicts_the_others_is_reported():
     mesh, _ = arm()
     chosen = np.array([0, 8, 160, 320, 480, 632])
     pairs = np.stack([chosen, chosen], axis=1)
@@ -212,7 +212,7 @@ def test_a_pair_that_contradicts_the_others_is_told_of():
     assert "vertex 0 and vertex 630 contradicts the others" in str(found.notices[0])
 
 
-def test_work_can_be_stopped():
+def test_the_work_can_be_cancelled():
     control = CountingControl(last=4)
     mesh, _ = arm()
     with pytest.raises(Cancelled):
@@ -232,14 +232,14 @@ def test_work_can_be_stopped():
         ([1, 2, 3], "two vertex numbers"),
     ],
 )
-def test_pairs_that_make_no_sense_are_refused(pairs, message):
+def test_invalid_pairs_are_refused(pairs, message):
     mesh, _ = arm()
     loose = TriangleMesh(np.concatenate([mesh.vertices, [[9, 9, 9]]]), mesh.faces)
     with pytest.raises(InputError, match=message):
         list(soft_map_steps(MapSide(loose, "Fox"), MapSide(mesh, "Dog"), pairs, QUICK))
 
 
-def test_the_same_pair_twice_is_one():
+def test_duplicate_pairs_count_once():
     mesh, _ = arm()
     found = solved(mesh, mesh, [(0, 0), (0, 0), (632, 632)])
     assert found.record["pairs"] == 2
@@ -269,6 +269,6 @@ def test_meshes_without_a_surface_and_groups_of_another_size_are_refused():
         ({"group_weight": -1}, "Weight of Groups"),
     ],
 )
-def test_settings_that_make_no_sense_are_refused(change, message):
+def test_invalid_settings_are_refused(change, message):
     with pytest.raises(InputError, match=message):
         SoftMapSettings(**change)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work for threads that have run out of their own: it is done once, whoever does it, and nobody waits for ever."""
+"""Work for idle threads: it is done exactly once, by any thread, and nobody waits forever."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def here():
     return threading.get_ident()
 
 
-def test_while_jobs_wait_everything_is_done_at_once():
+def test_while_jobs_are_queued_work_runs_immediately():
     with ThreadPoolExecutor(1) as executor:
         spare = SpareThreads(executor, jobs=2, most=1)
         spare.begin()
@@ -25,7 +25,7 @@ def test_while_jobs_wait_everything_is_done_at_once():
         assert at_once(here)() == here()
 
 
-def test_once_all_have_begun_an_idle_thread_does_it():
+def test_an_idle_thread_does_the_work_once_all_jobs_have_begun():
     with ThreadPoolExecutor(1) as executor:
         spare = SpareThreads(executor, jobs=1, most=1)
         spare.begin()
@@ -35,8 +35,8 @@ def test_once_all_have_begun_an_idle_thread_does_it():
         assert result() != here()
 
 
-def test_what_no_thread_has_taken_up_is_done_by_who_waits():
-    """The only thread is busy until after the result is there: waiting for it would be for ever."""
+def test_work_not_yet_taken_is_done_by_the_waiting_thread():
+    """The only thread is busy until the result exists, so waiting for it would last forever."""
     busy = threading.Event()
     with ThreadPoolExecutor(1) as executor:
         executor.submit(busy.wait, 30)
@@ -46,7 +46,7 @@ def test_what_no_thread_has_taken_up_is_done_by_who_waits():
         busy.set()
 
 
-def test_no_more_is_handed_over_than_allowed_and_room_comes_back():
+def test_the_number_of_pending_results_is_limited():
     busy = threading.Event()
     with ThreadPoolExecutor(2) as executor:
         spare = SpareThreads(executor, jobs=0, most=1)
@@ -55,7 +55,7 @@ def test_no_more_is_handed_over_than_allowed_and_room_comes_back():
         busy.set()
         assert first() != here()
         deadline = time.monotonic() + 10
-        # The result is there a moment before the room is.
+        # The result is available shortly before its slot is free.
         while True:
             result = spare.hand_over(here)
             time.sleep(0.02)
@@ -65,7 +65,7 @@ def test_no_more_is_handed_over_than_allowed_and_room_comes_back():
         assert SpareThreads(executor, jobs=0, most=0).hand_over(here)() == here()
 
 
-def test_errors_come_to_who_waits():
+def test_errors_are_raised_in_the_waiting_thread():
     def wrong():
         raise ValueError("no")
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Suns on their way with their glow: frames, what stays behind, and what keeps its shape."""
+"""Moving suns with their glow: its local frames, what stays behind, and what keeps its shape."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ PLACES = st.tuples(st.floats(-89, 89), st.floats(0, 360)).map(lambda place: towa
 
 
 def hazy_sky(*suns, rows=ROWS):
-    """Return an even sky with a glow around every sun, of which the ground below has half, less and less."""
+    """Return a uniform sky with a decreasing glow around every sun; the ground reflects half of it."""
     vectors = directions(rows, 2 * rows)
     height = np.degrees(np.arcsin(vectors[..., 2]))
     image = np.where(height > 0, 0.3, 0.1)[..., None] * np.array([0.6, 0.8, 1.0])
@@ -48,14 +48,14 @@ def hazy_sky(*suns, rows=ROWS):
 
 
 @given(PLACES, PLACES, st.floats(0, 1))
-def test_frames_look_to_the_sun(first, second, time):
+def test_frames_point_at_the_sun(first, second, time):
     frame = SunWay.between(first, second).frame(time)
     np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-9)
     assert np.linalg.det(frame) == pytest.approx(1)
     np.testing.assert_allclose(frame[:, 0], great_circle(first, second, time), atol=1e-9)
 
 
-def test_frames_are_upright_at_both_ends_and_go_evenly():
+def test_frames_are_upright_at_both_ends_and_turn_evenly():
     way = SunWay.between(LOW, HIGH)
     for time in (0.0, 1.0):
         _, across, up = way.frame(time).T
@@ -66,7 +66,7 @@ def test_frames_are_upright_at_both_ends_and_go_evenly():
 
 
 @pytest.mark.parametrize("second", [toward(12, 250), toward(12, 249), toward(20, 245)])
-def test_nothing_turns_over_near_the_zenith(second):
+def test_frames_do_not_flip_near_the_zenith(second):
     way = SunWay.between(LOW, second)
     assert way.twist == 0
     frames = [way.frame(time) for time in np.linspace(0, 1, 101)]
@@ -74,14 +74,14 @@ def test_nothing_turns_over_near_the_zenith(second):
     assert max(turns) < np.radians(2)
 
 
-def test_pictures_are_read_where_they_are():
+def test_pictures_are_sampled_at_the_right_directions():
     image = np.random.default_rng(1).random((16, 32, 3))
     np.testing.assert_allclose(seen_in(image, directions(16, 32)), image, atol=1e-10)
     np.testing.assert_allclose(seen_in(np.full((16, 32, 3), 0.7), directions(9, 18)), 0.7)
 
 
 def test_nothing_stays_behind_at_the_horizon():
-    """The band right above and below it, at the place of the low sun, is hardly brighter half-way than far away."""
+    """The band above and below it, at the place of the low sun, is hardly brighter halfway than far away."""
     first, second = hazy_sky(LOW), hazy_sky(HIGH)
     image = Skies(first, second, QUICK).frame(0.5).image @ LUMINANCE
     column = int(70 / 360 * 2 * ROWS)
@@ -92,7 +92,7 @@ def test_nothing_stays_behind_at_the_horizon():
         assert image[row, column] - image[row, far] < 0.15 * before
 
 
-def test_ground_under_the_sun_goes_along():
+def test_the_lit_ground_moves_with_the_sun():
     image = Skies(hazy_sky(LOW), hazy_sky(toward(12, 130)), QUICK).frame(0.5).image @ LUMINANCE
     row = ROWS // 2
     columns = [int(azimuth / 360 * 2 * ROWS) for azimuth in (100, 70, 130, 280)]
@@ -100,7 +100,7 @@ def test_ground_under_the_sun_goes_along():
     assert under - away > 2.5 * max(other - away for other in others)
 
 
-def test_glow_is_not_drawn_out_sideways():
+def test_the_glow_is_not_stretched_sideways():
     first, second = hazy_sky(LOW), hazy_sky(HIGH)
     split = [split_lamps(sky, SkySettings()) for sky in (first, second)]
     lamps, rest = ([part for part, _ in split], [part for _, part in split])
@@ -133,7 +133,7 @@ def test_every_sun_has_its_own_glow():
     assert (together <= glows[0][1] + 1e-12).all()
 
 
-def test_two_suns_take_their_glows_along():
+def test_two_suns_move_with_their_glows():
     first = hazy_sky(toward(20, 40), toward(20, 220))
     second = hazy_sky(toward(40, 80), toward(40, 260))
     image = Skies(first, second, QUICK).frame(0.5).image @ LUMINANCE

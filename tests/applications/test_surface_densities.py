@@ -26,7 +26,7 @@ SHEET = sheet_mesh(20, 20)
 
 
 def with_loose_vertices(mesh, count=3):
-    """The mesh with some vertices more, which no face uses."""
+    """The mesh with a few additional vertices that no face uses."""
     return TriangleMesh.from_arrays(np.concatenate([mesh.vertices, np.full((count, 3), 7.0)]), mesh.faces)
 
 
@@ -34,7 +34,7 @@ SURFACE = density_surface(with_loose_vertices(SHEET), 2.0)
 
 
 def test_blur_is_a_standard_deviation_in_scene_units():
-    """A unit mass in the middle of a large sheet has that deviation after one application of the kernel."""
+    """A unit mass at the center of a large sheet has that deviation after one application of the kernel."""
     mesh = sheet_mesh(40, 40)
     for scale in (1.0, 30.0):
         surface = density_surface(TriangleMesh(scale * mesh.vertices, mesh.faces), 2.0 * scale)
@@ -45,11 +45,11 @@ def test_blur_is_a_standard_deviation_in_scene_units():
         mass = surface.apply(density) * surface.weights
         away = mesh.vertices - mesh.vertices[middle]
         assert mass.sum() == pytest.approx(1.0)
-        # Measured 3.944: the first of the steps are those of a single vertex and its edges.
+        # Measured 3.944: the first time steps see only a single vertex and its edges.
         np.testing.assert_allclose(mass @ away[:, :2] ** 2, 4.0, rtol=0.02)
 
 
-def test_without_a_blur_the_mesh_decides():
+def test_the_default_blur_depends_on_the_mesh():
     mesh = icosphere(3)
     surface = density_surface(mesh, substeps=7)
     assert surface.gamma == pytest.approx(max(0.01, 0.7 * surface.mean_edge_length))
@@ -66,12 +66,12 @@ def test_without_a_blur_the_mesh_decides():
         (np.nan, "positive length"),
     ],
 )
-def test_blurs_that_cannot_work_are_refused_with_numbers(blur, message):
+def test_impossible_blurs_are_refused_with_numbers(blur, message):
     with pytest.raises(InputError, match=message):
         density_surface(SHEET, blur)
 
 
-def test_a_blur_of_few_edges_is_noticed():
+def test_a_blur_of_few_edges_is_reported():
     assert "edges of 1.1" in str(blur_notice(density_surface(SHEET, 1.5)))
     assert blur_notice(density_surface(SHEET, 2.5)) is None
 
@@ -88,7 +88,7 @@ def test_more_vertices_than_memory_are_refused(monkeypatch):
 
 
 def test_weights_become_mass_by_area():
-    """Even weights on a sheet are the even density, though vertices at the rim have less area."""
+    """Uniform weights on a sheet give the uniform density, although vertices at the rim have less area."""
     density = distribution(np.full(SURFACE.shape, 0.3), SURFACE, "all")
     np.testing.assert_allclose(density[:-3], 1.0)
     np.testing.assert_array_equal(density[-3:], 0.0)
@@ -127,7 +127,7 @@ def test_weights_that_are_no_distribution_are_refused_by_name(weights, message):
 
 
 def test_figures_of_a_disc():
-    """An even disc of radius 6 in the middle of the sheet: its own radius, its share of the area, its entropy."""
+    """A uniform disc of radius 6 at the center of the sheet: its radius, its fraction of the area, its entropy."""
     away = np.linalg.norm(SURFACE.positions[:, :2] - 10.0, axis=1)
     figures = density_figures(np.where(away < 6.2, 0.4, 0.0), SURFACE, "disc")
     assert figures.radius == pytest.approx(6.0, rel=0.05)
@@ -137,7 +137,7 @@ def test_figures_of_a_disc():
     assert density_figures(painted({0: 1.0, -1: 1.0}), SURFACE, "corner").loose == 1
 
 
-def test_heat_maps_tell_their_scale():
+def test_heat_maps_state_their_scale():
     density = distribution(painted({40: 1.0, 41: 3.0}), SURFACE, "group")
     shown = heat_map(density)
     assert shown.weights.max() == 1.0
@@ -162,12 +162,12 @@ def test_heat_maps_tell_their_scale():
         ({"substeps": 0}, "Substeps"),
     ],
 )
-def test_settings_that_make_no_sense_are_refused(settings, message):
+def test_invalid_settings_are_refused(settings, message):
     with pytest.raises(InputError, match=message):
         DensitySettings(**settings)
 
 
-def test_settings_are_told_as_a_table():
+def test_settings_are_listed_as_a_table():
     assert DensitySettings(steps=5, entropy_limit=-2.0).as_dict() == {
         "steps": 5,
         "blur": None,

@@ -23,33 +23,33 @@ ONTO_GIVER = exact_map(FINER.vertices, GIVER)
 LOST = np.arange(len(FINER.vertices)) < 10
 
 
-def test_what_is_linear_on_the_triangles_arrives_as_it_is():
+def test_functions_linear_on_triangles_are_transferred_exactly():
     direction = np.array([0.3, -1.0, 2.0])
     np.testing.assert_allclose(transferred_values(ONTO_GIVER, GIVER, GIVER.vertices), FINER.vertices, atol=1e-6)
     found = transferred_values(ONTO_GIVER, GIVER, GIVER.vertices @ direction)
     np.testing.assert_allclose(found, FINER.vertices @ direction, atol=1e-6)
 
 
-def test_vertices_without_a_point_get_nothing():
+def test_vertices_without_a_point_get_zero():
     found = transferred_values(without_points(ONTO_GIVER, LOST), GIVER, np.ones(len(GIVER.vertices)))
     assert not found[LOST].any()
     np.testing.assert_allclose(found[~LOST], 1.0, rtol=1e-6)
 
 
-def test_colors_at_corners_may_jump_between_triangles():
+def test_corner_colors_may_jump_between_triangles():
     colors = np.repeat(np.eye(3)[np.arange(len(GIVER.faces)) % 3][:, None], 3, axis=1)
     found = transferred_corner_values(ONTO_GIVER, colors)
     np.testing.assert_allclose(found, colors[ONTO_GIVER.faces, 0], atol=1e-6)
 
 
 def weights_of_bones(count=6):
-    """Weights of sum 1: of how near a vertex is to each of some bones."""
+    """Weights with sum 1 that decrease with the distance from each of several bones."""
     bones = GIVER.vertices[:: len(GIVER.vertices) // count][:count]
     near = np.exp(-np.linalg.norm(GIVER.vertices - bones[:, None], axis=2) / 0.5)
     return near / near.sum(axis=0)
 
 
-def test_weights_of_bones_sum_to_one_and_keep_to_the_limit():
+def test_bone_weights_sum_to_one_and_respect_the_limit():
     weights = weights_of_bones()
     free = transferred_weights(ONTO_GIVER, GIVER, weights)
     np.testing.assert_allclose(free.sum(axis=0), 1.0)
@@ -57,7 +57,7 @@ def test_weights_of_bones_sum_to_one_and_keep_to_the_limit():
     limited = transferred_weights(ONTO_GIVER, GIVER, weights, limit=3)
     assert ((limited > 0).sum(axis=0) == 3).all()
     np.testing.assert_allclose(limited.sum(axis=0), 1.0)
-    # The largest stay, in proportion.
+    # The largest weights stay, in proportion.
     top = np.argsort(-free, axis=0, kind="stable")[:3]
     kept = np.take_along_axis(free, top, 0)
     np.testing.assert_allclose(np.take_along_axis(limited, top, 0), kept / kept.sum(axis=0))
@@ -71,7 +71,7 @@ def test_weights_of_other_groups_keep_their_sums():
 
 
 @given(arrays(np.float64, (3, len(GIVER.vertices)), elements=st.floats(0, 1)), st.integers(1, 4), st.booleans())
-def test_weights_are_weights_whatever_comes(weights, limit, normalize):
+def test_weights_are_valid_for_any_input(weights, limit, normalize):
     found = transferred_weights(without_points(ONTO_GIVER, LOST), GIVER, weights, limit, normalize)
     assert found.shape == (3, len(FINER.vertices))
     assert (found >= 0).all() and (found <= 1).all()
@@ -90,6 +90,6 @@ def test_weights_are_weights_whatever_comes(weights, limit, normalize):
         (lambda: transferred_weights(ONTO_GIVER, GIVER, np.ones((1, len(GIVER.vertices))), 0), "at least 1"),
     ],
 )
-def test_what_does_not_fit_is_refused(call, message):
+def test_mismatched_arrays_are_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()

@@ -17,7 +17,7 @@ LENGTH = 4.0
 
 
 def bulge(mesh, center=3.3, reach=0.5):
-    """A bump on one side of the arm near its end; nothing moves elsewhere."""
+    """A bump on one side of the arm near its end; no displacement elsewhere."""
     near = np.clip(1 - np.abs(mesh.vertices[:, 0] - center) / reach, 0, None)
     return np.where(mesh.vertices[:, 1:2] > 0.05, near[:, None] * np.array([0.05, 0.3, 0.1]), 0.0)
 
@@ -30,17 +30,17 @@ def relative(found, expected):
     return np.linalg.norm(found - expected) / np.linalg.norm(expected)
 
 
-def test_a_mesh_gives_itself_what_it_has():
+def test_transfer_to_itself_is_the_identity():
     keys = np.stack([bulge(ARM), bulge(ARM, 1.0), np.zeros_like(ARM.vertices)])
     carrier = ShapeCarrier.of(IDENTITY, ARM, ARM)
     found = np.stack([carrier.carried(key) for key in keys])
     np.testing.assert_allclose(found, keys, atol=1e-6)
     assert not found[2].any()
-    # What did not move does not move.
+    # Vertices without displacement stay exactly in place.
     assert not found[0][~keys[0].any(axis=1)].any()
 
 
-def test_offsets_are_turned_and_scaled_with_the_mesh():
+def test_offsets_are_rotated_and_scaled_with_the_mesh():
     rotation = turn()
     moved = TriangleMesh(2.5 * ARM.vertices @ rotation.T + [7, 8, 9], ARM.faces)
     found = carried(IDENTITY, ARM, bulge(ARM), moved)
@@ -56,7 +56,7 @@ def test_a_mirror_image_gets_the_mirror_image():
 
 @pytest.mark.parametrize("angle", [0.6, 1.5])
 def test_on_a_bent_arm_a_bump_points_where_the_arm_does(angle):
-    """The plain offsets point the old way, which is off by most of their length."""
+    """Plain offsets would keep the old direction, an error of most of their length."""
     bent, _ = arm(angle)
     key = bulge(ARM)
     cosine, sine = np.cos(angle), np.sin(angle)
@@ -67,7 +67,7 @@ def test_on_a_bent_arm_a_bump_points_where_the_arm_does(angle):
 
 
 def test_a_longer_arm_bends_as_a_whole():
-    """The hand of an arm of twice the length goes twice as far, and the arm keeps its width: no offset says that."""
+    """The hand of an arm of twice the length moves twice as far, and the arm keeps its width; offsets cannot."""
     key = arm(0.8)[0].vertices - ARM.vertices
     stretched = TriangleMesh(ARM.vertices * [2.0, 1.0, 1.0], ARM.faces)
     found = carried(IDENTITY, ARM, key, stretched)
@@ -83,14 +83,14 @@ def test_a_longer_arm_bends_as_a_whole():
     assert angle == pytest.approx(0.8, abs=0.05)
 
 
-def test_a_finer_mesh_gets_what_its_triangles_say():
+def test_a_finer_mesh_gets_the_offsets_interpolated_on_triangles():
     finer = subdivided(ARM)
     points = exact_map(finer.vertices, ARM)
     found = carried(points, ARM, bulge(ARM), finer)
     assert relative(found, points.at(ARM, bulge(ARM))) < 1e-3
 
 
-def test_a_piece_without_points_stays_and_one_that_only_moves_moves():
+def test_a_component_without_points_stays_and_a_translated_one_moves():
     pair = joined(ARM, torus(center=(0, 5, 0), segments=(24, 12)))
     count = len(ARM.vertices)
     key = np.zeros_like(pair.vertices)
@@ -104,7 +104,7 @@ def test_a_piece_without_points_stays_and_one_that_only_moves_moves():
     np.testing.assert_allclose(found[~lost], 1.0, atol=1e-6)
 
 
-def test_degenerate_triangles_and_loose_vertices_do_no_harm():
+def test_degenerate_triangles_and_loose_vertices_are_tolerated():
     flat = np.array([[0, 0, 0], [0, 0, 0], [3, 0, 0]], float)
     faces = np.concatenate([ARM.faces, [[len(ARM.vertices) + i for i in range(3)]], [[5, 5, 9]]])
     odd = TriangleMesh.from_arrays(np.concatenate([ARM.vertices, flat, [[9, 9, 9]]]), faces)
@@ -115,7 +115,7 @@ def test_degenerate_triangles_and_loose_vertices_do_no_harm():
     assert relative(found, key) < 0.02
 
 
-def test_nonsense_is_refused():
+def test_invalid_input_is_refused():
     for key in (bulge(ARM)[:, :2], bulge(ARM)[:5], np.full(ARM.vertices.shape, np.nan)):
         with pytest.raises(InputError, match="three numbers"):
             carried(IDENTITY, ARM, key, ARM)

@@ -19,7 +19,7 @@ def edges_of(pairs):
     return {frozenset(map(int, pair)) for pair in pairs}
 
 
-def test_a_mesh_gives_itself_the_map_that_it_has():
+def test_transfer_to_itself_is_the_identity():
     found = transferred_uvs(exact_map(TUBE.vertices, TUBE), TUBE, TUBE_UVS, TUBE)
     np.testing.assert_allclose(found.uvs, TUBE_UVS, atol=1e-6)
     # The seam runs up the tube where the angle is 0.
@@ -29,12 +29,12 @@ def test_a_mesh_gives_itself_the_map_that_it_has():
 
 @pytest.mark.parametrize(("around", "along", "shift"), [(40, 11, 0.37), (97, 15, 0.4), (12, 4, 0.3), (200, 40, 0.3)])
 def test_no_face_reaches_across_the_seam_of_a_tube(around, along, shift):
-    """Within half a face of the seam UVs are moved to it; everywhere else they are those of angle and height."""
+    """Within half a face of the seam, UVs move to the seam; elsewhere they follow angle and height."""
     receiver, truth, quads = tube(around, along, shift)
     found = transferred_uvs(exact_map(receiver.vertices, TUBE), TUBE, TUBE_UVS, receiver, quads)
     u, v = np.moveaxis(found.uvs, 2, 0)
     assert (np.ptp(u, axis=1) * around).max() < 1.1
-    # Angles between the vertices of a tube are not quite what is linear on its faces.
+    # Between the vertices of a tube, angles differ slightly from linear interpolation on faces.
     np.testing.assert_allclose(v, truth[..., 1], atol=1e-6)
     away = np.abs(truth[..., 0] - np.round(truth[..., 0])) * around > 0.99
     np.testing.assert_allclose(u[away], truth[..., 0][away] % 1.0, atol=2e-3)
@@ -46,7 +46,7 @@ def test_no_face_reaches_across_the_seam_of_a_tube(around, along, shift):
 
 
 def unfolded_cube():
-    """A cube of many faces whose six sides are islands of their own, side by side."""
+    """A cube with many faces whose six sides are separate UV islands, side by side."""
     cube = subdivided(subdivided(subdivided(box())))
     a, b, c = np.moveaxis(cube.corners, 1, 0)
     normals = np.round(np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a), axis=1)[:, None])
@@ -57,7 +57,7 @@ def unfolded_cube():
     return cube, uvs, side
 
 
-def test_the_islands_of_a_cube_stay_apart_on_a_finer_and_on_a_turned_one():
+def test_the_islands_of_a_cube_stay_separate_on_finer_and_rotated_cubes():
     cube, uvs, _ = unfolded_cube()
     assert len(np.unique(chart_labels(cube.faces, uvs))) == 6
     for receiver in (subdivided(cube), TriangleMesh(cube.vertices[:, [1, 0, 2]], cube.faces[:, ::-1].copy())):
