@@ -5,16 +5,22 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.morphs.blend_pad import make_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.morphs.player import make_player, require_path
+from ..bridge.morphs.player import is_player, make_player, require_path, speed
+from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
-from ..properties.from_schema import property_of
+from ..progress import drained, watched
+from ..properties.from_schema import property_of, values_of, with_properties
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse
+
+# Settings of a timing that only some styles have.
+_OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
 
 
 class _OnPlayedMorph(OnActiveMorph):
@@ -70,6 +76,102 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
         return make_player(morph, playback=self.playback, easing=self.easing, between=self.between)
 
 
+class _OnPlayer(_OnPlayedMorph):
+    """An operator on the active player."""
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not is_player(context.object):
+            cls.poll_message_set("Select a player")
+            return False
+        return True
+
+
+@with_properties(Retiming)
+class CONVWASS_OT_retime_player(_OnPlayer, bpy.types.Operator):
+    """Replace the keys of the player's value: ease, hold, bounce, slow motion"""
+
+    bl_idname = "convwass.retime_player"
+    bl_label = "Retime"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in ("style", "frames", *_OF_STYLE.get(self.style, ())):
+            self.layout.prop(self, name)
+
+    def execute(self, context):
+        try:
+            span = retime(context.object, Retiming(**values_of(self, Retiming)))
+        except ConvwassError as error:
+            return refuse(self, error)
+        self.report({"INFO"}, rpt_("Plays in frames {:d} to {:d}").format(span[0], span[-1]))
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_update_player_speed(_OnPlayer, bpy.types.Operator):
+    """Key the speed of the player as its value goes now, for motion blur; needed after its curve was edited"""
+
+    bl_idname = "convwass.update_player_speed"
+    bl_label = "Update Motion Blur"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if speed(context.object) is None:
+            cls.poll_message_set("The player shows baked blends only, with their own velocity")
+            return False
+        return True
+
+    def execute(self, context):
+        key_speed(context.object)
+        return {"FINISHED"}
+
+
+class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
+    """Make a mesh of every frame that the player shows, at any frame rate; Make Volume and Make Cache write them"""
+
+    bl_idname = "convwass.bake_player"
+    bl_label = "Bake Frames"
+    bl_options = {"REGISTER", "UNDO"}
+
+    rate: bpy.props.FloatProperty(
+        name="Frame Rate",
+        description="Frames per second of what is made; they are shown in one scene frame after the other",
+        default=24.0,
+        min=0.1,
+        soft_max=120.0,
+    )
+
+    def invoke(self, context, event):
+        render = context.scene.render
+        self.rate = render.fps / render.fps_base
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context):
+        from ..bridge.morphs.dense_bake import bake_player, sample_times
+
+        player, render = context.object, context.scene.render
+        manager = context.window_manager
+        first, last = keyed_span(player)
+        times = sample_times(first, last, render.fps / render.fps_base, self.rate)
+        manager.progress_begin(0, 100)
+        try:
+            work = bake_player(player, times, first)
+            morph = drained(watched(work, lambda report: manager.progress_update(int(100 * report.fraction))))
+        except ConvwassError as error:
+            return refuse(self, error)
+        finally:
+            manager.progress_end()
+        select_only(context, frame_objects(morph)[:1])
+        self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(morph.name, len(times)))
+        return {"FINISHED"}
+
+
 class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
     """Show the active sheet with one object: the blend at an Empty that is dragged or animated on a pad"""
 
@@ -109,4 +211,11 @@ class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
         return next(iter(frame_objects(morph)), None)
 
 
-classes = (CONVWASS_OT_make_player, CONVWASS_OT_make_blend_pad, CONVWASS_OT_remove_player)
+classes = (
+    CONVWASS_OT_make_player,
+    CONVWASS_OT_retime_player,
+    CONVWASS_OT_update_player_speed,
+    CONVWASS_OT_bake_player,
+    CONVWASS_OT_make_blend_pad,
+    CONVWASS_OT_remove_player,
+)

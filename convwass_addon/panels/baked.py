@@ -49,6 +49,11 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             switch = interpolation(context.object)
             if switch is not None:
                 column.prop(switch.owner, switch.path, text=iface_("Interpolate"))
+            row = layout.row(align=True)
+            row.operator_menu_enum("convwass.retime_player", "style", icon="TIME")
+            if switch is not None:
+                row.operator("convwass.update_player_speed", text="", icon="MOD_TIME")
+            layout.operator("convwass.bake_player", icon="RENDER_ANIMATION")
         # A volume or cache has replaced the frames, so no other output can be made.
         if not any(ALONE_KEY in obj for obj in morph.objects):
             _draw_outputs(layout, morph)

@@ -48,6 +48,14 @@ def octahedron() -> TriangleMesh:
 
 
 @pytest.fixture
+def moving(bare_scene, make_object):
+    """Bake a ball that moves; see `moving_balls`."""
+    from tests.moving_balls import moving_ball
+
+    return moving_ball(bare_scene, make_object)
+
+
+@pytest.fixture
 def inventory():
     """Give a function that names all data-blocks in the file."""
     import bpy

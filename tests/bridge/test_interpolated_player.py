@@ -15,23 +15,17 @@ from mathutils import Matrix
 from skimage.measure import marching_cubes
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
-from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.player import interpolation, make_player, morph_value, refresh_player, speed
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
-from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
+from tests.moving_balls import CELLS, FIRST, FRAMES, TRAVEL, bake
 from tests.shapes import ball
 
-CELLS, FRAMES, FIRST = 24, 5, 10
 STEPS = 10
 """Frames of the balls that part."""
-
-TRAVEL = 4.0
-"""How far apart the first ball and the second one are, in radii."""
 
 READ = """
 import bpy, numpy as np
@@ -74,27 +68,6 @@ def two_balls(away) -> TriangleMesh:
     distance = outside_balls(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1), away)
     vertices, faces, _, _ = marching_cubes(distance, 0.0, spacing=(0.07,) * 3)
     return TriangleMesh.from_arrays(vertices + [axis[0] for axis in axes], faces[:, ::-1])
-
-
-def bake(scene, make_object, meshes, blends, solved):
-    """Bake shapes, and blends that `solved` makes of weights."""
-    shapes = [make_object(name) for name in "ABCD"[: len(meshes)]]
-    for shape, mesh in zip(shapes, meshes, strict=True):
-        write_mesh(shape.data, mesh)
-    made = MorphBake.begin(scene, shapes, blends, {"resolution": CELLS}, FIRST)
-    for blend in blends:
-        made.add(MorphFrame(blend, None if blend.source is not None else solved(blend.weights), {}))
-    return made.finish(hide_inputs=True)
-
-
-@pytest.fixture
-def moving(bare_scene, make_object):
-    """Bake a ball that moves along X in `FRAMES` frames."""
-
-    def solved(weights):
-        return ball(center=(TRAVEL * weights[1], 0.0, 0.0), points=2500)
-
-    return bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
 
 
 def still_player(collection):

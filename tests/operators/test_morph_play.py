@@ -62,6 +62,21 @@ def test_there_and_back(path):
     assert shown() == ["Morph 0003"]
 
 
+def test_retimed_and_baked_at_another_rate(path):
+    assert not bpy.ops.convwass.retime_player.poll()
+    bpy.ops.convwass.make_player()
+    player = bpy.context.object
+    assert bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2) == {"FINISHED"}
+    assert bpy.ops.convwass.update_player_speed() == {"FINISHED"}
+    assert bpy.ops.convwass.bake_player(rate=12.0) == {"FINISHED"}
+    frames = frame_objects(bpy.context.object.users_collection[0])
+    # Eight frames of 24 a second are four of 12 and the first one.
+    assert len(frames) == 5
+    assert player.hide_viewport
+    weights = [obj["convwass_weights"][1] for obj in frames]
+    assert np.allclose(weights, [0.0, 0.0, 0.5, 1.0, 1.0])
+
+
 def test_by_arguments(path):
     bpy.ops.convwass.make_player(playback="LOOP", easing="SMOOTH", between="NEAREST")
     player = bpy.context.object

@@ -164,6 +164,32 @@ def playback(player: bpy.types.Object) -> NodeInput:
     return node_input(player.modifiers[MODIFIER], PLAYBACK)
 
 
+def playback_item(player: bpy.types.Object) -> str:
+    """Return the key of `PLAYBACKS` that a player has."""
+    stored = playback(player).get()
+    names = list(PLAYBACKS.values())
+    return list(PLAYBACKS)[stored if isinstance(stored, int) else names.index(stored)]
+
+
+def shown_value(value: float, item: str, last: float) -> float:
+    """Bring a value to 0 ... `last` as an item of `PLAYBACKS` says."""
+    if item == "ONCE" or 0.0 <= value <= last:
+        return min(max(value, 0.0), last)
+    return value % last if item == "LOOP" else last - abs(value % (2.0 * last) - last)
+
+
+def last_value(player: bpy.types.Object) -> int:
+    """Return the value of a player's last shape."""
+    return round(max(vertex.co.x for vertex in player.data.vertices))
+
+
+def pace(player: bpy.types.Object) -> float:
+    """Return by how much the value changes in a frame as a path was baked."""
+    frames = _path_objects(player[SHOWS_KEY])
+    values = _values(frames)
+    return float((values[-1] - values[0]) / (frames[-1][INDEX_KEY] - frames[0][INDEX_KEY]))
+
+
 def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a path in their order."""
     frames = frame_objects(collection)

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of what a player shows, one for every frame of any frame rate: a morph to write to files or to edit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
+from ..keyframes import FrameRange, key_visibility
+from .player import last_value, morph_value, playback_item, shown_value
+from .stand_ins import shown_morph
+from .stored import INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, stored_morph
+
+
+def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.float64]:
+    """Return the scene frames, whole or not, at which a film of `rate` frames a second is sampled.
+
+    Parameters
+    ----------
+    first, last : int
+        Scene frames of the first sample and, if a sample falls there, of the last one.
+    fps, rate : float
+        Frames a second of the scene, and of the film.
+    """
+    count = int(np.floor((last - first) * rate / fps + 1e-6)) + 1
+    return first + np.arange(count) * fps / rate
+
+
+def bake_player(
+    player: bpy.types.Object, times: Sequence[float], first_frame: int, control: Control = UNINTERRUPTED
+) -> Work[bpy.types.Collection]:
+    """Make a morph with a frame object for every time, shown in one scene frame after the other.
+
+    Nothing is solved. What plays the frames in the place of the player knows nothing of it, so the player stays and
+    is hidden.
+
+    Parameters
+    ----------
+    player : bpy.types.Object
+        Of a path.
+    times : sequence of float
+        Scene frames, whole or not.
+    first_frame : int
+        Scene frame of the first object.
+    control : Control
+        Ends the work when cancelled; then nothing is left behind.
+
+    Yields
+    ------
+    Progress
+        After each frame.
+
+    Returns
+    -------
+    bpy.types.Collection
+        The new morph, with the settings of the old one.
+
+    Raises
+    ------
+    InputError
+        Fewer than two times.
+    """
+    if len(times) < 2:
+        raise InputError("There is only one frame between the first key of {name} and the last.", name=player.name)
+    scene, source = bpy.context.scene, shown_morph(player)
+    now = scene.frame_current, scene.frame_subframe
+    collection = bpy.data.collections.new(f"{source.name} Frames")
+    made = []
+    try:
+        for number, time in enumerate(times):
+            scene.frame_set(int(np.floor(time)), subframe=float(time % 1.0))
+            made.append(_frame(player, number))
+            done = {"done": number + 1, "total": len(times)}
+            yield Progress((number + 1) / len(times), Sentence("Frame {done} of {total}", done))
+            control.check()
+    except BaseException:
+        meshes = [obj.data for obj in made]
+        bpy.data.batch_remove([*made, *meshes, collection])
+        raise
+    finally:
+        scene.frame_set(now[0], subframe=now[1])
+    action = bpy.data.actions.new(collection.name)
+    for number, obj in enumerate(made):
+        collection.objects.link(obj)
+        first = None if number == 0 else first_frame + number
+        last = None if number == len(made) - 1 else first_frame + number
+        key_visibility(obj, action, [FrameRange(first, last)])
+    stored = stored_morph(source)
+    store(collection, StoredMorph(stored.inputs, stored.settings, first_frame, [{} for _ in made]))
+    for home in [home for home in (scene.collection, *bpy.data.collections) if source in set(home.children)]:
+        home.children.link(collection)
+    player.hide_viewport = player.hide_render = True
+    return collection
+
+
+def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
+    """Make an object of what a player shows now."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = player.evaluated_get(depsgraph)
+    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    mesh.name = f"Frame {number + 1:04d}"
+    obj = bpy.data.objects.new(mesh.name, mesh)
+    obj.matrix_world = evaluated.matrix_world
+    obj[INDEX_KEY], obj[WEIGHTS_KEY] = number, _weights(player)
+    return obj
+
+
+def _weights(player: bpy.types.Object) -> list[float]:
+    """Return the shares of the shapes in what a player shows now."""
+    last = last_value(player)
+    value = shown_value(float(morph_value(player).get()), playback_item(player), last)
+    before = min(int(value), last - 1)
+    weights = [0.0] * (last + 1)
+    weights[before], weights[before + 1] = 1.0 - (value - before), value - before
+    return weights

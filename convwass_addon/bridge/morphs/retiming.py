@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The usual timings of a player, as keys of its value, and the speed that follows from any keys, for motion blur."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from ...schema import Choice, Settings, setting
+from ..keyframes import curves_of
+from ..node_inputs import NodeInput
+from .player import last_value, morph_value, pace, playback_item, speed
+
+# Half of what is seen in slow motion, in shapes.
+_SLOW_HALF = 0.15
+
+
+@dataclass(frozen=True)
+class Retiming(Settings):
+    """How a player goes from shape to shape."""
+
+    style: str = setting(
+        "EASE",
+        "Style",
+        "How the value goes from shape to shape",
+        choices=(
+            Choice("LINEAR", "Linear", "At constant speed"),
+            Choice("EASE", "Ease", "Slow away from every shape and slow into the next"),
+            Choice("HOLD", "Hold", "Ease, and stand still at every shape"),
+            Choice("BOUNCE", "Bounce", "Fall into every shape and bounce back from it, less each time"),
+            Choice("SLOW_MOTION", "Slow Motion", "At constant speed, and slowly about the moment that is seen now"),
+            Choice("BACK_AND_FORTH", "Back and Forth", "Ease to the last shape and back to the first"),
+        ),
+    )
+    frames: int = setting(24, "Frames", "Scene frames from each shape to the next", least=1, most=10_000, soft_most=250)
+    hold: int = setting(
+        24, "Hold", "Scene frames for which every shape stands still", least=0, most=10_000, soft_most=250
+    )
+    slowness: float = setting(
+        10.0, "Slowness", "How many times slower slow motion is", least=1.0, most=1000.0, soft_most=20.0
+    )
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of the value, and how it goes on from there.
+
+    Attributes
+    ----------
+    frame, value : float
+        Where it is.
+    interpolation, easing : str
+        Blender's words.
+    """
+
+    frame: float
+    value: float
+    interpolation: str = "LINEAR"
+    easing: str = field(default="AUTO")
+
+
+def keys_of(timing: Retiming, start: float, shapes: int, now: float) -> list[Key]:
+    """Return the keys of a timing.
+
+    Parameters
+    ----------
+    timing : Retiming
+        Which one.
+    start : float
+        Scene frame of the first key.
+    shapes : int
+        How many there are.
+    now : float
+        The value about which there is slow motion.
+    """
+    last, frames = shapes - 1, timing.frames
+    if timing.style == "SLOW_MOTION":
+        return _slow_keys(timing, start, last, now)
+    stops = list(range(shapes))
+    if timing.style == "BACK_AND_FORTH":
+        stops += stops[-2::-1]
+    how = {"LINEAR": ("LINEAR", "AUTO"), "BOUNCE": ("BOUNCE", "EASE_OUT")}.get(timing.style, ("SINE", "EASE_IN_OUT"))
+    if timing.style != "HOLD":
+        return [Key(start + frames * place, float(stop), *how) for place, stop in enumerate(stops)]
+    keys = []
+    for place, stop in enumerate(stops):
+        frame = start + (frames + timing.hold) * place
+        keys += [Key(frame, float(stop)), Key(frame + timing.hold, float(stop), *how)]
+    return keys
+
+
+def _slow_keys(timing: Retiming, start: float, last: int, now: float) -> list[Key]:
+    low, high = max(now - _SLOW_HALF, 0.0), min(now + _SLOW_HALF, float(last))
+    keys = [Key(start, 0.0)]
+    for value, slowness in ((low, 1.0), (high, timing.slowness), (float(last), 1.0)):
+        if value > keys[-1].value:
+            frame = keys[-1].frame + (value - keys[-1].value) * timing.frames * slowness
+            keys.append(Key(frame, value))
+    return keys
+
+
+def retime(player: bpy.types.Object, timing: Retiming) -> range:
+    """Replace the keys of a player's value; they begin where the old ones did, or else at the scene's frame.
+
+    Returns
+    -------
+    range
+        The scene frames from the first key to the last one.
+    """
+    value = morph_value(player)
+    curve = _curve(player, value)
+    start = curve.range()[0] if curve is not None else bpy.context.scene.frame_current
+    keys = keys_of(timing, start, last_value(player) + 1, float(value.get()))
+    curve = _written(player, value, [(key.frame, key.value) for key in keys])
+    for point, key in zip(curve.keyframe_points, keys, strict=True):
+        point.interpolation, point.easing = key.interpolation, key.easing
+    curve.update()
+    key_speed(player)
+    return range(round(keys[0].frame), round(keys[-1].frame) + 1)
+
+
+def key_speed(player: bpy.types.Object) -> None:
+    """Key the speed of a player as its value goes from frame to frame now; without keys of the value it stands still.
+
+    The speed at a frame is the difference of the value half a frame before and after it. Where the ends stay, beyond
+    them nothing moves.
+    """
+    target = speed(player)
+    if target is None:
+        return
+    curve = _curve(player, morph_value(player))
+    if curve is None or not len(curve.keyframe_points):
+        return
+    first, last = (round(end) for end in curve.range())
+    frames = np.arange(first - 1, last + 2)
+    sides = np.array([[curve.evaluate(frame + side) for side in (-0.5, 0.5)] for frame in frames])
+    if playback_item(player) == "ONCE":
+        sides = np.clip(sides, 0.0, last_value(player))
+    speeds = (sides[:, 1] - sides[:, 0]) / pace(player)
+    written = _written(player, target, np.stack([frames, speeds], axis=1).tolist())
+    for point in written.keyframe_points:
+        point.interpolation = "LINEAR"
+    written.update()
+
+
+def keyed_span(player: bpy.types.Object) -> tuple[int, int]:
+    """Return the scene frames of the first key of a player's value and of the last; without keys, the frame now."""
+    curve = _curve(player, morph_value(player))
+    if curve is None:
+        now = bpy.context.scene.frame_current
+        return now, now
+    first, last = curve.range()
+    return round(first), round(last)
+
+
+def _curve(player: bpy.types.Object, value: NodeInput) -> bpy.types.FCurve | None:
+    return next((curve for curve in curves_of(player) if curve.data_path == value.data_path), None)
+
+
+def _written(player: bpy.types.Object, value: NodeInput, points: Sequence[Sequence[float]]) -> bpy.types.FCurve:
+    """Return the curve of a value with keys at points, (n, 2), and no others."""
+    value.owner.keyframe_insert(value.path, frame=points[0][0])
+    curve = _curve(player, value)
+    curve.keyframe_points.clear()
+    curve.keyframe_points.add(len(points))
+    curve.keyframe_points.foreach_set("co", np.asarray(points, np.float32).ravel())
+    return curve

@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Timings of a player, the speed that follows from them, and frames of any frame rate."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.bridge.keyframes import is_shown
+from convwass_addon.bridge.morphs.dense_bake import bake_player, sample_times
+from convwass_addon.bridge.morphs.player import make_player, morph_value, speed
+from convwass_addon.bridge.morphs.retiming import Retiming, key_speed, keyed_span, keys_of, retime
+from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
+from convwass_addon.progress import drained
+from tests.moving_balls import FIRST, FRAMES, TRAVEL
+
+
+def corners(timing, shapes=3, now=0.0):
+    return [(key.frame, pytest.approx(key.value)) for key in keys_of(timing, 100.0, shapes, now)]
+
+
+def test_keys_of_the_styles():
+    assert corners(Retiming(style="LINEAR", frames=10)) == [(100, 0), (110, 1), (120, 2)]
+    assert corners(Retiming(style="HOLD", frames=10, hold=5)) == [
+        (100, 0), (105, 0), (115, 1), (120, 1), (130, 2), (135, 2)
+    ]  # fmt: skip
+    assert corners(Retiming(style="BACK_AND_FORTH", frames=10), 2) == [(100, 0), (110, 1), (120, 0)]
+    slow = corners(Retiming(style="SLOW_MOTION", frames=10, slowness=10.0), now=0.5)
+    assert slow == [(100, 0), (103.5, 0.35), (pytest.approx(133.5), 0.65), (pytest.approx(147.0), 2)]
+    # About an end there is nothing before it.
+    assert corners(Retiming(style="SLOW_MOTION", frames=10), now=2.0)[-1] == (pytest.approx(133.5), 2)
+
+
+def values(player, frames):
+    found = []
+    for frame in frames:
+        bpy.context.scene.frame_set(int(np.floor(frame)), subframe=float(frame % 1.0))
+        found.append((morph_value(player).get(), speed(player).get() if speed(player) else None))
+    return np.array(found, dtype=float)
+
+
+def test_slow_motion_has_its_speed(moving):
+    player = make_player(moving, between="INTERPOLATED")
+    morph_value(player).set(0.5)
+    player.animation_data.action = None
+    bpy.context.scene.frame_set(FIRST)
+    span = retime(player, Retiming(style="SLOW_MOTION", frames=20, slowness=10.0))
+    assert span == range(FIRST, FIRST + 75)
+    assert keyed_span(player) == (FIRST, FIRST + 74)
+    before, slow, after, over = values(player, [FIRST + 3, FIRST + 37, FIRST + 71, FIRST + 80])
+    assert np.allclose(before, (3 / 20, FRAMES / 20), atol=1e-4)
+    assert np.allclose(slow, (0.5, FRAMES / 200), atol=1e-3)
+    assert np.isclose(after[1], FRAMES / 20, atol=1e-4)
+    assert np.allclose(over, (1.0, 0.0))
+
+
+def test_easing_and_edited_keys_have_their_speed(moving):
+    player = make_player(moving, between="INTERPOLATED")
+    retime(player, Retiming(style="EASE", frames=24))
+    middle = values(player, [FIRST + 12])[0]
+    assert np.allclose(middle, (0.5, np.pi / 2.0 * FRAMES / 24), rtol=1e-2)
+    player.animation_data.action.layers[0].strips[0].channelbags[0].fcurves[0].keyframe_points[1].co.x += 24
+    key_speed(player)
+    assert np.allclose(values(player, [FIRST + 24])[0], (0.5, np.pi / 2.0 * FRAMES / 48), rtol=1e-2)
+
+
+def test_a_player_of_baked_blends_has_keys_only(moving):
+    player = make_player(moving, between="NEAREST")
+    retime(player, Retiming(style="BOUNCE", frames=12))
+    found = values(player, FIRST + np.arange(13))[:, 0]
+    assert (found[0], found[-1]) == (0.0, 1.0)
+    assert (np.diff(found) < 0).any()
+    assert found.max() <= 1.0
+
+
+def test_samples_of_a_frame_rate():
+    assert np.allclose(sample_times(10, 12, 24, 60), [10, 10.4, 10.8, 11.2, 11.6, 12])
+    assert np.allclose(sample_times(10, 13, 24, 12), [10, 12])
+
+
+def test_frames_at_another_rate(moving, bare_scene):
+    player = make_player(moving, between="INTERPOLATED")
+    times = sample_times(FIRST, FIRST + FRAMES, 24, 48)
+    morph = drained(bake_player(player, times, FIRST))
+    frames = frame_objects(morph)
+    assert len(frames) == 2 * FRAMES + 1
+    assert player.hide_render
+    for number, obj in enumerate(frames):
+        middle = np.mean([vertex.co for vertex in obj.data.vertices], axis=0)
+        assert np.allclose(middle, (TRAVEL * number / (2 * FRAMES), 0, 0), atol=0.02)
+        assert np.isclose(obj[WEIGHTS_KEY][1], number / (2 * FRAMES), atol=1e-5)
+        assert [is_shown(obj, FIRST + other) for other in range(len(frames))].count(True) == 1
