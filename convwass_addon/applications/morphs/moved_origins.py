@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPoints
 from ..motions.motion import Motion, MovedShape
 
-# Change of the weights over which motion is differentiated.
-_STEP = 1e-3
+# Change of the weights over which motion is differentiated: forward differences are then right to about as much.
+_STEP = 1e-4
 
 
 def moved_origins(
@@ -54,7 +54,11 @@ def moved_origins(
 
 
 def moved_tangents(
-    places: Sequence[ClosestPoints], motion: Motion, weights: Sequence[float], vertices: NDArray[np.float64]
+    places: Sequence[ClosestPoints],
+    shapes: Sequence[MovedShape],
+    motion: Motion,
+    weights: Sequence[float],
+    vertices: NDArray[np.float64],
 ) -> NDArray[np.float32]:
     """Return points that the vertices of a blend move towards or away from as the weights change.
 
@@ -64,7 +68,7 @@ def moved_tangents(
 
     Parameters
     ----------
-    places : sequence of ClosestPoints
+    places, shapes
         As for :func:`moved_origins`.
     motion : Motion
         How the inputs move.
@@ -81,6 +85,7 @@ def moved_tangents(
     alphas = np.asarray(weights, dtype=np.float64)
     active = np.flatnonzero(alphas)
     tangents = np.tile(vertices.astype(np.float32), (len(alphas), 1, 1))
+    here = _followed(places, shapes, alphas[active])
     # Since sum_i w_i (e_i - w) = 0, so is sum_i w_i D_i: the D of the largest weight follows from the others.
     largest = int(alphas.argmax())
     rest = np.zeros(vertices.shape)
@@ -89,9 +94,9 @@ def moved_tangents(
         direction[index] += 1.0
         # Towards the input itself no more than half of the way.
         step = min(_STEP, 0.5 * alphas[active].min())
-        ahead = _followed(places, motion, alphas + step * direction, active)
-        behind = _followed(places, motion, alphas - step * direction, active)
-        along = (ahead - behind) / (2.0 * step)
+        ahead = alphas + step * direction
+        moved = motion.moved(tuple(ahead.tolist()))
+        along = (_followed(places, [moved[i] for i in active], ahead[active]) - here) / step
         tangents[index] += along.astype(np.float32)
         rest -= alphas[index] * along
     tangents[largest] += (rest / alphas[largest]).astype(np.float32)
@@ -99,10 +104,10 @@ def moved_tangents(
 
 
 def _followed(
-    places: Sequence[ClosestPoints], motion: Motion, weights: NDArray[np.float64], active: NDArray[np.int64]
+    places: Sequence[ClosestPoints], shapes: Sequence[MovedShape], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Mean of the moved places with the weights, (n, 3)."""
-    moved = motion.moved(tuple(weights.tolist()))
+    """Return the mean of places on moved shapes, (n, 3)."""
     return sum(
-        weights[index] * own.interpolated(moved[index].mesh.corners) for index, own in zip(active, places, strict=True)
+        weight * own.interpolated(shape.mesh.corners)
+        for weight, own, shape in zip(weights, places, shapes, strict=True)
     )

@@ -158,7 +158,7 @@ class MovingProblem:
         if not self.still.settings.carry:
             return MorphFrame(blend, mesh, record)
         origins = moved_origins(places, shapes, active, mesh.vertices, len(blend.weights))
-        tangents = moved_tangents(places, self.motion, blend.weights, mesh.vertices)
+        tangents = moved_tangents(places, shapes, self.motion, blend.weights, mesh.vertices)
         triangles = None if surface.triangles is None else self._of_inputs(surface.triangles, shapes, active)
         return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents, triangles=triangles)
 
