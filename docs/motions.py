@@ -29,6 +29,8 @@ from convwass_addon.progress import drained
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.blends import baked_frames
+from benchmarks.coherence import kept_frames
+from benchmarks.coherence_cases import read_frames
 from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, TUNED, pairs_named
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
@@ -80,11 +82,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cells", type=int, default=100, help="along the longest side (%(default)s)")
     parser.add_argument("--only", choices=pictures, help="draw this picture alone")
+    parser.add_argument(
+        "--kept", action="store_true", help="show what `run.py bench coherence` has baked, where it has"
+    )
     options = parser.parse_args()
     for name in [options.only] if options.only else pictures:
         blocks = []
         for block in pictures[name]:
-            rows = [baked_row(block.pair, motion, options.cells) for motion in block.motions]
+            bake = kept_row if options.kept else baked_row
+            rows = [bake(block.pair, motion, options.cells) for motion in block.motions]
             if len(rows) == 1:
                 blocks.append(rendered(rows, _WIDTH))
             else:
@@ -100,6 +106,15 @@ def baked_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
     shapes = (ends.first, ends.second)
     frames = baked_frames(shapes, FRAMES - 1, MorphSettings(resolution=cells, motion=motion))
     return [shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
+
+
+def kept_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
+    """Return frames that the coherence benchmark has kept; without them, bake some."""
+    path = kept_frames(pair, motion)
+    if not path.exists():
+        return baked_row(pair, motion, cells)
+    frames = read_frames(path)
+    return [frames[number] for number in np.linspace(0, len(frames) - 1, FRAMES).round().astype(int)]
 
 
 def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int) -> Image.Image:

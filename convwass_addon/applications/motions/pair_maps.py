@@ -24,6 +24,9 @@ from .coinciding_places import coinciding_places
 _MARGIN = 0.08
 # A guide is doubted that the map without guides misses by more than this, in sizes of the surface.
 _ASTRAY = 0.15
+# How many times guides are tried before they are all left out, and how far around a guide the map tells how it fits, in
+# sizes of the surface.
+_TRIES, _AROUND = 4, 0.2
 # A map of this score is not tried otherwise.
 _BEYOND_DOUBT = 0.9
 # Fewer places in which shapes coincide leave open how they are turned.
@@ -67,6 +70,8 @@ def pair_map(
     """Solve the map between two shapes, with guides and without, and keep the better one.
 
     Guides that lie in a plane fit a mirror image just as well, and a wrong one spoils a map that is right without it.
+    Where the map is worse with guides, those are left out that it misses without any, if they are the fewer, or else,
+    one by one, those around which it is least confident.
 
     Parameters
     ----------
@@ -89,14 +94,23 @@ def pair_map(
         return (yield from _without_guides(first, second, seeds, settings, control))
     plain = yield from within(_soft_map(first, second, _NO_PAIRS, settings, control), 0.0, 0.2)
     without = _score(first, second, plain)
-    kept = _missed(first, second, plain, pairs) < _ASTRAY
-    tries = [pairs] if kept.all() or not kept.any() else [pairs, pairs[kept]]
-    for number, chosen in enumerate(tries):
-        begin = 0.2 * (1 + 2 * number)
+    sound = _missed(first, second, plain, pairs) < _ASTRAY
+    chosen, begin = pairs, 0.2
+    for number in range(_TRIES):
         work = _with_guides(first, second, chosen, seeds, settings, control)
-        found = yield from within(work, begin, begin + 0.4)
+        found = yield from within(work, begin, begin + 0.5 * (1.0 - begin))
+        begin += 0.5 * (1.0 - begin)
         if found.score >= without - _MARGIN:
             return replace(found, score_without=without, guides=len(pairs))
+        if number == 0 and 2 * sound.sum() >= len(pairs) > sound.sum():
+            # Most guides say what the map says without them.
+            chosen = pairs[sound]
+        elif len(chosen) > 2:
+            # The map may be wrong without guides, and most of these right: the one that fits least is left out.
+            around = _confidence_around(first, second, found.found, chosen)
+            chosen = np.delete(chosen, around.argmin(), axis=0)
+        else:
+            break
     return PairMap(plain, pairs[:0], without, without, len(pairs))
 
 
@@ -181,6 +195,21 @@ def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[n
         apart = np.linalg.norm(places - other.mesh.vertices[partners], axis=1) / other.size
         missed.append(np.where(np.isfinite(apart), apart, np.inf))
     return np.minimum(*missed)
+
+
+def _confidence_around(
+    first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return how confident a map is around the ends of pairs, (k,): the less confident way counts."""
+    sides = (first, found.forward, pairs[:, 0]), (second, found.backward, pairs[:, 1])
+    means = []
+    for carrier, points, vertices in sides:
+        mesh = carrier.mesh
+        near = np.linalg.norm(mesh.vertices[vertices][:, None] - mesh.vertices, axis=2) < _AROUND * carrier.size
+        weights = near * mesh.vertex_areas
+        confidence = np.where(points.found, points.confidence, 0.0)
+        means.append(weights @ confidence / np.maximum(weights.sum(axis=1), np.finfo(float).tiny))
+    return np.minimum(*means)
 
 
 def _score(first: Carrier, second: Carrier, found: SurfaceMap) -> float:

@@ -191,12 +191,47 @@ def test_a_vertex_has_one_guide(arms):
         motion_of(*arms, guides=[{0: 5, 1: 5}, {0: 5, 1: 9}])
 
 
-def test_guides_are_followed():
-    """A figure and the same turned by half a circle: two marked hands tell which is which."""
+HANDS_HEAD_FOOT_TAIL = ((0.9, 0.1, 0.35), (-0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (0.45, -0.1, -0.9), (0.0, -0.9, -0.2))
+
+
+@pytest.fixture(scope="module")
+def turned_figure():
+    """A figure, the same turned by half a circle, and a map from guides at the tips to where the tips come to lie."""
     mesh = figure()[0]
     turned = TriangleMesh(mesh.vertices * (-1.0, -1.0, 1.0), mesh.faces)
-    hands = [int(np.argmax(mesh.vertices @ way)) for way in ((1.0, 0.0, 0.3), (-1.0, 0.0, 0.3), (0.0, -1.0, 0.0))]
-    motion = motion_of(mesh, shuffled(turned)[0], guides=[{0: k, 1: int(shuffled(turned)[1][k])} for k in hands])
-    found = motion.deformations[0, 1].points[hands]
-    np.testing.assert_allclose(found, turned.vertices[hands], atol=0.1)
-    assert motion.pairs[0, 1].followed == 3
+    other, place = shuffled(turned)
+    tips = [int(np.argmax(mesh.vertices @ np.array(way) / np.linalg.norm(way))) for way in HANDS_HEAD_FOOT_TAIL]
+
+    def mapped(*pairs):
+        guides = [{0: tips[here], 1: int(place[tips[there]])} for here, there in pairs]
+        motion = motion_of(mesh, other, settings=ROUGH, guides=guides)
+        missed = motion.deformations[0, 1].points[tips] - turned.vertices[tips]
+        return np.linalg.norm(missed, axis=1), motion.pairs[0, 1].followed
+
+    return mapped
+
+
+def test_two_guides_settle_which_hand_is_which(turned_figure):
+    assert turned_figure()[0][:2].min() > 2.0
+    missed, followed = turned_figure((0, 0), (1, 1))
+    assert missed.max() < 0.1
+    assert followed == 2
+
+
+def test_a_wrong_guide_does_not_spoil_right_ones(turned_figure):
+    missed, followed = turned_figure((0, 0), (1, 1), (3, 4))
+    assert missed.max() < 0.1
+    assert followed == 2
+
+
+def test_a_wrong_guide_alone_is_left_out():
+    """The map is right without it: both figures stand the same way round."""
+    mesh = figure()[0]
+    other, place = shuffled(mesh)
+    hand, head, foot = (
+        int(np.argmax(mesh.vertices @ np.array(way))) for way in np.array(HANDS_HEAD_FOOT_TAIL)[[0, 2, 3]]
+    )
+    guides = [{0: hand, 1: int(place[hand])}, {0: head, 1: int(place[foot])}]
+    motion = motion_of(mesh, other, settings=ROUGH, guides=guides)
+    np.testing.assert_allclose(motion.deformations[0, 1].points, mesh.vertices, atol=0.1)
+    assert motion.pairs[0, 1].followed == 1
