@@ -15,6 +15,7 @@ import bpy
 import pytest
 
 import run
+from convwass_addon.applications.morphs.diagnostics import TEXTS
 from convwass_addon.cli import program
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -197,3 +198,9 @@ def test_pictures_of_the_walk_through_are_light_and_all_used():
 def test_run_py_tells_of_its_commands_in_contributing():
     text = text_of(PROJECT / "CONTRIBUTING.md") + text_of(PROJECT / "docs/extending.md")
     assert [command for command in ("test", "lint", "api", "bench", "window") if f"run.py {command}" not in text] == []
+
+
+def test_troubleshooting_quotes_every_diagnostic():
+    page = text_of(PROJECT / "docs/troubleshooting.md")
+    quotes = {re.sub(r"\{[^}]*\}", "…", text) for text in TEXTS.values()}
+    assert [quote for quote in quotes if f"`{quote}`" not in page] == []
