@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shortest ways along lines between vertices."""
+"""Shortest paths along edges and across pairs of triangles."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def test_no_line_leaves_its_triangles():
     assert surface_graph(two_triangles(4.0))[2, 3] == 0
 
 
-def test_the_graph_is_symmetric_and_has_all_edges():
+def test_the_graph_is_symmetric_and_contains_all_edges():
     graph = surface_graph(ball(points=80))
     assert (graph != graph.T).nnz == 0
-    # A closed sphere of n vertices has 3 n - 6 edges, and as many lines across where all are inside.
+    # A closed genus-0 mesh of n vertices has 3 n - 6 edges, and at most as many lines across them.
     assert 2 * (3 * 80 - 6) < graph.nnz <= 4 * (3 * 80 - 6)
 
 
-def test_ways_on_a_sheet_are_a_little_longer_than_straight_lines():
+def test_paths_on_a_sheet_are_slightly_longer_than_straight_lines():
     mesh = sheet(21, 21)
     found = surface_distances(surface_graph(mesh), [0, 47])
     straight = np.linalg.norm(mesh.vertices[[0, 47]][:, None] - mesh.vertices, axis=2)
@@ -41,7 +41,7 @@ def test_ways_on_a_sheet_are_a_little_longer_than_straight_lines():
     assert (found <= 1.09 * straight + 1e-12).all()
 
 
-def test_ways_on_a_sphere_follow_great_circles():
+def test_paths_on_a_sphere_follow_great_circles():
     mesh = ball(points=900)
     found = surface_distances(surface_graph(mesh), [3])[0]
     exact = np.arccos(np.clip(mesh.vertices @ mesh.vertices[3], -1.0, 1.0))
@@ -52,7 +52,7 @@ def test_ways_on_a_sphere_follow_great_circles():
     assert ratio.mean() < 1.04
 
 
-def test_other_pieces_and_what_is_beyond_the_limit_are_infinitely_far():
+def test_other_components_and_vertices_beyond_the_limit_are_infinitely_far():
     graph = surface_graph(joined(ball(points=60), ball(points=60, center=(3, 0, 0))))
     found = surface_distances(graph, [0])[0]
     assert np.isfinite(found[:60]).all()
@@ -62,11 +62,11 @@ def test_other_pieces_and_what_is_beyond_the_limit_are_infinitely_far():
     assert np.isinf(near[found > 1.0]).all()
 
 
-def test_no_sources_have_no_distances():
+def test_no_sources_give_no_distances():
     assert surface_distances(surface_graph(ball(points=30)), []).shape == (0, 30)
 
 
-def test_vertices_in_one_place_and_doubled_triangles_do_no_harm():
+def test_coincident_vertices_and_duplicate_triangles_are_tolerated():
     mesh = TriangleMesh.from_arrays(
         [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 1, 2), (0, 2, 3), (1, 1, 2)]
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A surface drawn onto one that it nearly lies on."""
+"""Projection of a surface onto one close to it."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ def test_a_smooth_gap_is_closed_without_folds():
     assert (np.einsum("nd,nd->n", normals, corners.mean(axis=1)) > 0).all()
 
 
-def test_what_lies_on_the_surface_stays():
+def test_points_on_the_surface_stay():
     mesh = ball(points=200)
     np.testing.assert_allclose(drawn_along_normals(mesh, mesh, Control()), mesh.vertices, atol=1e-9)
 
 
-def test_what_is_far_away_or_faces_elsewhere_stays():
+def test_distant_and_differently_oriented_parts_stay():
     mesh = box(center=(9.0, 0.0, 0.0))
     np.testing.assert_allclose(drawn_along_normals(mesh, ball(points=200), Control()), mesh.vertices, atol=1e-6)
 
 
-def test_it_can_be_stopped():
+def test_it_can_be_cancelled():
     control = Control()
     control.cancel()
     with pytest.raises(Cancelled):

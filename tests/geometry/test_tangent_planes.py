@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where tangent planes meet: on creases."""
+"""Intersections of tangent planes on creases."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ UP, ASIDE = np.array([[0.0, 0.0, 1.0]]), np.array([[1.0, 0.0, 0.0]])
 
 
 def test_points_on_two_sides_of_a_crease_lead_to_the_crease():
-    """The crease of the planes z = 0 and x = 0 is the y axis; the middle of the points has y = 2."""
+    """The crease of the planes z = 0 and x = 0 is the y axis; the midpoint of the points has y = 2."""
     first, second = np.array([[-0.3, 1.5, 0.0]]), np.array([[0.0, 2.5, -0.4]])
     np.testing.assert_allclose(meeting_points(first, UP, second, ASIDE), [[0.0, 2.0, 0.0]], atol=1e-12)
 
@@ -23,7 +23,7 @@ def test_a_blunt_crease_is_found_as_well():
     np.testing.assert_allclose(meeting_points(first, UP, second, slope), [[0.0, 0.0, 0.0]], atol=1e-12)
 
 
-def test_parallel_planes_and_those_that_meet_far_away_give_the_middle():
+def test_nearly_parallel_planes_give_the_midpoint():
     first, second = np.array([[-1.0, 0.0, 0.0]]), np.array([[1.0, 0.0, -0.1]])
     nearly = np.array([[0.1, 0.0, 1.0]]) / np.sqrt(1.01)
     far = np.array([[-0.6, 0.0, 0.8]])

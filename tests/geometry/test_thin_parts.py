@@ -19,7 +19,7 @@ SHAPE = (72, 40, 40)
 ROD_RADIUS = 1.5
 BALL_RADIUS = 9.0
 BALL_CENTER = np.array([14.3, 20.1, 19.6])
-# The rod runs along x, apart from the ball.
+# The rod runs along x, separate from the ball.
 ROD_AXIS, ROD_LOW, ROD_HIGH = (20.4, 19.8), 36.0, 62.0
 BLUR = 1.2
 
@@ -30,7 +30,7 @@ def cells(shape=SHAPE):
 
 
 def ball(radius=BALL_RADIUS, center=BALL_CENTER, shape=SHAPE):
-    """Occupancy of a ball; that of a cell is taken from the distance of its center, right to a hundredth."""
+    """Occupancy of a ball, from the distances of the cells' centers; accurate to 0.01."""
     return np.clip(radius + 0.5 - np.linalg.norm(cells(shape) - center, axis=-1), 0.0, 1.0)
 
 
@@ -50,8 +50,8 @@ def volume_along_rod(density, volume):
 
 
 @pytest.mark.parametrize(("blur", "most"), [(0.7, 0.82), (1.0, 0.65), (1.3, 0.3), (1.6, 0.0)])
-def test_a_blurred_rod_beside_a_ball_is_kept_which_a_level_of_the_density_loses(blur, most):
-    """At the widest blur it peaks at 1 - exp(-r^2 / 2 s^2) = 0.36, and such a level does not show it at all."""
+def test_a_blurred_rod_is_kept_where_a_plain_level_loses_it(blur, most):
+    """At the widest blur it peaks at 1 - exp(-r^2 / 2 s^2) = 0.36, which a plain level does not show at all."""
     solid = ball() + rod()
     volume = float(solid.sum())
     blurred = gaussian_filter(solid, blur)
@@ -64,7 +64,7 @@ def test_a_blurred_rod_beside_a_ball_is_kept_which_a_level_of_the_density_loses(
 
 @pytest.mark.parametrize("radius", [6.0, 10.0, 15.0])
 @pytest.mark.parametrize("blur", [0.7, 1.0, 1.3])
-def test_level_sets_of_a_ball_stay(radius, blur):
+def test_level_sets_of_a_ball_are_unchanged(radius, blur):
     center = np.array([20.2, 19.7, 20.5])
     solid = ball(radius, center, (40, 40, 40))
     volume = float(solid.sum())
@@ -79,7 +79,7 @@ def test_level_sets_of_a_ball_stay(radius, blur):
         assert normalized.std() < plain.std() + 0.03
 
 
-def test_a_flat_face_stays_where_it_is():
+def test_a_flat_face_is_unchanged():
     density = np.broadcast_to(ndtr(20.2 - np.arange(40) - 0.5)[:, None, None], (40, 30, 30))
     result = locally_normalized(density, float(density.sum()))
     middle = (slice(None), 15, 15)
@@ -102,14 +102,14 @@ def test_only_the_ratios_of_the_densities_matter(seed, exponent):
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1))
-def test_nothing_is_lowered_and_nothing_raised_beyond_the_bound(seed):
+def test_values_are_never_lowered_and_raised_only_up_to_the_bound(seed):
     density = gaussian_filter(np.random.default_rng(seed).random((12, 14, 16)) ** 6, 1.0)
     volume = 300.0
     solid = density * (volume / density.sum())
     ratio = locally_normalized(density, volume) / solid
     assert ratio.min() >= 1.0 - 1e-6
     assert ratio.max() <= (0.75 / 0.2) ** 0.7 * (1.0 + 1e-6)
-    # Density that is hardly there is raised, but not into what a level shows.
+    # Very low densities are raised, but not enough to be visible at a level.
     assert (locally_normalized(density, volume)[solid < 0.1] < 0.26).all()
 
 
@@ -125,13 +125,13 @@ def test_scattered_density_does_not_become_crumbs():
 
 
 def removed_rod(blur=BLUR):
-    """A blurred ball and rod, and the cells of a ball that has the volume of both."""
+    """A blurred ball and rod, and the cells of a ball with the volume of both."""
     density = gaussian_filter(ball() + rod(), blur)
     larger = (BALL_RADIUS**3 + rod().sum() / (4 / 3 * np.pi)) ** (1 / 3)
     return density, ball(larger) > 0.5
 
 
-def test_a_removed_rod_is_found_with_its_mass_and_measures():
+def test_a_removed_rod_is_found_with_its_mass_and_size():
     density, shown = removed_rod()
     found = lost_parts(density, shown, 3 * BLUR)
     assert found.count == len(found.parts) == 1
@@ -149,7 +149,7 @@ def test_a_removed_rod_is_found_with_its_mass_and_measures():
     assert found.scattered < 1e-3
 
 
-def test_of_a_rod_that_touches_only_the_base_is_not_counted():
+def test_only_the_detached_part_of_a_touching_rod_is_counted():
     density = gaussian_filter(np.maximum(ball(), rod(low=14.0)), BLUR)
     shown = gaussian_filter(ball(), BLUR) > 0.5
     found = lost_parts(density, shown, 3 * BLUR)
@@ -176,7 +176,7 @@ def test_a_blurred_ball_loses_nothing(blur, radius):
     assert found.scattered < 1e-3
 
 
-def test_what_is_lost_does_not_depend_on_the_unit_of_the_density():
+def test_the_loss_does_not_depend_on_the_unit_of_the_density():
     density, shown = removed_rod()
     one, other = lost_parts(density, shown, 4.0), lost_parts(density * 1e-200, shown, 4.0)
     assert other.share == pytest.approx(one.share, rel=1e-5)
@@ -199,7 +199,7 @@ def test_the_record_is_json():
     assert read["parts"][0]["center"] == list(found.parts[0].center)
 
 
-def test_what_makes_no_sense_is_refused():
+def test_invalid_input_is_refused():
     density, shown = removed_rod()
     with pytest.raises(InputError, match="must be some of the cells"):
         lost_parts(density, np.zeros_like(shown), 3.0)

@@ -12,7 +12,7 @@ from tests.shapes import box, torus
 
 
 @pytest.mark.parametrize("mesh", [box(), torus(segments=(9, 7))])
-def test_edges_are_shared_by_two_triangles_with_their_ends_in_one_order(mesh):
+def test_shared_edges_list_their_ends_in_the_same_order(mesh):
     shared = SharedEdges.of(mesh.faces)
     assert len(shared.faces) == len(mesh.faces) * 3 // 2
     for side in range(2):
@@ -22,10 +22,10 @@ def test_edges_are_shared_by_two_triangles_with_their_ends_in_one_order(mesh):
     assert len(np.unique(shared.vertices, axis=0)) == len(shared.vertices)
 
 
-def test_an_island_is_cut_only_where_uvs_differ():
+def test_islands_are_separated_only_where_uvs_differ():
     mesh, uvs, _ = tube(12, 5)
     assert chart_labels(mesh.faces, uvs).max() == 0
-    # The upper half elsewhere.
+    # Move the upper half elsewhere.
     upper = mesh.vertices[mesh.faces][..., 2].mean(axis=1) > 1
     labels = chart_labels(mesh.faces, uvs + upper[:, None, None])
     assert len(np.unique(labels)) == 2
@@ -35,7 +35,7 @@ def test_an_island_is_cut_only_where_uvs_differ():
     assert chart_labels(mesh.faces, uvs + noise).max() == 0
 
 
-def test_sizes_are_the_longest_stretch_whatever_way_triangles_lie():
+def test_sizes_are_the_largest_stretch_for_any_orientation_of_triangles():
     rng = np.random.default_rng(1)
     flat = rng.normal(size=(50, 3, 2))
     turns = Rotation.random(50, random_state=2).as_matrix()

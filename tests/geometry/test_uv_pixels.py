@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles in a texture: no gap, no overlap, the right value at every pixel."""
+"""Triangles rasterized into a texture: no gaps, no overlaps, the correct value at every pixel."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_single_triangle(flip):
     block=st.sampled_from([1, 50, 2_000_000]),
 )
 def test_no_pixel_falls_between_triangles(points, block):
-    """Any triangulation of the square covers it, and linear values stay linear."""
+    """Any triangulation covers the square, and linear values stay linear."""
     from scipy.spatial import Delaunay
 
     places = np.array([*SQUARE.tolist(), *points])
@@ -87,7 +87,7 @@ def test_a_triangle_larger_than_the_texture():
     np.testing.assert_allclose(pixels.picture(corners[0, :, 0]), X, atol=1e-5)
 
 
-def test_the_last_of_overlapping_triangles_is_seen():
+def test_the_last_of_overlapping_triangles_wins():
     faces = np.array([[0, 1, 2], [3, 4, 5]])
     corners = np.tile([[0.0, 0], [2, 0], [0, 2]], (2, 1, 1))
     seen = uv_pixels(corners, faces, SIZE, 0).picture(np.array([1, 1, 1, 2, 2, 2.0]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices in one place become one."""
+"""Coincident vertices are merged."""
 
 import numpy as np
 
@@ -27,7 +27,7 @@ def test_triangles_that_collapse_are_left_out():
     assert len(joined.faces) == 1
 
 
-def test_vertices_come_in_order_and_keep_what_they_were():
+def test_merged_vertices_keep_order_and_positions():
     rng = np.random.default_rng(0)
     points = rng.integers(-1, 2, (60, 3)).astype(float)
     faces = rng.integers(0, 50, (40, 3))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Slow and plain solvers with the kernel as a matrix, to hold the fast ones against; lengths in cells."""
+"""Slow, simple reference solvers with the kernel as a matrix; lengths in cells."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 
 
 def squared_distances(shape):
-    """Between all pairs of cells, (n, n)."""
+    """Squared distances between all pairs of cells, (n, n)."""
     cells = np.moveaxis(np.indices(shape), 0, -1).reshape(-1, len(shape))
     return ((cells[:, None] - cells) ** 2).sum(axis=-1).astype(float)
 
 
 def kernel(grid):
-    """The kernel H of eq. (10) in open space, (n, n): H a is a blur whose whole rows sum to one."""
+    """The kernel H of eq. (10) in open space, (n, n), normalized so that the rows of a complete Gaussian sum to one."""
     line = np.arange(-np.ceil(40 * grid.sigma), np.ceil(40 * grid.sigma) + 1)
     total = np.exp(-(line**2) / (2.0 * grid.sigma**2)).sum()
     return np.exp(-squared_distances(grid.shape) / (2.0 * grid.sigma**2)) / total ** len(grid.shape) * grid.cells
@@ -33,7 +33,7 @@ def log_product(log_matrix, logs):
 def sinkhorn_value(first, second, grid, h):
     """Eq. (10) from the plan, in squared cells: gamma (1 + sum a a pi (ln(pi / H) - 1)).
 
-    Plain Sinkhorn in logarithms until nothing moves.
+    Plain Sinkhorn iteration in the log domain to convergence.
     """
     log_h, area = np.log(h), 1.0 / grid.cells
     mu, nu = (m.ravel() / m.mean() for m in (first, second))
@@ -55,8 +55,8 @@ def sinkhorn_value(first, second, grid, h):
 def propagated(edges, edge_weights, fixed, grid):
     """Densities of all vertices that minimize sum_e alpha_e KL(pi_e | H), by Newton's method on the dual.
 
-    At the end h of an edge of weight alpha the dual variable is phi_h = alpha ln s_h; those at a free vertex sum to
-    zero, so the last of them is eliminated. Nothing is shared with the alternating updates of Algorithm 4. All
+    At the end h of an edge of weight alpha, the dual variable is phi_h = alpha ln s_h. The variables at a free vertex
+    sum to zero, so the last one is eliminated. Shares no code with the alternating updates of Algorithm 4. All
     densities must be positive.
     """
     count = grid.cells
@@ -65,7 +65,7 @@ def propagated(edges, edge_weights, fixed, grid):
     edges = np.asarray(edges)
     weights = np.broadcast_to(np.asarray(edge_weights, dtype=float), len(edges))
     vertex_of_end = edges.ravel()
-    # phi = basis @ unknowns, end by end.
+    # phi = basis @ unknowns, one end after the other.
     columns, linear = [], []
     for vertex in range(vertex_of_end.max() + 1):
         ends = np.flatnonzero(vertex_of_end == vertex)
@@ -102,7 +102,7 @@ def propagated(edges, edge_weights, fixed, grid):
                 hessian[end, :, end, :] = np.diag(marginals[end]) / alpha
         curved = np.einsum("hi,hxgy,gj->ixjy", basis, hessian, basis, optimize=True)
         size = len(columns) * count
-        # A constant can move from one end of an edge to the other: the least-squares step leaves it alone.
+        # Constants can move between the ends of an edge; the least-squares step leaves this freedom alone.
         step = np.linalg.lstsq(curved.reshape(size, size), -gradient.ravel(), rcond=1e-14)[0].reshape(unknowns.shape)
         slope, before, length = float((gradient * step).sum()), objective(unknowns), 1.0
         while length > 1e-9 and not objective(unknowns + length * step) <= before + 1e-4 * length * slope + 1e-15:

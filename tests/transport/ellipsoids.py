@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 @dataclass(frozen=True)
 class Ellipsoid:
-    """The image of the unit ball under the symmetric matrix `stretch`, moved to `center`; in cells."""
+    """The image of the unit ball under the symmetric matrix `stretch`, translated to `center`; in cells."""
 
     center: np.ndarray
     stretch: np.ndarray
@@ -28,7 +28,7 @@ class Ellipsoid:
         return 4 / 3 * np.pi * float(np.linalg.det(self.stretch))
 
     def occupancy(self, cells: int, samples: int = 4) -> np.ndarray:
-        """Fraction of every cell that is inside, by subsampling."""
+        """Filled fraction of every cell, by subsampling."""
         inverse = np.linalg.inv(self.stretch)
         axis = (np.arange(cells * samples) + 0.5) / samples
         inside = np.zeros((cells,) * 3)
@@ -55,5 +55,5 @@ class Ellipsoid:
 
 
 def intersection_over_union(one: np.ndarray, other: np.ndarray) -> float:
-    """Of two occupancies with values in [0, 1]."""
+    """Intersection over union of two occupancies with values in [0, 1]."""
     return float(np.minimum(one, other).sum() / np.maximum(one, other).sum())

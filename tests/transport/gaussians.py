@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gaussians, for which entropic transport has closed forms; lengths in cells.
+"""Closed forms of entropic transport between Gaussians; lengths in cells.
 
 Janati, Muzellec, Peyré and Cuturi 2020, "Entropic optimal transport between unbalanced Gaussian measures has a closed
 form". Their epsilon = 2 sigma^2 is the gamma of K = exp(-d^2 / gamma), with sigma the kernel's deviation.
@@ -41,7 +41,7 @@ def bures(first, second):
 
 
 def entropic_cost(first, second, sigma):
-    """Least transport cost + 2 sigma^2 KL(plan | product) between centered Gaussians (their theorem 1)."""
+    """Minimum of transport cost + 2 sigma^2 KL(plan | product) between centered Gaussians (their theorem 1)."""
     count, half = len(first), root(first)
     spread = root(4.0 * half @ second @ half + sigma**4 * np.eye(count))
     volume = np.linalg.slogdet(spread + sigma**2 * np.eye(count))[1]
@@ -58,8 +58,8 @@ def debiased_distance(first, second, sigma):
 def entropic_value(first, second, sigma, cells):
     """Eq. (10) between centered Gaussians on a grid, in squared cells.
 
-    Against the closed form's product of marginals the reference H has their entropies and its own normalization, in
-    densities with respect to the grid's unit volume.
+    The closed form has the product of the marginals as its reference; eq. (10) has H, which adds the marginals'
+    entropies and the normalization of H, for densities with respect to the grid's unit volume.
     """
     entropies = sum(0.5 * np.linalg.slogdet(2.0 * np.pi * np.e * c)[1] for c in (first, second))
     normalization = len(first) * np.log(np.sqrt(2.0 * np.pi) * sigma) + np.log(cells)
@@ -67,17 +67,17 @@ def entropic_value(first, second, sigma, cells):
 
 
 def raised(first, second, sigma):
-    """sigma^2 plus the cross-covariance of the entropic plan, seen from `first`: what a barycenter averages."""
+    """sigma^2 plus the cross-covariance of the entropic plan, as seen from `first`; barycenters average this."""
     half, identity = root(first), np.eye(len(first))
     return 0.5 * (sigma**2 * identity + root(sigma**4 * identity + 4.0 * half @ second @ half))
 
 
 def barycenter_covariance(covariances, weights, sigma, sharpness):
-    """Covariance of the entropic barycenter of Gaussians, with the dial between the plain and the debiased one.
+    """Covariance of the entropic barycenter of Gaussians, for any sharpness between plain and debiased.
 
-    The scaling of mu toward mu_i is a Gaussian of precision P_i = S^(-1/2) R_i S^(-1/2) / sigma^2 - 1 / sigma^2, R_i =
-    raised(S, S_i), and that toward itself likewise. sum_i alpha_i ln v_i = s ln d is then S = sum_i alpha_i R_i -
-    s (R_S - S), solved by iterating it.
+    The scaling of mu toward mu_i is a Gaussian with precision P_i = S^(-1/2) R_i S^(-1/2) / sigma^2 - 1 / sigma^2,
+    R_i = raised(S, S_i), and likewise toward itself. Then sum_i alpha_i ln v_i = s ln d is
+    S = sum_i alpha_i R_i - s (R_S - S), which is solved by fixed-point iteration.
     """
     covariance = sum(w * c for w, c in zip(weights, covariances, strict=True))
     for _ in range(5000):

@@ -11,7 +11,7 @@ from convwass_addon.transport import Surface
 
 
 def sheet_mesh(columns: int, rows: int) -> TriangleMesh:
-    """A rectangle of unit cells, each cut along a diagonal that alternates like a chessboard."""
+    """A rectangle of unit squares, each split along a diagonal that alternates like a chessboard."""
     x, y = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1), indexing="ij")
     vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
     i, j = (axis.ravel() for axis in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))

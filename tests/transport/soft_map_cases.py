@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small meshes for soft maps, and slow and plain solutions of eq. (18) to hold the fast one against."""
+"""Small meshes for soft maps, and slow, simple reference solutions of eq. (18)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from convwass_addon.transport import Surface
 
 
 def sheet(rows: int, columns: int, seed: int = 0, gamma: float | None = None) -> Surface:
-    """A wavy sheet of `rows` times `columns` vertices, none like another."""
+    """A wavy sheet of `rows` times `columns` vertices without symmetries."""
     rng = np.random.default_rng(seed)
     y, x = np.indices((rows, columns)).reshape(2, -1)
     points = np.stack([x, y, 0.4 * np.sin(x + 0.7 * y)], axis=1) + rng.uniform(-0.2, 0.2, (len(x), 3))
@@ -25,7 +25,7 @@ def sheet(rows: int, columns: int, seed: int = 0, gamma: float | None = None) ->
 
 @dataclass(frozen=True)
 class Literal:
-    """Eq. (18) as it stands: edges with a kernel each, in float64."""
+    """Eq. (18) taken literally: one kernel per edge, in float64."""
 
     edges: np.ndarray
     weights: np.ndarray
@@ -37,12 +37,12 @@ class Literal:
 
     @property
     def heat(self) -> np.ndarray:
-        """H, (n1, n1): applied as H (a * x)."""
+        """The kernel H as a matrix, (n1, n1), applied as H (a * x)."""
         kernel = self.domain.apply(np.eye(len(self.domain.weights))) / self.domain.weights[:, None]
         return 0.5 * (kernel + kernel.T)
 
     def algorithm_4(self, sweeps: int) -> np.ndarray:
-        """The paper's listing with the kernels of section 7, a vertex at a time, every edge with an equal share."""
+        """The paper's listing with the kernels of section 7, one vertex at a time, with equal shares for all edges."""
         area, count = self.domain.weights, len(self.source_areas)
         valence = np.bincount(self.edges.ravel(), minlength=count)
         share = self.tau * self.source_areas / (self.domain.gamma * valence)
@@ -74,8 +74,8 @@ class Literal:
     def by_dual(self) -> np.ndarray:
         """Densities by a general optimizer on the dual of the transport plans.
 
-        At every end of an edge sits a potential psi; those at a free vertex sum to lambda_v - tau omega_v c_v, so the
-        last of them is eliminated, and plans are R exp((psi + psi') / (alpha gamma)) with R = a H a.
+        Every end of an edge has a potential psi. The potentials at a free vertex sum to lambda_v - tau omega_v c_v, so
+        the last one is eliminated; the plans are R exp((psi + psi') / (alpha gamma)) with R = a H a.
         """
         area, gamma = self.domain.weights, self.domain.gamma
         plan_of_heat = area[:, None] * self.heat * area

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spheres of radius 1 as domains, and distributions on them; great circles are what distances are held against."""
+"""Unit spheres as domains, and distributions on them; distances are compared with great circles."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FACES += [(8, 6, 7), (9, 8, 1)]
 
 @cache
 def icosphere(level: int) -> TriangleMesh:
-    """An icosahedron whose triangles are cut in four `level` times, 10 * 4^level + 2 vertices on the unit sphere."""
+    """An icosahedron with triangles split into four `level` times: 10 * 4^level + 2 vertices on the unit sphere."""
     vertices, faces = np.array(_CORNERS) / np.hypot(1, _GOLDEN), np.array(_FACES)
     for _ in range(level):
         edges = np.sort(np.concatenate([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]]), axis=1)
@@ -53,12 +53,12 @@ def angles(surface: Surface, point: np.ndarray) -> np.ndarray:
 
 
 def at(angle: float) -> np.ndarray:
-    """The point of the equator at an angle."""
+    """The point on the equator at an angle."""
     return np.array([np.cos(angle), np.sin(angle), 0.0])
 
 
 def cap(surface: Surface, angle: float, radius: float = 0.3) -> np.ndarray:
-    """Density of mass 1 on the cap around a point of the equator, with a soft rim that ends in zeros."""
+    """Density of mass 1 on the cap around a point on the equator, with a soft rim and exact zeros outside."""
     density = 1.0 / (1.0 + np.exp((angles(surface, at(angle)) - radius) / (0.1 * radius)))
     density[density < 1e-4] = 0.0
     return density / (density @ surface.weights)
@@ -78,11 +78,11 @@ def peaks(surface: Surface, seed: int, count: int = 4) -> np.ndarray:
 
 
 def center(surface: Surface, density: np.ndarray) -> np.ndarray:
-    """The point of the sphere below the mean of a density."""
+    """The point on the sphere in the direction of a density's mean."""
     mean = (density * surface.weights) @ surface.positions
     return mean / np.linalg.norm(mean)
 
 
 def off_center(surface: Surface, density: np.ndarray, angle: float) -> float:
-    """Angle between the center of a density and a point of the equator."""
+    """Angle between the center of a density and a point on the equator."""
     return float(np.arccos(np.clip(center(surface, density) @ at(angle), -1.0, 1.0)))

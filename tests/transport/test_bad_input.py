@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every argument that makes no sense, of every public function: a ValueError that names it and says what it must be."""
+"""Invalid values for every argument of every public function: a ValueError names the argument and its condition."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ ELSEWHERE = barycenter(np.ones((3, 5, 6)), WEIGHTS, Grid((5, 6), 1.0))
 SOLID = Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.2]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 COSTS = np.arange(16.0).reshape(4, 4)
 
-# What every function accepts; a case changes one argument.
+# Valid arguments of every function; a case changes one of them.
 GOOD = {
     Grid: {"shape": (6, 5), "sigma": 1.0},
     barycenter: {"mus": MUS, "weights": WEIGHTS, "domain": GRID},
@@ -96,7 +96,7 @@ RATHER = {
 
 
 def cases():
-    """Function, argument, value, what the message says after the argument's name."""
+    """Yield function, argument, value, and the message after the argument's name."""
     for solver in SOLVERS:
         for name, wrong in RATHER.items():
             if name in inspect.signature(solver).parameters:
@@ -230,12 +230,12 @@ def test_the_message_names_the_argument(function, argument, value, message):
 
 
 @pytest.mark.parametrize("function", GOOD, ids=lambda f: f.__name__)
-def test_without_the_mistake_nothing_is_wrong(function):
+def test_valid_arguments_are_accepted(function):
     function(**GOOD[function])
 
 
 def test_no_argument_was_forgotten():
-    """All but domains and callbacks, and flags that have no wrong value."""
+    """All except domains and callbacks, and flags, which accept any value."""
     unchecked = {"domain", "inputs", "control", "debias", "size", "source", "target", "surface"}
     tried = {(function, argument) for function, argument, *_ in CASES}
     for function in GOOD:
@@ -243,12 +243,12 @@ def test_no_argument_was_forgotten():
             assert (function, argument) in tried, f"{function.__name__}: {argument}"
     callables = {getattr(transport, name) for name in transport.__all__}
     functions = {f for f in callables if inspect.isfunction(f)}
-    # The generator behind bisect has the same arguments, and only starts with the first report.
+    # The generator behind bisect has the same arguments and is only started by the first report.
     assert functions - {transport.bisection} | {Grid} == set(GOOD)
     assert inspect.signature(transport.bisection).parameters == inspect.signature(bisect).parameters
 
 
-def test_a_mistake_that_no_solve_would_notice_is_noticed():
+def test_invalid_arguments_are_refused_even_if_nothing_is_solved():
     """The ends of an interpolation need no solve, and neither does a graph without free vertices."""
     for wrong in ({"tolerance": 0.0}, {"max_iterations": 0}, {"sharpness": 2.0}, {"entropy_limit": "least"}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
@@ -258,7 +258,7 @@ def test_a_mistake_that_no_solve_would_notice_is_noticed():
 
 
 @pytest.mark.parametrize("size", [0, 1, 2])
-def test_a_graph_needs_room_for_its_vertices(size):
+def test_the_size_of_a_graph_must_include_its_vertices(size):
     with pytest.raises(ValueError, match=f"^edges and fixed must name vertices between 0 and {size - 1}"):
         propagate(LINE, 1.0, ENDS, GRID, size=size)
     with pytest.raises(ValueError, match="no path leads to 3"):
@@ -266,6 +266,6 @@ def test_a_graph_needs_room_for_its_vertices(size):
 
 
 @pytest.mark.parametrize("columns", [np.ones((5, 6)), np.ones((2, 30)), np.ones(30), np.ones((6, 10))])
-def test_the_kernel_takes_columns_of_the_grid_only(columns):
+def test_the_kernel_refuses_columns_of_another_shape(columns):
     with pytest.raises(ValueError, match=r"^columns must have the shape \(k, 6, 5\), got "):
         GRID.apply(columns)

@@ -38,7 +38,7 @@ def moments(density):
 
 
 def dense_log_barycenter(mus, weights, grid, sharpness, iterations):
-    """Algorithm 2 with the dial, cell by cell: the kernel as a matrix, everything by log-sum-exp."""
+    """Algorithm 2 with sharpness, with the kernel as a matrix and all sums by log-sum-exp."""
     cells = np.stack(np.meshgrid(*[np.arange(n) for n in grid.shape], indexing="ij"), -1).reshape(-1, len(grid.shape))
     squared = ((cells[:, None] - cells) ** 2).sum(-1)
     log_kernel = -squared / (2 * grid.sigma**2) - len(grid.shape) * np.log(np.sqrt(2 * np.pi) * grid.sigma)
@@ -64,8 +64,8 @@ def dense_log_barycenter(mus, weights, grid, sharpness, iterations):
 
 @pytest.mark.parametrize("shape", [(64,), (40, 48), (36, 32, 40)])
 @pytest.mark.parametrize("t", [0.25, 0.5, 0.8])
-def test_gaussians_debiased_meet_the_closed_form(shape, t):
-    """The barycenter of Gaussians of parallel axes has the weighted means of centers and of deviations."""
+def test_debiased_gaussians_match_the_closed_form(shape, t):
+    """The barycenter of axis-parallel Gaussians has the weighted means of their centers and deviations."""
     grid = Grid(shape, 1.5)
     low, high = np.array(shape) * 0.4, np.array(shape) * 0.6
     first, second = blob(shape, low, 2.0), blob(shape, high, 3.0)
@@ -75,8 +75,8 @@ def test_gaussians_debiased_meet_the_closed_form(shape, t):
     np.testing.assert_allclose(deviations, (1 - t) * 2.0 + t * 3.0, rtol=0.04)
 
 
-def test_a_wide_kernel_is_almost_solved_on_the_coarser_grid():
-    """A coarser grid with a wider kernel leaves 8 rounds."""
+def test_a_wide_kernel_is_mostly_solved_on_the_coarser_grid():
+    """After a coarser grid with a wider kernel, 8 rounds remain."""
     grid = Grid((64, 64), 2.5)
     mus = [blob((64, 64), [20, 24], 3.0), blob((64, 64), [44, 36], 5.0) + blob((64, 64), [24, 50], 2.5)]
     found = barycenter(mus, [0.4, 0.6], grid)
@@ -84,8 +84,8 @@ def test_a_wide_kernel_is_almost_solved_on_the_coarser_grid():
     assert found.iterations[-1] <= 4
 
 
-def test_full_sharpness_does_not_wait_for_its_slowest_errors():
-    """Without momentum this takes 39, 52, 78 and 21 rounds."""
+def test_full_sharpness_converges_fast_with_momentum():
+    """Without momentum, this takes 39, 52, 78 and 21 rounds."""
     grid = Grid((64, 64), 1.25)
     one, other = np.zeros((64, 64)), np.zeros((64, 64))
     one[10:30, 12:24], other[36:56, 30:58] = 1.0, 1.0
@@ -94,8 +94,8 @@ def test_full_sharpness_does_not_wait_for_its_slowest_errors():
     assert sum(found.iterations) < 120
 
 
-def test_what_is_said_to_have_converged_has_no_grain_at_its_rim():
-    """The last step of d, which nothing measures any more, once put 1 % of the mass into a cell where none belongs."""
+def test_converged_densities_have_no_outliers_at_their_rim():
+    """The last step of d, whose error is never measured, once put 1 % of the mass into a cell that should be empty."""
     grid = Grid((48, 48), 1.0)
     mus = [blob(grid.shape, [14.4, 14.4], 2.4), blob(grid.shape, [33.6, 28.8], 3.84)]
     exact = barycenter(mus, [0.25, 0.75], grid, sharpness=1.0, tolerance=1e-8, max_iterations=5000)
@@ -106,7 +106,7 @@ def test_what_is_said_to_have_converged_has_no_grain_at_its_rim():
 
 
 @pytest.mark.parametrize(("sharpness", "within"), [(0.0, 1e-4), (0.5, 1e-2), (0.75, 1e-2), (1.0, 1e-2)])
-def test_the_dial_removes_its_share_of_the_blur(sharpness, within):
+def test_sharpness_removes_its_fraction_of_the_blur(sharpness, within):
     """Two equal Gaussians of variance d^2 have a barycenter of variance d^2 + (1 - s) sigma^2."""
     grid = Grid((96,), 1.5)
     mu = blob((96,), [48], 8.0)
@@ -120,11 +120,11 @@ def test_agrees_with_a_dense_log_domain_solve(sharpness):
     grid = Grid((9, 10), 1.2)
     mus = rng.random((3, 9, 10)) ** 3
     if sharpness == 1.0:
-        # Debiasing without rest takes for ever to bring out detail finer than the kernel.
+        # Full debiasing converges extremely slowly for detail finer than the kernel.
         mus = grid.apply(grid.apply(mus))
     mus /= mus.mean(axis=(1, 2), keepdims=True)
     weights = [0.2, 0.5, 0.3]
-    # The solve steps beyond what the other does, and meets it at the end; debiased it is there long before.
+    # Over-relaxation takes the solve another way to the same limit; debiased, it gets there much earlier.
     rounds = 1000
     expected = dense_log_barycenter(mus, weights, grid, sharpness, 4 * rounds if sharpness == 1.0 else rounds)
     found = barycenter(mus, weights, grid, sharpness=sharpness, tolerance=1e-12, max_iterations=rounds)
@@ -135,8 +135,8 @@ def test_agrees_with_a_dense_log_domain_solve(sharpness):
         np.testing.assert_allclose(found.density, expected, atol=1e-9)
 
 
-def test_by_line_numerics_take_over_and_agree():
-    """Far blobs and a narrow kernel: scalings give up, the record says so, and the answer stays right."""
+def test_by_line_numerics_take_over_with_the_same_result():
+    """For distant blobs and a narrow kernel, scalings fail; the record says so, and the result stays accurate."""
     shape = (160, 16)
     first, second = np.zeros(shape), np.zeros(shape)
     first[6:10, 4:12], second[150:154, 4:12] = 1.0, 1.0
@@ -148,7 +148,7 @@ def test_by_line_numerics_take_over_and_agree():
 
 
 @pytest.mark.parametrize("corner", [0, 1, 2])
-def test_all_weight_on_one_input_gives_it_back(corner):
+def test_all_weight_on_one_input_returns_it(corner):
     grid = Grid((24, 24), 1.3)
     mus = np.stack([blob(grid.shape, c, 2.5) for c in ([8, 8], [16, 9], [12, 16])])
     weights = np.eye(3)[corner]
@@ -166,15 +166,15 @@ def test_invariant_mass_and_marginals(sharpness):
     assert found.invariant_error < 1e-9
     assert found.mass_error < 5e-3
     assert found.density.mean() == pytest.approx(1.0)
-    # The marginal error as an outsider computes it, from the scalings alone.
+    # The marginal error, computed independently from the scalings alone.
     v = np.exp(found.log_v)
     w = mus / grid.apply(v)
     plans = v * grid.apply(w)
     assert max(np.abs(plan - found.density).mean() for plan in plans) < 2e-3
 
 
-def test_weights_are_the_weights_of_the_answer():
-    """A wrong invariant converges too, to the barycenter of other weights: the center of mass tells."""
+def test_the_result_has_the_given_weights():
+    """With a wrong invariant, the solver converges to the barycenter of other weights; the center of mass shows it."""
     grid = Grid((48,), 1.5)
     mus = np.stack([blob((48,), [14], 2.0), blob((48,), [34], 2.0)])
     before = None
@@ -185,7 +185,7 @@ def test_weights_are_the_weights_of_the_answer():
         assert np.abs(before.density - cold.density).mean() < 0.03
 
 
-def test_a_start_from_other_inputs_is_not_used():
+def test_a_start_from_other_inputs_is_ignored():
     grid = Grid((16, 16), 1.2)
     mus = np.stack([blob(grid.shape, c, 2.0) for c in ([5, 5], [11, 5], [8, 11])])
     pair = barycenter(mus, [0.5, 0.5, 0.0], grid)
@@ -194,7 +194,7 @@ def test_a_start_from_other_inputs_is_not_used():
     np.testing.assert_array_equal(three.density, cold.density)
 
 
-def test_translation_moves_the_answer():
+def test_barycenters_are_translation_equivariant():
     grid = Grid((64, 48), 1.3)
     mus = np.stack([blob(grid.shape, [24, 20], 2.0), blob(grid.shape, [30, 23], 2.5)])
     moved = np.roll(mus, (8, 4), axis=(1, 2))
@@ -236,7 +236,7 @@ def test_the_entropy_bound_holds(tightening, sharpness):
     assert bounded.entropy == pytest.approx(limit, abs=1e-3)
     assert bounded.sharpening_exponent > 1.0
     assert bounded.converged
-    # The bound sharpens; it does not move the mass elsewhere.
+    # The bound sharpens without moving the mass.
     np.testing.assert_allclose(moments(bounded.density)[0], moments(free.density)[0], atol=0.7)
 
 
@@ -257,7 +257,7 @@ def test_a_solve_can_be_cancelled_at_any_iteration():
     assert control.count == 3
 
 
-def test_iterations_that_run_out_are_said():
+def test_an_exceeded_iteration_limit_is_reported():
     found = barycenter(
         np.random.default_rng(0).random((2, 17)), [0.5, 0.5], Grid((17,), 1.0), tolerance=1e-14, max_iterations=2
     )
@@ -301,7 +301,7 @@ def test_bad_input_is_named(mus, weights, options, named):
     sparsity=st.floats(0.0, 0.95),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_never_nan_and_an_honest_error(shape, sigma, count, sharpness, sparsity, seed):
+def test_results_are_finite_and_errors_correct(shape, sigma, count, sharpness, sparsity, seed):
     rng = np.random.default_rng(seed)
     grid = Grid(shape, sigma)
     mus = rng.random((count, *shape)) * (rng.random((count, *shape)) >= sparsity)
@@ -315,13 +315,13 @@ def test_never_nan_and_an_honest_error(shape, sigma, count, sharpness, sparsity,
 
 
 def judged(found):
-    """The error that a solve stops by: of d there are up to two halves, of which its last step takes one."""
+    """The error that stops a solve; d contributes up to two halves, of which its last step removes one."""
     return max(found.marginal_error, found.debias_error * max(0.5, 2.0 * found.sharpness - 1.0))
 
 
 @pytest.mark.parametrize("sharpness", [0.5, 0.75, 1.0])
-def test_the_last_step_of_d_is_worth_a_round(monkeypatch, sharpness):
-    """It takes no product, and with as many rounds or fewer the density is closer to the solved one."""
+def test_the_last_step_of_d_replaces_a_round(monkeypatch, sharpness):
+    """It needs no product, and with the same number of rounds or fewer, the density is closer to the solution."""
     grid, mus = Grid((48, 48), 2.0), two_squares()
     solved = barycenter(mus, [0.4, 0.6], grid, sharpness=sharpness, tolerance=1e-4, max_iterations=3000)
     assert solved.converged
@@ -343,7 +343,7 @@ def two_squares():
     return mus
 
 
-def test_scaling_alone_raises_where_it_does_not_reach():
+def test_scaling_alone_raises_if_its_range_is_too_small():
     shape = (160, 16)
     mus = np.zeros((2, *shape))
     mus[0, 6:10, 4:12], mus[1, 150:154, 4:12] = 1.0, 1.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycenters of images against another library's."""
+"""Barycenters of images compared with another library."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.transport.gaussians import gaussian
 
 
 def images(count, size):
-    """Uneven patches with nothing between them."""
+    """Uneven patches separated by empty cells."""
     rng = np.random.default_rng(1)
     found = []
     for _ in range(count):
@@ -48,12 +48,12 @@ def test_agrees_with_python_optimal_transport(count):
 
 @pytest.mark.parametrize("corner", [0, 2])
 def test_a_corner_of_the_simplex_and_inputs_without_weight(corner):
-    """An input of weight zero takes no part: the answer is that of the others alone."""
+    """An input of weight zero has no effect: the result is the barycenter of the others."""
     mus, grid = images(3, 32), Grid((32, 32), 1.6)
     with_third = barycenter(mus, [0.4, 0.6, 0.0], grid)
     np.testing.assert_array_equal(with_third.density, barycenter(mus[:2], [0.4, 0.6], grid).density)
     np.testing.assert_array_equal(with_third.active, [0, 1])
     alone = barycenter(mus, np.eye(3)[corner], grid, tolerance=1e-9, max_iterations=1000).density
-    # The plan of one input has a free end: it is the kernel, and near a wall as much as stays inside.
+    # The plan of a single input has a free end: it is the kernel, normalized near walls by the mass that stays inside.
     expected = grid.apply(mus[corner] / grid.apply(np.ones((32, 32))))
     np.testing.assert_allclose(alone, expected / expected.mean(), atol=1e-7)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycenters that go on from their coarse levels: not a bit may differ from those solved at once."""
+"""Barycenters continued from their coarse levels: bitwise the same as those solved at once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WAYS = [
 
 
 def solids():
-    """A ball, a slab and a rod, off the middle."""
+    """A ball, a slab and a rod, off center."""
     x, y, z = np.moveaxis(Grid(SHAPE, 1.0).positions, -1, 0)
     ball = (x - 11) ** 2 + (y - 20) ** 2 + (z - 16) ** 2 < 49
     slab = (abs(x - 17) < 9) & (abs(y - 26) < 4) & (abs(z - 15) < 7)
@@ -45,7 +45,7 @@ def assert_same(one, other):
 
 
 @pytest.mark.parametrize("options", WAYS)
-def test_what_was_begun_ends_like_what_was_solved_at_once(options):
+def test_continued_solves_equal_those_solved_at_once(options):
     assert len(INPUTS.levels) == 3
     at_once = part(INPUTS, [0.5, 0.3, 0.2], **options)
     coarsest = part(INPUTS.coarser.coarser, [0.5, 0.3, 0.2], **options)
@@ -55,8 +55,8 @@ def test_what_was_begun_ends_like_what_was_solved_at_once(options):
 
 
 @pytest.mark.parametrize("options", WAYS)
-def test_and_so_does_a_chain_of_neighbors(options):
-    """The coarse parts are started from each other, and so are the whole ones."""
+def test_chains_of_continued_solves_equal_those_solved_at_once(options):
+    """The coarse parts start from each other, and so do the complete solves."""
     whole, coarse, finished = None, None, None
     for t in (0.2, 0.3, 0.4):
         weights = [1 - t, t, 0]
@@ -84,7 +84,7 @@ def test_a_coarse_part_lies_where_the_whole_does():
     np.testing.assert_allclose(*middles, atol=0.1)
 
 
-def test_inputs_on_one_level_have_no_coarser_ones():
+def test_inputs_on_a_single_level_cannot_be_begun():
     with pytest.raises(ValueError, match="no coarser"):
         _ = INPUTS.coarser.coarser.coarser
 
@@ -96,13 +96,13 @@ def test_inputs_on_one_level_have_no_coarser_ones():
         ([1, 1, 1], {"sharpness": 0.5}, "the sharpness"),
     ],
 )
-def test_what_was_begun_for_something_else_is_refused(weights, options, message):
+def test_a_start_for_another_problem_is_refused(weights, options, message):
     begun = part(INPUTS.coarser, [1, 1, 1])
     with pytest.raises(ValueError, match=f"begun must have .*{message}"):
         part(INPUTS, weights, begun=begun, **options)
 
 
-def test_a_whole_one_is_nothing_to_begin_with():
+def test_a_complete_solution_is_refused_as_a_start():
     whole = part(INPUTS, [1, 1, 1])
     with pytest.raises(ValueError, match="begun must be a barycenter of the coarser levels"):
         part(INPUTS, [1, 1, 1], begun=whole)

@@ -18,12 +18,12 @@ from convwass_addon.transport.checks import (
 )
 
 GRID = Grid((3, 4), 1.0)
-# Five elements of different area in two pieces; the last one belongs to none and has no area.
+# Five elements of different area in two components; the last one belongs to neither and has no area.
 AREAS = np.array([0.1, 0.2, 0.3, 0.4, 0.0])
 PIECES = SimpleNamespace(shape=(5,), weights=AREAS, pieces=np.array([0, 0, 1, 1, -1]))
 
 
-def test_distributions_come_back_with_mass_one():
+def test_distributions_are_normalized_to_mass_one():
     mus = np.random.default_rng(0).random((2, 3, 4))
     found = check_distributions(7.0 * mus, GRID)
     np.testing.assert_allclose(found.mean(axis=(1, 2)), 1.0, rtol=1e-14)
@@ -47,12 +47,12 @@ def test_inputs_are_copied():
     assert (mus == 5.0).all()
 
 
-def test_lists_are_as_good_as_arrays():
+def test_lists_are_accepted_like_arrays():
     np.testing.assert_array_equal(check_distributions([[1, 3], [2, 2]], Grid((2,), 1.0)), [[0.5, 1.5], [1.0, 1.0]])
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e300])
-def test_any_scale_of_mass_is_fine(scale):
+def test_any_total_mass_is_accepted(scale):
     np.testing.assert_allclose(check_distribution(np.full((3, 4), scale), GRID, "mu"), 1.0)
 
 
@@ -69,7 +69,7 @@ def test_any_scale_of_mass_is_fine(scale):
         (np.full((3, 4), 1e308), "mu0 has more mass than float64 can express"),
     ],
 )
-def test_what_is_no_distribution_is_named(mu, wrong):
+def test_invalid_distributions_are_named(mu, wrong):
     with pytest.raises(ValueError, match=f"^{wrong}$"):
         check_distribution(mu, GRID, "mu0")
 
@@ -84,7 +84,7 @@ def test_what_is_no_distribution_is_named(mu, wrong):
         (np.stack([-np.ones((3, 4)), np.zeros((3, 4))]), r"mus\[0\] has negative values; a distribution must not"),
     ],
 )
-def test_the_one_of_many_is_named(mus, wrong):
+def test_the_invalid_distribution_among_several_is_named(mus, wrong):
     with pytest.raises(ValueError, match=f"^{wrong}$"):
         check_distributions(mus, GRID)
 
@@ -99,8 +99,8 @@ def test_elements_without_area_hold_no_mass():
         check_distribution([0.0, 0.0, 0.0, 0.0, 1.0], domain, "mu")
 
 
-def test_masses_have_to_agree_piece_by_piece():
-    """Areas times densities: 0.3 and 0.7 of the mass in either; rounding is forgiven, more is not."""
+def test_masses_have_to_agree_per_component():
+    """Areas times densities: 0.3 and 0.7 of the mass; rounding errors are tolerated, larger differences are not."""
     even = np.ones(5)
     moved = np.array([3.0, 0.0, 0.0, 7.0 / 4.0, 0.0])
     np.testing.assert_allclose(check_distributions([even, moved], PIECES)[1], moved)
@@ -116,7 +116,7 @@ def test_masses_have_to_agree_piece_by_piece():
 
 
 @pytest.mark.parametrize("weights", [[1, 3], np.array([0.25, 0.75]), [1e-200, 3e-200]])
-def test_weights_come_back_with_sum_one(weights):
+def test_weights_are_normalized_to_sum_one(weights):
     np.testing.assert_allclose(check_weights(weights, 2), [0.25, 0.75])
 
 
@@ -132,26 +132,26 @@ def test_weights_come_back_with_sum_one(weights):
         ([0.0, 0.0], "weights must not all be zero"),
     ],
 )
-def test_weights_that_make_no_sense_are_refused(weights, wrong):
+def test_invalid_weights_are_refused(weights, wrong):
     with pytest.raises(ValueError, match=f"^{wrong}$"):
         check_weights(weights, 2)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-9, np.nan])
-def test_no_solver_keeps_such_a_tolerance(tolerance):
+def test_invalid_tolerances_are_refused(tolerance):
     with pytest.raises(ValueError, match=f"^tolerance must be positive, got {tolerance}$"):
         check_solver(tolerance, 1)
 
 
 @pytest.mark.parametrize("rounds", [0, -3])
-def test_no_solver_does_less_than_one_iteration(rounds):
+def test_iteration_limits_below_one_are_refused(rounds):
     with pytest.raises(ValueError, match=f"^max_iterations must be at least 1, got {rounds}$"):
         check_solver(1e-3, rounds)
     check_solver(1e-300, 1)
 
 
 @pytest.mark.parametrize("sharpness", [-1e-9, 1.0 + 1e-9, np.nan, np.inf])
-def test_sharpness_stays_on_its_dial(sharpness):
+def test_sharpness_outside_its_range_is_refused(sharpness):
     with pytest.raises(ValueError, match=f"^sharpness must lie between 0 and 1, got {sharpness}$"):
         check_sharpness(sharpness)
     for allowed in (0, 0.3, 1):
@@ -159,7 +159,7 @@ def test_sharpness_stays_on_its_dial(sharpness):
 
 
 @pytest.mark.parametrize("limit", ["maximum", "", np.nan, [0.0, 1.0]])
-def test_entropy_limits_are_numbers_or_max(limit):
+def test_invalid_entropy_limits_are_refused(limit):
     with pytest.raises(ValueError, match=r'^entropy_limit must be "max", a number or None, got '):
         check_entropy_limit(limit)
     for allowed in (None, "max", -3, 0.0, np.float64(2.5), np.inf):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distances and barycenters that are known exactly: Gaussians, and anything in one dimension."""
+"""Distances and barycenters with closed forms: Gaussians, and any distributions in one dimension."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def matrix(*rows):
     return np.array(rows, dtype=float)
 
 
-# Shape, the two means and the two covariances, in cells: in one dimension, of parallel axes, and turned against each
-# other. Five deviations of room on all sides keep what the grid cuts off below 1e-6 of the mass.
+# Shape, the two means and the two covariances, in cells: one-dimensional, axis-parallel, and rotated. A margin of five
+# deviations on all sides keeps the mass cut off by the grid below 1e-6.
 PAIRS = [
     ((96,), ([40.0], [52.0]), (matrix([16]), matrix([36]))),
     ((61,), ([30.0], [30.0]), (matrix([4]), matrix([25]))),
@@ -38,7 +38,7 @@ def squared_shift(means):
 @pytest.mark.parametrize("sigma", [1.0, 2.0, 3.5])
 @pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
 def test_entropic_distances_of_gaussians(shape, means, covariances, sigma):
-    """Eq. (10) and its debiased form, at any regularization, to the tails that the grid cuts off (measured: 8e-8)."""
+    """Eq. (10) and its debiased form, for any regularization, up to the tails cut off by the grid (measured: 8e-8)."""
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
     found = distance(*mus, Grid(shape, sigma), tolerance=1e-6)
     shift = squared_shift(means)
@@ -48,8 +48,8 @@ def test_entropic_distances_of_gaussians(shape, means, covariances, sigma):
 
 
 @pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
-def test_narrow_kernels_meet_the_true_distance_of_gaussians(shape, means, covariances):
-    """The debiased value misses W2^2 by the square of gamma: 2 % at most at two cells, and 16 times less at one."""
+def test_narrow_kernels_approach_the_true_distance_of_gaussians(shape, means, covariances):
+    """The error of the debiased W2^2 is quadratic in gamma: at most 2 % at two cells, and 16 times less at one."""
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
     exact = squared_shift(means) + gaussians.bures(*covariances)
     wide, narrow = (distance(*mus, Grid(shape, s), tolerance=1e-6).value - exact for s in (2.0, 1.0))
@@ -58,7 +58,7 @@ def test_narrow_kernels_meet_the_true_distance_of_gaussians(shape, means, covari
 
 
 def test_the_closed_forms_agree_with_each_other():
-    """Without regularization the entropic formulas are those of Bures; a narrow kernel's map is the linear one."""
+    """Without regularization, the entropic formulas equal those of Bures; a narrow kernel's map is the linear map."""
     for _, _, (first, second) in PAIRS:
         assert gaussians.debiased_distance(first, second, 1e-2) == pytest.approx(gaussians.bures(first, second))
         slope = gaussians.map_slope(first, second, 1e-3)
@@ -78,7 +78,7 @@ def blend(means, covariances, weights, shape, sharpness):
 @pytest.mark.parametrize(("sharpness", "tolerance"), [(0.0, 1e-4), (0.5, 1e-4), (0.75, 1e-4), (1.0, 1e-3)])
 @pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS)
 def test_barycenters_of_gaussians(shape, means, covariances, sharpness, tolerance):
-    """The whole density, on the dial between plain and debiased; measured: 1.3 times the marginal error."""
+    """The density for several values of sharpness; measured: 1.3 times the marginal error."""
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
     weights = [2 / 3, 1 / 3]
     found = barycenter(mus, weights, Grid(shape, 1.5), sharpness=sharpness, tolerance=tolerance)
@@ -90,7 +90,7 @@ def test_barycenters_of_gaussians(shape, means, covariances, sharpness, toleranc
 
 
 class WholeGrid(Grid):
-    """A grid without coarser ones, on which nothing could be found negligible."""
+    """A grid without coarser levels, where no cells are dropped as negligible."""
 
     def coarser(self):
         return None
@@ -99,7 +99,7 @@ class WholeGrid(Grid):
 @pytest.mark.parametrize("sharpness", [0.0, 0.5, 0.75])
 @pytest.mark.parametrize(("shape", "means", "covariances"), PAIRS[:4])
 def test_barycenters_of_gaussians_on_whole_grids(shape, means, covariances, sharpness):
-    """Without leaving out cells of little mass only the tolerance is left (measured: 3e-6 of the mass)."""
+    """If no cells of little mass are left out, only the tolerance limits the accuracy (measured: 3e-6 of the mass)."""
     mus = [gaussian(shape, m, c) for m, c in zip(means, covariances, strict=True)]
     weights = [2 / 3, 1 / 3]
     found = barycenter(mus, weights, WholeGrid(shape, 1.5), sharpness=sharpness, tolerance=1e-5)
@@ -120,7 +120,7 @@ def test_barycenters_of_three_gaussians(sharpness):
 @pytest.mark.parametrize("deviation", [2.0, 5.0])
 @pytest.mark.parametrize(("sharpness", "within"), [(0.0, 1e-4), (1.0, 2e-3)])
 def test_the_plain_barycenter_of_equal_gaussians_is_blurred_by_one_kernel(deviation, sharpness, within):
-    """Variance d^2 + sigma^2, and d^2 debiased: the blur is that of the kernel, whatever the shape."""
+    """Variance d^2 + sigma^2, and d^2 if debiased: the blur is that of the kernel, for any shape."""
     mu = gaussian((90,), [45], deviation**2)
     found = barycenter([mu, mu], [0.3, 0.7], Grid((90,), 1.5), sharpness=sharpness, tolerance=1e-5)
     assert moments(found.density)[1][0, 0] == pytest.approx(deviation**2 + (1 - sharpness) * 1.5**2, abs=within)
@@ -138,7 +138,7 @@ def test_interpolation_of_gaussians(sharpness):
 
 
 def uneven(seed):
-    """Two densities on a line with nothing in common: peaks, steps, and gaps without any mass."""
+    """Two unrelated densities on a line: peaks, steps, and empty gaps."""
     rng = np.random.default_rng(seed)
     x = np.arange(128) + 0.5
     densities = np.zeros((2, 128))
@@ -151,7 +151,7 @@ def uneven(seed):
 
 
 def quantiles(density, levels):
-    """Positions below which the shares `levels` of the mass lie, mass spread evenly over every cell."""
+    """Positions below which the fractions `levels` of the mass lie; the mass is uniform within each cell."""
     mass = density / density.sum()
     cumulated = np.cumsum(mass)
     cells = np.searchsorted(cumulated, levels)
@@ -163,7 +163,7 @@ LEVELS = (np.arange(20000) + 0.5) / 20000
 
 @pytest.mark.parametrize("seed", range(6))
 def test_distances_on_a_line_are_those_of_quantiles(seed):
-    """W2^2 = integral of (F0^-1 - F1^-1)^2; the blur leaves a quarter of a percent (measured: 0.2 %)."""
+    """W2^2 = integral of (F0^-1 - F1^-1)^2; the remaining blur causes 0.2 % (measured)."""
     first, second = uneven(seed)
     exact = ((quantiles(first, LEVELS) - quantiles(second, LEVELS)) ** 2).mean()
     found = distance(first, second, Grid((128,), 1.5), max_iterations=5000)
@@ -173,7 +173,7 @@ def test_distances_on_a_line_are_those_of_quantiles(seed):
 
 @pytest.mark.parametrize(("seed", "t"), [(0, 0.3), (1, 0.5), (2, 0.8), (3, 0.5)])
 def test_barycenters_on_a_line_average_quantiles(seed, t):
-    """The quantile function of the barycenter is the weighted mean, and sharpness brings it closer.
+    """The quantile function of the barycenter is the weighted mean; sharpness reduces the error.
 
     W1 between the barycenter and the exact one, in cells; measured 0.20 plain, 0.067 at 0.75, 0.043 debiased, with a
     kernel of 1.5 cells.

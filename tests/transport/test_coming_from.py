@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page for those who come from other libraries is right: its snippets are run, POT beside them."""
+"""The page for users of other libraries is correct: its snippets run here, next to POT."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SNIPPETS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), 
 
 @pytest.fixture(scope="module")
 def names():
-    """What the snippets have defined after all of them."""
+    """All names defined by the snippets."""
     assert len(SNIPPETS) == 4
     assert sum(snippet.count("assert ") for snippet in SNIPPETS) >= 5
     found = {}
@@ -28,11 +28,11 @@ def names():
     return found
 
 
-def test_snippets_of_the_page_hold(names):
+def test_snippets_of_the_page_run(names):
     assert names["ours"].sum() == pytest.approx(1.0, abs=1e-6)
 
 
-def test_names_of_pot_on_the_page_are_there(names):
+def test_names_of_pot_on_the_page_exist(names):
     used = set(re.findall(r"`(ot(?:\.\w+)+)", PAGE.read_text(encoding="utf-8")))
     assert len(used) >= 6
     for name in used:
@@ -41,7 +41,7 @@ def test_names_of_pot_on_the_page_are_there(names):
             owner = getattr(owner, part)
 
 
-def test_the_plan_of_the_scalings_is_that_of_pot(names):
+def test_the_plan_of_the_scalings_agrees_with_pot(names):
     grid, found = names["grid"], names["found"]
     kernel = np.exp(-names["M"] / (2.0 * grid.sigma**2))
     plan = found.v.reshape(-1, 1) * kernel * found.w.reshape(1, -1)
@@ -49,7 +49,7 @@ def test_the_plan_of_the_scalings_is_that_of_pot(names):
 
 
 def test_divergences_are_squared_distances_here_and_in_pot():
-    """Between two Gaussians of one width: the squared distance of their means (Janati et al. 2020)."""
+    """Between two Gaussians of equal width: the squared distance of their means (Janati et al. 2020)."""
     n, width, sigma = 48, 4.0, 2.0
     x = np.arange(n)
     a, b = (np.exp(-((x - place) ** 2) / (2.0 * width**2)) for place in (18.0, 28.0))

@@ -19,7 +19,7 @@ from tests.transport.gaussians import gaussian
 
 
 def family(shape, count=4, seed=1):
-    """Pairs of blobs, which span as many dimensions as there are of them: single Gaussians on a line span only two."""
+    """Pairs of blobs, which span one dimension per pair; single Gaussians on a line would span only two."""
     rng = np.random.default_rng(seed)
     blobs = [
         gaussian(shape, rng.uniform(0.35, 0.65, len(shape)) * shape, rng.uniform(2.0, 3.0) ** 2) for _ in range(count)
@@ -29,8 +29,8 @@ def family(shape, count=4, seed=1):
 
 @pytest.mark.parametrize(("shape", "seed"), [((48,), 1), ((24, 20), 2), ((10, 12, 11), 1)])
 @pytest.mark.parametrize(("sharpness", "tolerance"), [(0.0, 1e-6), (0.75, 1e-6), (1.0, 1e-5)])
-def test_the_weights_of_a_barycenter_are_found_again(shape, sharpness, tolerance, seed):
-    """As well as the barycenter is solved."""
+def test_the_weights_of_a_barycenter_are_recovered(shape, sharpness, tolerance, seed):
+    """To the accuracy of the barycenter."""
     mus, grid = family(shape), Grid(shape, 1.3)
     weights = np.random.default_rng(seed).dirichlet(np.ones(4))
     member = barycenter(mus, weights, grid, sharpness=sharpness, tolerance=tolerance, max_iterations=3000)
@@ -43,7 +43,7 @@ def test_the_weights_of_a_barycenter_are_found_again(shape, sharpness, tolerance
 
 
 @pytest.mark.parametrize("absent", [0, 2])
-def test_inputs_without_weight_are_told_apart(absent):
+def test_inputs_without_weight_are_identified(absent):
     mus, grid = family((24, 20)), Grid((24, 20), 1.3)
     weights = np.array([0.3, 0.2, 0.4, 0.1])
     weights[absent] = 0.0
@@ -55,8 +55,8 @@ def test_inputs_without_weight_are_told_apart(absent):
 
 @pytest.mark.parametrize("corner", range(4))
 @pytest.mark.parametrize("sharpness", [0.0, 0.75, 1.0])
-def test_corners_are_corners(corner, sharpness):
-    """Only debiased is an input the barycenter of all weight on itself; plain, it is sharper than any member is."""
+def test_inputs_are_found_as_corners(corner, sharpness):
+    """Only debiased is an input its own barycenter; plain, it is sharper than any barycenter of the family."""
     mus, grid = family((24, 20)), Grid((24, 20), 1.3)
     member = barycenter(mus, np.eye(4)[corner], grid, sharpness=sharpness, tolerance=1e-6).density
     found = barycentric_coordinates(member, mus, grid, sharpness=sharpness)
@@ -67,8 +67,8 @@ def test_corners_are_corners(corner, sharpness):
     assert (sharper.residual < 1e-3) == (sharpness == 1.0)
 
 
-def test_the_sharpness_has_to_be_that_of_the_family():
-    """The residual tells which one it was."""
+def test_the_residual_depends_on_the_sharpness_of_the_family():
+    """The residual is smallest for the sharpness that was used."""
     mus, grid = family((24, 20)), Grid((24, 20), 1.3)
     member = barycenter(mus, [0.4, 0.3, 0.2, 0.1], grid, sharpness=0.75, tolerance=1e-6, max_iterations=1000).density
     right, *wrong = (barycentric_coordinates(member, mus, grid, sharpness=s).residual for s in (0.75, 0.0, 0.5, 1.0))
@@ -76,8 +76,8 @@ def test_the_sharpness_has_to_be_that_of_the_family():
     assert min(wrong) > 100 * right
 
 
-def test_strangers_have_a_residual_in_squared_cells():
-    """Of the potentials: sigma^2 times what remains of their logarithms; it does not depend on the room around."""
+def test_other_densities_have_a_residual_in_squared_cells():
+    """Residual of the potentials, sigma^2 times that of their logarithms; does not depend on the margin."""
     mus, grid = family((24, 20)), Grid((24, 20), 1.3)
     stranger = gaussian((24, 20), [12, 10], 6.0**2)
     found = barycentric_coordinates(stranger, mus, grid)
@@ -109,7 +109,7 @@ def test_order_of_inputs_does_not_matter():
     np.testing.assert_allclose(other, one[order], atol=1e-6)
 
 
-def test_equal_inputs_share_their_weight():
+def test_identical_inputs_share_their_weight():
     mus, grid = family((24, 20)), Grid((24, 20), 1.3)
     member = barycenter(mus[:2], [0.3, 0.7], grid, tolerance=1e-7, max_iterations=1000).density
     found = barycentric_coordinates(member, mus[[0, 1, 1]], grid)
@@ -132,14 +132,14 @@ STRANGERS = {
 
 
 def reached(weights, target, sharpness):
-    """Distance of the barycenter of these weights, solved anew."""
+    """Distance from the barycenter with these weights, computed from scratch."""
     blend = barycenter(SPAN, weights, LINE, sharpness=sharpness, tolerance=1e-4, max_iterations=1000)
     return distance(blend.density, target, LINE).value
 
 
 @pytest.mark.parametrize(("name", "sharpness"), [("two bumps", 0.0), ("box", 0.75)])
 def test_the_nearest_barycenter_is_nearer_than_any_other(name, sharpness):
-    """Than where the search began, than all weights in thirds, and than its own neighbors."""
+    """Nearer than the starting point, the barycenter of equal weights, and its own neighbors."""
     target = STRANGERS[name]
     found = nearest_barycenter(target, SPAN, LINE, sharpness=sharpness)
     assert found.weights.sum() == pytest.approx(1.0)
@@ -154,7 +154,7 @@ def test_the_nearest_barycenter_is_nearer_than_any_other(name, sharpness):
     assert 1 < found.evaluations < 30
 
 
-def test_members_are_their_own_nearest_barycenter():
+def test_a_barycenter_is_its_own_nearest_barycenter():
     member = barycenter(SPAN, [0.2, 0.5, 0.3], LINE, tolerance=1e-6, max_iterations=1000).density
     found = nearest_barycenter(member, SPAN, LINE)
     np.testing.assert_allclose(found.weights, [0.2, 0.5, 0.3], atol=1e-4)
@@ -169,8 +169,8 @@ def test_a_search_of_one_step_keeps_the_better_end():
     assert one.evaluations < many.evaluations
 
 
-def test_a_search_that_goes_astray_never_leaves_a_worse_answer(monkeypatch):
-    """Whatever the minimizer tries last."""
+def test_a_diverging_search_never_returns_a_worse_result(monkeypatch):
+    """For any last point that the minimizer tries."""
     target = STRANGERS["two bumps"]
     start = barycentric_coordinates(target, SPAN, LINE).weights
     monkeypatch.setattr(scipy.optimize, "minimize", lambda value, x, **rest: [value(corner) for corner in np.eye(3)])

@@ -24,14 +24,14 @@ def ragged(seed, count, shape, empty=0.3):
 
 
 def plan_marginals(found, grid):
-    """Both marginals of the plan D_v H D_w, by the grid's own kernel."""
+    """Both marginals of the plan D_v H D_w, using the grid's own kernel."""
     v, w = np.exp(found.log_v), np.exp(found.log_w)
     return v * grid.apply(w), w * grid.apply(v)
 
 
 @pytest.mark.parametrize(("shape", "sigma"), [((24,), 1.5), ((7, 9), 1.1), ((12, 5), 0.8), ((4, 3, 6), 0.9)])
 def test_entropic_value_is_that_of_eq_10(shape, sigma):
-    """By the definition, from a dense plan. Measured agreement 4e-12; the marginal error is squared in the value."""
+    """By the definition, from a dense plan. Agrees to 4e-12, because the marginal error enters the value squared."""
     first, second = ragged(1, 2, shape)
     grid = Grid(shape, sigma)
     expected = dense.sinkhorn_value(first, second, grid, dense.kernel(grid))
@@ -43,7 +43,7 @@ def test_entropic_value_is_that_of_eq_10(shape, sigma):
 
 
 @pytest.mark.parametrize(("shape", "sigma"), [((24,), 1.5), ((7, 9), 1.1), ((4, 3, 6), 0.9)])
-def test_debiasing_takes_half_of_both_values_to_themselves(shape, sigma):
+def test_debiasing_subtracts_half_of_both_self_distances(shape, sigma):
     first, second = ragged(2, 2, shape)
     grid = Grid(shape, sigma)
     h = dense.kernel(grid)
@@ -53,7 +53,7 @@ def test_debiasing_takes_half_of_both_values_to_themselves(shape, sigma):
 
 
 def linear_program(first, second, shape):
-    """Exact W2^2 in squared cells, and the entropy -sum pi ln pi of the plan that was found."""
+    """Exact W2^2 in squared cells, and the entropy -sum pi ln pi of the optimal plan."""
     with np.errstate(all="ignore"):
         ot = pytest.importorskip("ot")
     plan, log = ot.emd(
@@ -69,11 +69,11 @@ def entropy_of(mass):
 
 @pytest.mark.parametrize("shape", [(12,), (6, 5), (8, 3), (4, 3, 5)])
 @pytest.mark.parametrize("seed", [6, 7])
-def test_narrow_kernels_meet_linear_programming(shape, seed):
-    """The debiased value differs from the exact one by gamma times entropies, and by terms that fall exponentially.
+def test_narrow_kernels_approach_linear_programming(shape, seed):
+    """The debiased value differs from the exact one by gamma times entropies plus terms that decrease exponentially.
 
-    At sigma = 0.2 cells it is up to 9 % off, for distances of about one cell; two values extrapolated to gamma = 0
-    measure within 3e-6.
+    At sigma = 0.2 cells, the error is up to 9 % for distances of about one cell; extrapolating two values to gamma = 0
+    reduces it to 3e-6 (measured).
     """
     first, second = ragged(seed, 2, shape)
     exact, _ = linear_program(first, second, shape)
@@ -87,7 +87,7 @@ def test_narrow_kernels_meet_linear_programming(shape, seed):
 
 @pytest.mark.parametrize("seed", [5, 6, 7])
 def test_on_a_line_the_first_order_in_gamma_is_known(seed):
-    """One optimal plan pi: gamma times half the entropies of the two distributions less that of pi. Measured: 1e-7."""
+    """gamma times half the sum of both entropies minus the entropy of the optimal plan. Measured: 1e-7."""
     first, second = ragged(seed, 2, (12,))
     exact, entropy = linear_program(first, second, (12,))
     sigma = 0.2
@@ -97,8 +97,8 @@ def test_on_a_line_the_first_order_in_gamma_is_known(seed):
 
 
 @pytest.mark.parametrize("shape", [(17,), (9, 6), (32, 16), (5, 4, 6)])
-def test_of_a_distribution_to_itself_is_zero(shape):
-    """Only debiased; the two ways to solve agree to the marginal error squared."""
+def test_the_debiased_distance_to_itself_is_zero(shape):
+    """The two ways to solve agree up to the square of the marginal error."""
     (mu,) = ragged(5, 1, shape)
     found = distance(mu, mu, Grid(shape, 1.2))
     assert abs(found.value) < 1e-8
@@ -108,7 +108,7 @@ def test_of_a_distribution_to_itself_is_zero(shape):
 
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2])
 def test_the_error_of_the_value_is_of_second_order(tolerance):
-    """Of a solve that stops early: gamma times the square of the marginal error, once or twice."""
+    """If a solve stops early, it is one or two times gamma times the square of the marginal error."""
     mu = np.zeros(64)
     mu[8:16] = np.random.default_rng(0).random(8)
     found = distance(mu, mu, Grid((64,), 2.0), tolerance=tolerance)
@@ -126,7 +126,7 @@ def test_order_does_not_matter():
 
 @pytest.mark.parametrize("sigma", [0.7, 1.5, 4.0])
 def test_a_shift_is_measured_exactly_in_cells(sigma):
-    """Transport of a shifted copy costs the squared shift at any regularization: the plan is shifted too."""
+    """Transport to a translated copy costs the squared distance at any regularization: the plan is translated, too."""
     shape = (80, 60)
     mu = np.zeros(shape)
     mu[30:37, 25:31] = np.random.default_rng(7).random((7, 6))
@@ -136,7 +136,7 @@ def test_a_shift_is_measured_exactly_in_cells(sigma):
 
 
 def test_a_shift_adds_to_the_distance_of_centered_shapes():
-    """W2^2(mu, nu moved by d) = W2^2(mu, nu) + 2 d (m1 - m0) + d^2, debiased as well."""
+    """W2^2(mu, nu translated by d) = W2^2(mu, nu) + 2 d (m1 - m0) + d^2, also debiased."""
     shape = (90, 40)
     first, second = np.zeros((2, *shape))
     first[20:30, 15:25], second[22:36, 12:20] = np.random.default_rng(8).random((10, 10)), 1.0
@@ -149,7 +149,7 @@ def test_a_shift_adds_to_the_distance_of_centered_shapes():
 
 
 @pytest.mark.parametrize("sigma", [0.8, 1.5])
-def test_units_do_not_depend_on_the_room_around(sigma):
+def test_units_do_not_depend_on_the_margin(sigma):
     small = ragged(9, 2, (10, 8))
     large = np.pad(small, ((0, 0), (5, 9), (12, 3)))
     one = distance(*small, Grid((10, 8), sigma), tolerance=1e-8)
@@ -158,8 +158,8 @@ def test_units_do_not_depend_on_the_room_around(sigma):
 
 
 @pytest.mark.parametrize("sigma", [0.9, 2.5])
-def test_scalings_make_the_plan(sigma):
-    """Both marginals as an outsider computes them; the last update made the first one exact."""
+def test_scalings_define_the_plan(sigma):
+    """Both marginals, computed independently; the last update makes the first one exact."""
     first, second = ragged(10, 2, (13, 10))
     grid = Grid((13, 10), sigma)
     found = distance(first, second, grid, tolerance=1e-6)
@@ -173,7 +173,7 @@ def test_scalings_make_the_plan(sigma):
 
 
 @pytest.mark.parametrize("rounds", [1, 2, 5, 9])
-def test_the_error_of_a_solve_cut_short_is_honest(rounds):
+def test_the_error_of_an_early_stop_is_correct(rounds):
     first, second = ragged(11, 2, (31,))
     grid = Grid((31,), 1.0)
     found = distance(first, second, grid, tolerance=1e-12, max_iterations=rounds)
@@ -184,7 +184,7 @@ def test_the_error_of_a_solve_cut_short_is_honest(rounds):
     assert 1e-12 < np.abs(other - second / second.mean()).mean() <= 2 * found.marginal_error
 
 
-def test_a_smaller_tolerance_is_kept_and_takes_longer():
+def test_a_smaller_tolerance_is_reached_and_takes_longer():
     first, second = ragged(12, 2, (40,))
     found = [distance(first, second, Grid((40,), 1.0), tolerance=t, max_iterations=5000) for t in (1e-2, 1e-5, 1e-9)]
     assert all(one.converged for one in found)
@@ -193,7 +193,7 @@ def test_a_smaller_tolerance_is_kept_and_takes_longer():
 
 
 @pytest.mark.parametrize("shape", [(64,), (32, 48), (16, 32, 16)])
-def test_coarse_levels_change_nothing_but_the_time(shape, monkeypatch):
+def test_coarse_levels_change_only_the_time(shape, monkeypatch):
     first, second = ragged(13, 2, shape)
     grid = Grid(shape, 1.5)
     with_levels = distance(first, second, grid, tolerance=1e-8, max_iterations=5000)
@@ -202,8 +202,8 @@ def test_coarse_levels_change_nothing_but_the_time(shape, monkeypatch):
     assert with_levels.value == pytest.approx(alone.value, rel=1e-8)
 
 
-def test_coarse_levels_give_the_finest_one_its_start(monkeypatch):
-    """Potentials grow fourfold from a level to the next; with that, a third of the rounds is left (measured)."""
+def test_coarse_levels_provide_the_start_of_the_finest(monkeypatch):
+    """Potentials are scaled by four from one level to the next, which leaves a third of the rounds (measured)."""
     first, second = np.zeros((2, 64, 64))
     first[8:16, 8:16], second[32:48, 32:48] = np.random.default_rng(0).random((8, 8)), 1.0
     rounds = []
@@ -215,8 +215,8 @@ def test_coarse_levels_give_the_finest_one_its_start(monkeypatch):
     assert rounds[0] < 0.6 * rounds[1]
 
 
-def test_reflecting_walls_are_as_far_as_open_ones():
-    """Walls change the kernel near them only by what heat turns back; far inside nothing."""
+def test_both_boundaries_give_the_same_distance_far_inside():
+    """Walls change the kernel only near them, by the heat that they reflect."""
     first, second = gaussian((40, 36), [18, 17], 4.0), gaussian((40, 36), [23, 19], 6.0)
     one, other = (distance(first, second, Grid((40, 36), 1.2, b), tolerance=1e-8).value for b in ("open", "reflecting"))
     assert one == pytest.approx(other, rel=1e-8)
@@ -225,7 +225,7 @@ def test_reflecting_walls_are_as_far_as_open_ones():
     assert uniform.iterations == 1
 
 
-def test_masses_are_normalized_and_the_inputs_left_alone():
+def test_masses_are_normalized_without_changing_the_inputs():
     first, second = ragged(14, 2, (9, 7))
     before = first.copy(), second.copy()
     grid = Grid((9, 7), 1.0)
@@ -258,7 +258,7 @@ def test_the_matrix_holds_the_distances_of_all_pairs():
 
 
 def test_the_matrix_does_not_depend_on_its_blocks():
-    """No more than sixteen pairs are solved together: the 28 of eight in two blocks, the ten of five in one."""
+    """At most sixteen pairs are solved together: the 28 pairs of eight in two blocks, the ten of five in one."""
     mus = ragged(17, 8, (32,))
     some = distance_matrix(mus[3:], Grid((32,), 1.5), tolerance=1e-8)
     blocks = distance_matrix(mus, Grid((32,), 1.5), tolerance=1e-8)
@@ -280,19 +280,19 @@ def test_a_matrix_of_one_is_zero():
 
 
 def test_lengths_keep_the_triangle_inequality():
-    """Debiased entropic lengths are no metric, but these are far apart for their blur; the largest gap stands first."""
+    """Debiased entropic lengths are no metric, but these distributions are far apart relative to the blur."""
     mus = np.stack([gaussian((60,), [c], v) for c, v in ((15, 4), (25, 9), (33, 2), (44, 16))])
     lengths = np.sqrt(distance_matrix(mus, Grid((60,), 1.5)).values)
     detours = (lengths[:, :, None] + lengths[None]).min(axis=1)
     assert (lengths <= detours + 1e-6).all()
-    # Along a line of equal shapes the inequality is an equality.
+    # For equal shapes along a line, the inequality is an equality.
     moved = np.stack([gaussian((60,), [c], 6.0) for c in (18, 27, 41)])
     lengths = np.sqrt(distance_matrix(moved, Grid((60,), 1.5), tolerance=1e-8).values)
     assert lengths[0, 2] == pytest.approx(lengths[0, 1] + lengths[1, 2], abs=1e-7)
 
 
-def test_far_numerics_take_over_and_agree():
-    """Every line spans little, the diagonal more than float64: scalings give up, and the shift stays exact."""
+def test_far_numerics_take_over_with_the_same_result():
+    """Lines span little, the diagonal exceeds float64: scalings fail, and the translation stays exact."""
     shape = (29, 29, 29)
     first = np.zeros(shape)
     first[1:4, 1:4, 1:4] = np.random.default_rng(20).random((3, 3, 3))
@@ -307,8 +307,8 @@ def test_far_numerics_take_over_and_agree():
 
 
 @pytest.mark.parametrize("solve", [distance, lambda mu, nu, grid: distance_matrix([mu, nu], grid)])
-def test_a_kernel_that_does_not_reach_is_refused(solve):
-    """Over 60 cells the potentials would be larger than what stands for nothing."""
+def test_a_kernel_that_is_too_narrow_is_refused(solve):
+    """Over 60 cells, the potentials would exceed the value that represents nothing."""
     first, second = gaussian((128,), [34], 4.0), gaussian((128,), [94], 4.0)
     first[first < 1e-30], second[second < 1e-30] = 0.0, 0.0
     with pytest.raises(KernelTooNarrowError, match=r"gamma = .* is too small .*; try"):
@@ -316,8 +316,8 @@ def test_a_kernel_that_does_not_reach_is_refused(solve):
 
 
 @pytest.mark.parametrize("sigma", [1.0, 1.3])
-def test_beyond_the_entries_of_the_kernel_the_distance_is_right(sigma):
-    """Along one line 60 cells are more than 36 sigma."""
+def test_beyond_the_entries_of_the_kernel_the_distance_is_accurate(sigma):
+    """On a line, 60 cells are more than 36 sigma."""
     first, second = gaussian((128,), [34], 4.0), gaussian((128,), [94], 4.0)
     first[first < 1e-30], second[second < 1e-30] = 0.0, 0.0
     found = distance(first, second, Grid((128,), sigma), tolerance=1e-6, max_iterations=5000)
@@ -329,7 +329,7 @@ def test_beyond_the_entries_of_the_kernel_the_distance_is_right(sigma):
 @pytest.mark.parametrize(
     "rounds", [distance_rounds, lambda a, b, *rest, **own: distance_matrix_rounds([a, b], *rest, **own)]
 )
-def test_every_round_is_reported_and_can_be_the_last(rounds):
+def test_every_round_is_reported_and_can_be_cancelled(rounds):
     first, second = ragged(21, 2, (17, 9))
     reports = list(rounds(first, second, Grid((17, 9), 1.0)))
     assert {report.payload.elements for report in reports} == {17 * 9}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The exact answer in three dimensions: barycenters of uniform ellipsoids."""
+"""Barycenters of uniform ellipsoids in three dimensions, which are known exactly."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def densities():
 
 
 def enclosed(density, volume):
-    """The densest cells that make up a volume."""
+    """The densest cells with the given total volume."""
     level = np.sort(density, axis=None)[::-1][round(volume)]
     return (density > level).astype(float)
 

@@ -14,7 +14,7 @@ def graph(edges, fixed, weights=1.0, size=None):
 
 
 def reached_from(vertex, pairs, blocked):
-    """Vertices that paths over no blocked vertex lead to."""
+    """Vertices reachable by paths without blocked vertices."""
     found, waiting = {vertex}, [vertex]
     while waiting:
         here = waiting.pop()
@@ -29,7 +29,7 @@ def reached_from(vertex, pairs, blocked):
 
 @st.composite
 def graphs(draw):
-    """Connected multigraphs with some vertices fixed: a random tree and more edges, some of them double."""
+    """Connected multigraphs with some fixed vertices: a random tree plus edges, some of them duplicates."""
     size = draw(st.integers(2, 14))
     tree = [(draw(st.integers(0, v - 1)), v) for v in range(1, size)]
     vertex = st.integers(0, size - 1)
@@ -47,7 +47,7 @@ def test_ends_parts_and_colors_of_any_graph(drawn):
     made = graph(pairs, fixed, weights, size)
     kept = [(p, w) for p, w in zip(pairs, weights, strict=True) if not set(p) <= fixed]
 
-    # Two ends per edge, in the order given.
+    # Two ends per edge, in the given order.
     assert [tuple(e) for e in made.vertex_of_end.reshape(-1, 2)] == [p for p, _ in kept]
     np.testing.assert_array_equal(made.weight_of_end, np.repeat([w for _, w in kept], 2))
     assert sorted(np.concatenate(made.ends_at).tolist()) == list(range(2 * len(kept)))
@@ -55,7 +55,7 @@ def test_ends_parts_and_colors_of_any_graph(drawn):
         assert (made.vertex_of_end[ends] == vertex).all()
     assert set(np.flatnonzero(made.fixed).tolist()) == fixed
 
-    # A color holds no two neighbors, every vertex has one color, the fixed ones have the first.
+    # Neighbors have different colors, every vertex has exactly one, and the fixed vertices have the first.
     color = np.full(size, -1)
     for number, vertices in enumerate(made.colors):
         assert (color[vertices] == -1).all()
@@ -66,7 +66,7 @@ def test_ends_parts_and_colors_of_any_graph(drawn):
     degree = np.bincount(made.vertex_of_end, minlength=size)
     assert len(made.colors) <= degree.max() + 2
 
-    # Parts are what is left in one piece when fixed vertices are taken away.
+    # Parts are the connected components without the fixed vertices.
     for vertex in range(size):
         if vertex in fixed:
             assert made.parts[vertex] == -1
@@ -126,6 +126,6 @@ def test_vertices_without_edges_need_a_distribution():
         ([[0, 1]], {0}, np.inf, None, "edge_weights must be positive numbers"),
     ],
 )
-def test_graphs_that_make_no_sense_are_refused(edges, fixed, weights, size, named):
+def test_invalid_graphs_are_refused(edges, fixed, weights, size, named):
     with pytest.raises(ValueError, match=named):
         graph(edges, fixed, weights, size)

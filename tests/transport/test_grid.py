@@ -30,18 +30,18 @@ def test_log_forms_agree_with_apply(shape, method):
     grid = Grid(shape, 1.4)
     columns = np.random.default_rng(2).random((3, *shape)) + 1e-3
     logs = np.log(columns)
-    getattr(grid, method)(logs, logs)  # in place, as the solver may call it
+    getattr(grid, method)(logs, logs)  # in place, as in the solver
     np.testing.assert_allclose(np.exp(logs), grid.apply(columns), rtol=1e-12)
 
 
 def brute_force_log_apply(logs, sigma):
-    """Log-sum-exp over all pairs of cells of a line, without any scaling."""
+    """Log-sum-exp over all pairs of cells on a line, without any scaling."""
     cells = np.arange(len(logs))
     kernel = -((cells[:, None] - cells) ** 2) / (2 * sigma**2) - np.log(np.sqrt(2 * np.pi) * sigma)
     return np.logaddexp.reduce(kernel + logs[None, :], axis=1)
 
 
-def test_scalings_are_right_or_nothing():
+def test_scalings_are_accurate_or_fail():
     logs = np.linspace(-2500.0, 0.0, 200)[None]
     result = np.empty_like(logs)
     Grid((200,), 1.5).log_apply(logs, result)
@@ -51,8 +51,8 @@ def test_scalings_are_right_or_nothing():
     np.testing.assert_allclose(result[0, reached], expected[reached], rtol=1e-4)
 
 
-def test_by_line_reaches_where_scalings_do_not():
-    # Every line spans little, the grid as a whole far more than float64.
+def test_by_line_numerics_reach_further_than_scalings():
+    # Each line spans a small range, the whole grid far more than float64.
     rows = -9.0 * np.add.outer(np.arange(100.0), np.arange(100.0))
     grid = Grid((100, 100), 1.5)
     plain, by_line = np.empty((2, 1, 100, 100))
@@ -65,15 +65,15 @@ def test_by_line_reaches_where_scalings_do_not():
 
 
 def kernel_of(grid):
-    """The kernel as a matrix between all cells, (n, n)."""
+    """The kernel as a matrix over all cells, (n, n)."""
     cells = np.eye(grid.cells).reshape(grid.cells, *grid.shape)
     return grid.apply(cells).reshape(grid.cells, -1)
 
 
 @pytest.mark.parametrize("shape", [*SHAPES, (1,), (7, 1), (1, 5, 1)])
 @pytest.mark.parametrize("sigma", [0.4, 1.3, 6.0, 40.0])
-def test_reflecting_walls_turn_all_heat_back(shape, sigma):
-    """SciPy mirrors the grid about its walls as often as 40 deviations need."""
+def test_reflecting_walls_reflect_all_heat(shape, sigma):
+    """Compared with SciPy, which mirrors the grid as often as 40 deviations require."""
     columns = np.random.default_rng(7).random((2, *shape))
     expected = [gaussian_filter(c, sigma, mode="reflect", truncate=40) for c in columns]
     np.testing.assert_allclose(Grid(shape, sigma, "reflecting").apply(columns), expected, atol=1e-13)
@@ -82,7 +82,7 @@ def test_reflecting_walls_turn_all_heat_back(shape, sigma):
 @pytest.mark.parametrize("shape", [(1,), (2,), (17,), (6, 5), (3, 1, 4)])
 @pytest.mark.parametrize("sigma", [0.02, 0.3, 1.0, 5.0, 300.0])
 def test_the_reflecting_kernel_is_a_symmetric_stochastic_matrix(shape, sigma):
-    """Rows sum to one to rounding, at any sigma; a very large one makes everything even."""
+    """Rows sum to one up to rounding, for any sigma; a very large one makes everything uniform."""
     kernel = kernel_of(Grid(shape, sigma, "reflecting"))
     np.testing.assert_allclose(kernel.sum(axis=1), 1.0, rtol=0, atol=1e-13)
     np.testing.assert_allclose(kernel, kernel.T, rtol=0, atol=1e-15)
@@ -104,7 +104,7 @@ def test_walls_keep_constants_and_mass(shape):
 
 @pytest.mark.parametrize("boundary", ["open", "reflecting"])
 def test_two_blurs_are_one_wider_blur(boundary):
-    """Of variance twice as large, up to what a grid cannot tell at these deviations."""
+    """With twice the variance, up to the discretization error at these deviations."""
     density = np.random.default_rng(9).random((40, 36))
     once = Grid((40, 36), np.sqrt(2.0) * 1.5, boundary).apply(density)
     half = Grid((40, 36), 1.5, boundary)
@@ -113,7 +113,7 @@ def test_two_blurs_are_one_wider_blur(boundary):
     np.testing.assert_allclose(twice[inner], once[inner], atol=1e-8)
 
 
-def test_both_boundaries_are_the_same_far_inside():
+def test_both_boundaries_agree_far_inside():
     density = np.zeros((60, 50))
     density[25:35, 20:30] = 1.0
     one, other = (Grid((60, 50), 1.5, boundary).apply(density) for boundary in ("open", "reflecting"))
@@ -137,8 +137,8 @@ def test_positions_are_the_centers_of_cells_in_cells(shape):
 
 
 @pytest.mark.parametrize("shape", [(50,), (20, 80), (8, 16, 64)])
-def test_the_unit_length_turns_gamma_into_squared_cells(shape):
-    """A grid of any shape has unit volume, and sigma^2 is half of gamma."""
+def test_the_unit_length_converts_gamma_to_squared_cells(shape):
+    """Grids of any shape have unit volume, and sigma^2 is half of gamma."""
     grid = Grid(shape, 2.5)
     assert grid.gamma * grid.unit_length**2 == pytest.approx(2 * 2.5**2)
     assert np.prod(np.array(shape) / grid.unit_length) == pytest.approx(1.0)
@@ -146,8 +146,8 @@ def test_the_unit_length_turns_gamma_into_squared_cells(shape):
 
 
 @pytest.mark.parametrize("height", [-9000.0, 0.0, 5500.0, 9000.0])
-def test_nothing_stays_nothing_however_large_the_rest(height):
-    """A cell beyond the reach of the kernel has no result, not one that large scalings elsewhere have lifted."""
+def test_cells_beyond_reach_stay_empty_for_any_scalings(height):
+    """A cell beyond the reach of the kernel gets no value, even if scalings elsewhere are large."""
     logs = np.full((1, 200), LOG_NOTHING)
     logs[0, :5] = height
     result = np.empty_like(logs)
@@ -157,7 +157,7 @@ def test_nothing_stays_nothing_however_large_the_rest(height):
 
 
 @pytest.mark.parametrize("height", [-9000.0, 0.0, 5500.0])
-def test_in_logarithms_the_kernel_reaches_a_hundred_deviations(height):
+def test_in_the_log_domain_the_kernel_reaches_a_hundred_deviations(height):
     logs = np.full((1, 200), LOG_NOTHING)
     logs[0, :5] = height
     result = np.empty_like(logs)
@@ -180,7 +180,7 @@ def test_in_logarithms_the_kernel_reaches_a_hundred_deviations(height):
     empty=st.sampled_from([0.0, 0.3, 0.9]),
 )
 def test_log_blur_agrees_with_brute_force(seed, size, sigma, slope, curvature, empty):
-    """Potentials as solvers have them: slopes and parabolas that compensate the kernel's, with noise and gaps."""
+    """Potentials as in solvers: slopes and parabolas that compensate the kernel, with noise and gaps."""
     rng = np.random.default_rng(seed)
     x = np.arange(size) - size / 2
     logs = rng.normal(size=(3, size)) * 10 + slope * x + curvature * np.clip(x**2 / (2 * sigma**2), 0, 3000)
@@ -193,8 +193,8 @@ def test_log_blur_agrees_with_brute_force(seed, size, sigma, slope, curvature, e
     assert (found >= LOG_NOTHING).all()
 
 
-def test_walls_turn_back_what_comes_from_far():
-    """As with mirror images of the line behind both walls."""
+def test_walls_reflect_distant_mass():
+    """Compared with mirror images of the line behind both walls."""
     rng = np.random.default_rng(1)
     logs = 20 * rng.normal(size=(1, 60)) - 8 * np.arange(60)
     result = np.empty_like(logs)
@@ -218,14 +218,14 @@ def test_lengths_are_those_of_unit_volume():
 
 
 @pytest.mark.parametrize(("sigma", "coarser"), [(1.0, 1.0), (1.25, 1.25), (2.0, 1.25), (2.5, 1.25), (6.0, 3.0)])
-def test_a_coarser_grid_keeps_the_kernel_as_far_as_its_cells_show_it(sigma, coarser):
+def test_a_coarser_grid_keeps_the_kernel_unless_its_cells_are_too_large(sigma, coarser):
     grid = Grid((32, 16, 16), sigma)
     assert grid.coarser().sigma == pytest.approx(coarser)
     assert grid.coarser().gamma / grid.gamma == pytest.approx(grid.fall_of_gamma)
     assert 1.0 <= grid.fall_of_gamma <= 4.0
 
 
-def test_restriction_keeps_mass_and_prolongation_keeps_lines():
+def test_restriction_keeps_mass_and_prolongation_linear_functions():
     grid = Grid((16, 24, 32), 1.0)
     coarse = grid.coarser()
     assert coarse.shape == (8, 12, 16)
@@ -238,7 +238,7 @@ def test_restriction_keeps_mass_and_prolongation_keeps_lines():
     np.testing.assert_allclose(np.diff(doubled, axis=2)[:, :, 1:-1], 0.5)
 
 
-def test_prolonging_to_a_region_is_prolonging_to_all_of_the_grid():
+def test_prolonging_to_a_region_agrees_with_the_whole_grid():
     grid = Grid((16, 24, 32), 1.0)
     rng = np.random.default_rng(5)
     columns = rng.random((2, 8, 12, 16))

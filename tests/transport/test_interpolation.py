@@ -16,7 +16,7 @@ EACH = pytest.mark.parametrize("solve", [interpolate, bisect])
 
 
 def pair(shape, seed=0):
-    """A box and an uneven patch, apart from each other."""
+    """A box and an uneven patch that do not overlap."""
     rng = np.random.default_rng(seed)
     densities = np.zeros((2, *shape))
     low = tuple(slice(n // 8, n // 3) for n in shape)
@@ -27,7 +27,7 @@ def pair(shape, seed=0):
 
 
 def quantiles(density, levels):
-    """Positions below which the shares `levels` of the mass of a line lie, in cells."""
+    """Positions on a line below which the fractions `levels` of the mass lie, in cells."""
     mass = density / density.sum()
     cumulated = np.cumsum(mass)
     cells = np.searchsorted(cumulated, levels)
@@ -36,7 +36,7 @@ def quantiles(density, levels):
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
 def test_frames_are_barycenters_in_the_order_of_the_times(sharpness):
-    """Solved one from the other, in any order, to what cold solves give within the tolerance."""
+    """Solved one from the other in any order, they agree with cold solves within the tolerance."""
     mus, grid = pair((32, 24)), Grid((32, 24), 1.4)
     times = [0.7, 0.0, 0.25, 1.0, 0.7]
     options = {"sharpness": sharpness, "tolerance": 1e-4, "max_iterations": 1000}
@@ -68,7 +68,7 @@ def test_an_entropy_limit_holds_in_every_frame_of_interpolate():
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 @pytest.mark.parametrize("levels", [1, 3])
 def test_bisection_of_equal_gaussians_is_displacement_interpolation(levels, tolerance):
-    """Bounded by the entropy of the ends every frame is an end, moved: centers and variances are exact.
+    """With the entropy bounded by the ends, every frame is a translated end: centers and variances are exact.
 
     Measured: centers within 5 cells times the tolerance, variances to rounding.
     """
@@ -91,7 +91,7 @@ def test_bisection_of_equal_gaussians_is_displacement_interpolation(levels, tole
 
 
 def test_bisection_without_a_limit_adds_a_blur_per_level():
-    """Midpoints of midpoints: the closed form's covariances, level by level, measured within 1e-5."""
+    """Midpoints of midpoints: the closed form's covariances, level by level; measured within 1e-5."""
     shape, ends = (80, 70), [np.array([[16.0, 6], [6, 9]]), np.array([[8.0, -3], [-3, 14]])]
     means = np.array([[34.0, 32.0], [46.0, 38.0]])
     found = bisect(
@@ -111,10 +111,10 @@ def test_bisection_without_a_limit_adds_a_blur_per_level():
 
 
 @pytest.mark.parametrize(("levels", "within"), [(1, 0.09), (2, 0.14), (3, 0.2)])
-def test_bisection_puts_boxes_where_quantiles_are(levels, within):
+def test_bisection_of_boxes_averages_their_quantiles(levels, within):
     """Displacement interpolation on a line averages quantile functions.
 
-    W1 to that in cells, at a kernel of 1.5; measured 0.075, 0.12 and 0.17: edges become rounder from level to level.
+    W1 to the exact result in cells, for a kernel of 1.5; measured 0.075, 0.12 and 0.17: every level rounds the edges.
     """
     x = np.arange(128)
     first, second = (np.abs(x - 30.5) < 12) + 0.0, (np.abs(x - 90.5) < 24) + 0.0
@@ -143,7 +143,7 @@ def test_entropies_stay_below_the_larger_neighbor(shape):
     np.testing.assert_allclose(numbered.entropies[1:-1], max(first, last) - 0.1, atol=1e-6)
 
 
-def test_bisection_puts_frames_in_order():
+def test_bisection_returns_frames_in_order():
     mus, grid = pair((40, 36)), Grid((40, 36), 1.3)
     found = bisect(*mus, grid, levels=3)
     assert found.densities.shape == (9, 40, 36)
@@ -158,7 +158,7 @@ def test_bisection_puts_frames_in_order():
 
 
 def test_bisection_at_other_times():
-    """In the order asked for, doubles and ends included; every frame from the two that are next to it."""
+    """In the given order, including duplicates and ends; every frame is solved from the two adjacent to it."""
     shape = (96,)
     mus = gaussian(shape, [36], 16.0), gaussian(shape, [60], 16.0)
     times = [0.9, 0.1, 0.3, 0.5, 0.1, 0.0, 1.0, 0.25]
@@ -175,7 +175,7 @@ def test_bisection_at_other_times():
     assert moments(only_known.densities[0])[0][0] > moments(only_known.densities[1])[0][0]
 
 
-def test_one_level_is_the_propagation_over_a_line():
+def test_one_level_equals_propagation_over_a_line():
     mus, grid = pair((24, 28)), Grid((24, 28), 1.3)
     line = propagate([[0, 1], [1, 2]], 1.0, {0: mus[0], 2: mus[1]}, grid, tolerance=1e-8)
     halved = bisect(*mus, grid, levels=1, entropy_limit=None, tolerance=1e-8)
@@ -194,7 +194,7 @@ def test_backwards_is_the_reverse(solve):
 
 
 def one_of(solve, mu0, mu1, times, grid, **options):
-    """Either way to interpolate at given times, tightly."""
+    """Interpolate at given times with either function, with a small tolerance."""
     options = {"tolerance": 1e-6, "max_iterations": 2000, **options}
     if solve is bisect:
         return bisect(mu0, mu1, grid, levels=2, times=times, **options)
@@ -202,7 +202,7 @@ def one_of(solve, mu0, mu1, times, grid, **options):
 
 
 @EACH
-def test_far_numerics_are_said(solve):
+def test_far_numerics_are_reported(solve):
     shape = (29, 29, 29)
     first = np.zeros(shape)
     first[1:4, 1:4, 1:4] = 1.0
@@ -221,7 +221,7 @@ def test_both_can_be_cancelled_at_any_iteration(solve):
 
 
 @EACH
-def test_iterations_that_run_out_are_said(solve):
+def test_an_exceeded_iteration_limit_is_reported(solve):
     found = one_of(solve, *pair((17, 13)), [0.0, 0.5], Grid((17, 13), 1.2), max_iterations=2)
     assert found.converged.tolist() == [True, False]
     assert found.marginal_errors[1] > 1e-6

@@ -11,7 +11,7 @@ from convwass_addon.transport.log_range import LOG_NOTHING
 from tests.transport import gaussians
 from tests.transport.gaussians import gaussian
 
-# Shape, means and covariances: a line, axes turned against each other, and three dimensions.
+# Shape, means and covariances: a line, rotated axes, and three dimensions.
 PAIRS = [
     ((84,), ([36.0], [44.0]), (np.diag([16.0]), np.diag([36.0]))),
     ((64, 60), ([28.0, 30.0], [36.0, 27.0]), (np.array([[16.0, 8], [8, 12]]), np.array([[12.0, -5], [-5, 20]]))),
@@ -20,7 +20,7 @@ PAIRS = [
 
 
 def core(density):
-    """Where a thousandth of the largest density is reached: 3.7 deviations of a Gaussian."""
+    """Cells above a thousandth of the largest density: 3.7 deviations of a Gaussian."""
     return density > 1e-3 * density.max()
 
 
@@ -44,7 +44,7 @@ def test_maps_of_gaussians_are_linear(shape, means, covariances, sigma):
 
 
 def test_narrow_kernels_give_the_optimal_map():
-    """The slope of the optimal map is 1.5; the entropic one has sigma^2 / (2 variance) less, up to the fourth order."""
+    """The slope of the optimal map is 1.5; the entropic slope is sigma^2 / (2 variance) less, to the fourth order."""
     shape, means, (first, second) = PAIRS[0]
     grid = Grid(shape, 1.0)
     found = distance(gaussian(shape, means[0], first), gaussian(shape, means[1], second), grid, tolerance=1e-8)
@@ -52,8 +52,8 @@ def test_narrow_kernels_give_the_optimal_map():
     np.testing.assert_allclose(slopes, 1.5 - 1.0 / (2 * 16), atol=5e-4)
 
 
-def test_a_shifted_copy_is_shifted_and_blurred():
-    """The mean of the plan's rows: the mean of all images is that of the target, exactly."""
+def test_the_map_to_a_shifted_copy_is_a_blurred_shift():
+    """The images are means of the plan's rows, so their overall mean is exactly that of the target."""
     shape = (40, 30)
     first = np.zeros(shape)
     first[8:20, 6:18] = np.random.default_rng(0).random((12, 12))
@@ -64,12 +64,12 @@ def test_a_shifted_copy_is_shifted_and_blurred():
     mass = first / first.sum()
     own, moved = ((mass[..., None] * m).sum(axis=(0, 1)) for m in (grid.positions, images))
     np.testing.assert_allclose(moved - own, [11, 9], atol=1e-7)
-    # The plan is as wide as the kernel, and near an edge lopsided.
+    # The plan is as wide as the kernel, and near an edge it is lopsided.
     assert np.abs(images - grid.positions - [11, 9])[first > 0].max() < 1.0
 
 
 def test_from_an_input_to_the_barycenter():
-    """By the barycenter's own scalings: the images of an input have the barycenter's mean, and its map is linear."""
+    """With the barycenter's own scalings, the images of an input have the barycenter's mean, and its map is linear."""
     shape = (90,)
     mus = np.stack([gaussian(shape, [30], 9.0), gaussian(shape, [54], 25.0)])
     grid = Grid(shape, 1.5)
@@ -84,7 +84,7 @@ def test_from_an_input_to_the_barycenter():
 
 @pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray, lambda v: v[..., ::-1]])
 def test_any_values_are_carried_along(layout):
-    """Means of columns of any range and layout, against the plan's own rows."""
+    """Means of columns of any range and memory layout, compared with the plan's own rows."""
     rng = np.random.default_rng(1)
     grid = Grid((9, 7), 1.3)
     mus = rng.random((2, 9, 7)) * (rng.random((2, 9, 7)) > 0.3)
@@ -93,11 +93,11 @@ def test_any_values_are_carried_along(layout):
     found = transport_map(log_w, grid, values)
     w = np.exp(log_w)
     expected = np.moveaxis(grid.apply(w * np.moveaxis(values, -1, 0)) / grid.apply(w), 0, -1)
-    # As many digits as the largest value of each column leaves.
+    # The precision is relative to the largest value of each column.
     assert (np.abs(found - expected) <= 1e-12 * np.abs(values).max(axis=(0, 1))).all()
 
 
-def test_constant_columns_stay_exactly_what_they_are():
+def test_constant_columns_are_exactly_unchanged():
     rng = np.random.default_rng(2)
     grid = Grid((8, 6), 1.1)
     log_w = distance(*rng.random((2, 8, 6)), grid).log_w
@@ -105,7 +105,7 @@ def test_constant_columns_stay_exactly_what_they_are():
     np.testing.assert_array_equal(transport_map(log_w, grid, values), values)
 
 
-def test_images_stay_within_the_values():
+def test_images_stay_within_the_range_of_the_values():
     rng = np.random.default_rng(3)
     grid = Grid((12, 11), 2.0)
     log_w = distance(*rng.random((2, 12, 11)), grid).log_w
@@ -115,8 +115,8 @@ def test_images_stay_within_the_values():
     assert images[..., 1].max() <= 10.5
 
 
-def test_what_no_mass_reaches_keeps_its_own_value():
-    """Beyond 141 deviations the logarithm of the kernel is that of nothing."""
+def test_cells_that_no_mass_reaches_keep_their_values():
+    """Beyond 141 deviations, the logarithm of the kernel is the value that represents nothing."""
     grid = Grid((260,), 1.0)
     mu = np.zeros(260)
     mu[10:14] = 1.0

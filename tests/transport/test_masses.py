@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Histograms that sum to one go in and come out, on cells of equal and of different areas."""
+"""Histograms that sum to one as input and output, on cells of equal and of different areas."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def test_every_result_gives_histograms_that_sum_to_one(domain):
     ]
     axes = tuple(range(-len(domain.shape), 0))
     for result in results:
-        # Sums of single distributions and of stacks of them.
+        # For results with one distribution and with several.
         np.testing.assert_allclose(result.masses.sum(axis=axes), 1.0, atol=0.02)
 
 
 @pytest.mark.parametrize("domain", DOMAINS, ids=lambda domain: type(domain).__name__)
-def test_what_goes_in_comes_out(domain):
+def test_masses_are_converted_there_and_back(domain):
     given = histograms(domain)
     densities = from_masses(given, domain)
     np.testing.assert_allclose((densities * domain.weights).sum(axis=tuple(range(1, densities.ndim))), 1.0)
@@ -44,7 +44,7 @@ def test_what_goes_in_comes_out(domain):
     np.testing.assert_array_equal(from_masses(given[0], domain), densities[0])
 
 
-def test_a_grid_takes_histograms_as_they_are():
+def test_a_grid_accepts_histograms_unchanged():
     grid = DOMAINS[0]
     given = histograms(grid)
     np.testing.assert_allclose(
@@ -52,7 +52,7 @@ def test_a_grid_takes_histograms_as_they_are():
     )
 
 
-def test_masses_that_are_none_are_refused():
+def test_invalid_masses_are_refused():
     loose = Surface(np.concatenate([SHEET.vertices, [[5.0, 5.0, 5.0]]]), SHEET.faces)
     with pytest.raises(ValueError, match="no area"):
         from_masses(np.full(9, 1 / 9), loose)

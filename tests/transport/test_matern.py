@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every formula against the integral or the maximum that defines it."""
+"""Every formula is compared with the integral or maximum that defines it."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def step_of(steps, gamma=GAMMA):
 
 
 def averaged_heat(distance, gamma, steps):
-    """Logarithm of the heat kernel of the plane averaged over gamma-distributed times, by the trapezoid rule.
+    """Logarithm of the plane's heat kernel averaged over gamma-distributed times, by the trapezoid rule.
 
-    In the logarithm of the time the integrand is smooth and vanishes at both ends, so that the rule is exact.
+    As a function of the logarithm of time, the integrand is smooth and vanishes at both ends, so the rule is exact.
     """
     step = step_of(steps, gamma)
     log_time = np.log(step) + np.linspace(-25.0, 12.0, 40001)
@@ -47,7 +47,7 @@ def hankel(distance, gamma, steps):
 
 @pytest.mark.parametrize("steps", [3, 5, 10, 20, 100])
 def test_the_kernel_has_the_spectrum_of_euler_steps(steps):
-    """To 1e-9 of the peak, which three steps have beyond the shortest wave; to 1e-5 by the expansion."""
+    """To 1e-9 of the peak, the size of the spectrum of three steps beyond the shortest wave; the expansion to 1e-5."""
     distance = np.linspace(0.01, 4, 12) * np.sqrt(GAMMA)
     expected = hankel(distance, GAMMA, steps)
     found = np.exp(matern.log_kernel(distance, GAMMA, steps))
@@ -57,7 +57,7 @@ def test_the_kernel_has_the_spectrum_of_euler_steps(steps):
 
 @pytest.mark.parametrize("steps", STEPS)
 def test_the_kernel_is_heat_averaged_over_gamma_distributed_times(steps):
-    """To 1e-10 in the logarithm from near to e^-1000; the expansion for large orders to 1e-5, measured 9e-6."""
+    """To 1e-10 in the logarithm, from nearby to e^-1000; the expansion for large orders to 1e-5 (measured 9e-6)."""
     reach = np.geomspace(1e-3, 30.0 if steps > 100 else 20.0 * max(1, 10 / steps), 40)
     distance = reach * np.sqrt(GAMMA)
     found = matern.log_kernel(distance, GAMMA, steps)
@@ -65,7 +65,7 @@ def test_the_kernel_is_heat_averaged_over_gamma_distributed_times(steps):
 
 
 def test_the_branch_for_large_orders_continues_the_other():
-    """Third differences in the number of steps are of the size of those before, nowhere of that of a jump."""
+    """Third differences in the number of steps do not grow at the transition."""
     distance = np.geomspace(1e-2, 30, 20) * np.sqrt(GAMMA)
     logs = np.array([matern.log_kernel(distance, GAMMA, steps) for steps in range(50, 72)])
     thirds = np.abs(np.diff(logs, 3, axis=0)).max(axis=1)
@@ -78,7 +78,7 @@ def test_the_kernel_of_the_plane_has_mass_one(gamma, steps):
     log_distance = np.linspace(np.log(1e-4), np.log(60.0), 4001)
     distance = np.exp(log_distance) * np.sqrt(gamma)
     density = 2 * np.pi * distance**2 * np.exp(matern.log_kernel(distance, gamma, steps))
-    # A single step has 1e-7 of its heat within the first 1e-4, the others less.
+    # A single step has 1e-7 of its heat within the first 1e-4, more steps have less.
     assert trapezoid(density, log_distance) == pytest.approx(1, abs=5e-7 if steps < 61 else 1e-5)
 
 
@@ -89,7 +89,7 @@ def at_source(gamma, steps):
 @pytest.mark.parametrize("steps", STEPS)
 @pytest.mark.parametrize("gamma", [1e-4, 0.01, 3.0])
 def test_kernel_distance_inverts_the_kernel(gamma, steps):
-    """To 1e-4 from a hundredth of the blur on, as far as logarithms of float64 reach."""
+    """To 1e-4, from a hundredth of the blur up to the limit of logarithms in float64."""
     distance = np.geomspace(0.01, 300, 200) * np.sqrt(gamma)
     logs = matern.log_kernel(distance, gamma, steps)
     keep = logs > -1400
@@ -99,15 +99,15 @@ def test_kernel_distance_inverts_the_kernel(gamma, steps):
 
 
 @pytest.mark.parametrize("steps", [2, 10, 1000])
-def test_kernel_distance_sees_only_the_fall_from_the_source(steps):
+def test_kernel_distance_depends_only_on_the_ratio_to_the_source(steps):
     logs = matern.log_kernel(np.array([0.01, 0.1, 0.4]), GAMMA, steps)
     moved = [matern.kernel_distance(logs + c, np.full(3, at_source(GAMMA, steps) + c), GAMMA, steps) for c in (0, 700)]
     np.testing.assert_allclose(moved[1], moved[0], rtol=1e-9)
 
 
 @pytest.mark.parametrize("steps", [1, 2, 10, 1000])
-def test_kernel_distance_where_there_is_no_fall(steps):
-    """At the source, and where roundings make more of a neighbor than of the source: a thousandth of the blur."""
+def test_kernel_distance_without_decay(steps):
+    """At the source, and where rounding makes a neighbor's value larger: a thousandth of the blur."""
     source = np.full(2, at_source(GAMMA, steps))
     risen = source + (np.array([0.0, 1e-3]) if steps > 1 else 50.0)
     found = matern.kernel_distance(risen, source, GAMMA, steps)
@@ -115,8 +115,8 @@ def test_kernel_distance_where_there_is_no_fall(steps):
     assert found.max() < 1e-3 * np.sqrt(GAMMA)
 
 
-def test_many_steps_are_the_gaussian():
-    """-gamma ln of it is d^2, with an error of d^4 / (gamma m) by the formula's second term."""
+def test_many_steps_approach_the_gaussian():
+    """-gamma ln of the kernel is d^2, with an error of d^4 / (gamma m) by the formula's second term."""
     distance = np.linspace(0.05, 2, 20) * np.sqrt(GAMMA)
     errors = [
         np.abs(-GAMMA * (matern.log_kernel(distance, GAMMA, steps) + np.log(np.pi * GAMMA)) - distance**2).max()
@@ -127,7 +127,7 @@ def test_many_steps_are_the_gaussian():
 
 
 def log_moments(slope, gamma, steps):
-    """ln of the mean of exp(slope z_x) under the kernel of the plane, by integration over rings."""
+    """ln of the mean of exp(slope z_x) under the plane's kernel, by integration over rings."""
     tau = step_of(steps, gamma)
     length = np.sqrt(tau)
 
@@ -142,14 +142,14 @@ def log_moments(slope, gamma, steps):
 @pytest.mark.parametrize("steps", [1, 2, 10, 40])
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
 def test_the_moments_behind_the_cost(steps, share):
-    """M(lambda) = (1 - tau lambda^2)^-m: the premise of the rate function, held against the kernel itself."""
+    """M(lambda) = (1 - tau lambda^2)^-m, the basis of the rate function, compared with the kernel itself."""
     tau = step_of(steps)
     slope = share / np.sqrt(tau)
     assert log_moments(slope, GAMMA, steps) == pytest.approx(-steps * np.log1p(-tau * slope**2), abs=1e-7)
 
 
 def rate(distance, gamma, steps):
-    """Cramér's rate function, gamma sup (lambda D - ln M), by a search for its maximum."""
+    """Cramér's rate function, gamma sup (lambda D - ln M), by numerical maximization."""
     tau = step_of(steps, gamma)
     found = minimize_scalar(
         lambda u: -(u / np.sqrt(tau) * distance + steps * np.log1p(-(u**2))),
@@ -163,7 +163,7 @@ def rate(distance, gamma, steps):
 @pytest.mark.parametrize("steps", [1, 2, 3, 10, 50, 1000])
 @pytest.mark.parametrize("gamma", [1e-4, 0.01, 3.0])
 def test_squared_distance_inverts_cramers_rate_function(gamma, steps):
-    """To 1e-5, the table's interpolation; from a tenth of the blur to a thousand times it."""
+    """To 1e-5, the accuracy of the table's interpolation, from a tenth of the blur to a thousand times it."""
     distance = np.geomspace(0.1, 1000, 30) * np.sqrt(gamma)
     cost = np.array([rate(d, gamma, steps) for d in distance])
     np.testing.assert_allclose(matern.squared_distance(cost, gamma, steps), distance**2, rtol=1e-5)
@@ -177,7 +177,7 @@ def test_squared_distance_nearby_is_the_divergence(steps):
 
 
 def test_squared_distance_of_many_steps_is_the_divergence():
-    """The rest falls with one over the steps."""
+    """The error decreases with the inverse number of steps."""
     cost = np.linspace(0.1, 10, 20) * GAMMA
     errors = [np.abs(matern.squared_distance(cost, GAMMA, steps) / cost - 1).max() for steps in (10**3, 10**4, 10**5)]
     assert errors[-1] < 1e-4
@@ -185,8 +185,8 @@ def test_squared_distance_of_many_steps_is_the_divergence():
 
 
 @pytest.mark.parametrize("steps", [1, 10])
-def test_far_away_every_length_costs_the_same(steps):
-    """gamma / sqrt(tau) per length: the tail of the kernel."""
+def test_far_away_the_cost_is_linear(steps):
+    """gamma / sqrt(tau) per length, from the tail of the kernel."""
     distance = np.array([200.0, 201.0]) * np.sqrt(GAMMA)
     cost = [rate(d, GAMMA, steps) for d in distance]
     per_length = (cost[1] - cost[0]) / (distance[1] - distance[0])
@@ -197,13 +197,13 @@ def test_far_away_every_length_costs_the_same(steps):
 @pytest.mark.parametrize("steps", [1, 2, 10, 1000])
 @pytest.mark.parametrize("gamma", [1e-4, 0.01, 3.0])
 def test_cost_slope_is_the_derivative(gamma, steps):
-    """Central differences of the rate function."""
+    """Compared with central differences of the rate function."""
     distance = np.geomspace(0.05, 100, 25) * np.sqrt(gamma)
     nudge = 1e-4 * distance
     difference = [rate(d + h, gamma, steps) - rate(d - h, gamma, steps) for d, h in zip(distance, nudge, strict=True)]
     np.testing.assert_allclose(matern.cost_slope(distance, gamma, steps), difference / (2 * nudge), rtol=1e-5)
 
 
-def test_cost_slope_nearby_is_that_of_the_square():
+def test_cost_slope_nearby_is_that_of_the_squared_distance():
     distance = np.array([0.0, 1e-9, 1e-6]) * np.sqrt(GAMMA)
     np.testing.assert_allclose(matern.cost_slope(distance, GAMMA, 10), 2 * distance, rtol=1e-9, atol=0)

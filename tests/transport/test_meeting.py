@@ -18,7 +18,7 @@ def ball(center, radius=3.5):
     return np.clip(radius + 0.5 - np.linalg.norm(cells - center, axis=-1), 0.0, 1.0)
 
 
-def test_equal_shapes_stay():
+def test_equal_shapes_are_unchanged():
     solid = ball((12.0, 8.0, 8.0)) + ball((16.0, 8.0, 8.0), 2.0)
     found = meeting(solid, solid, Grid(SHAPE, 1.5), 8.0, Control())
     assert np.abs(found.displacements[:, solid > 0.5]).max() < 0.05
@@ -31,14 +31,14 @@ def test_equal_balls_meet_in_the_middle():
     np.testing.assert_allclose(back[second > 0.5], -there[first > 0.5], atol=0.2)
 
 
-def test_what_is_too_far_fades_instead():
+def test_distant_parts_fade_instead():
     pole = ball((4.0, 8.0, 8.0))
     first, second = pole + ball((19.0, 8.0, 8.0), 2.5), pole
     found = meeting(first, second, Grid(SHAPE, 1.5), 2.0, Control()).displacements[0]
     assert np.abs(found[pole > 0.5]).max() < 0.1
 
 
-def test_a_start_changes_little():
+def test_the_start_changes_the_result_little():
     first, second = ball((9.0, 8.0, 8.0)), ball((14.0, 9.0, 8.0), 4.0)
     grid = Grid(SHAPE, 1.5)
     before = meeting(ball((9.5, 8.0, 8.0)), second, grid, 10.0, Control())
@@ -47,7 +47,7 @@ def test_a_start_changes_little():
     np.testing.assert_allclose(warm.displacements[0][inside], cold.displacements[0][inside], atol=0.1)
 
 
-def test_it_can_be_stopped():
+def test_it_can_be_cancelled():
     control = Control()
     control.cancel()
     with pytest.raises(Cancelled):

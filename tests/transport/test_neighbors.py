@@ -36,7 +36,7 @@ def difference(one, other):
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
-def test_between_neighbors_it_is_the_barycenter(share):
+def test_interpolating_neighbors_gives_the_barycenter(share):
     first, second = solved([0.5, 0.5, 0.0], 1e-6), solved([0.45, 0.55, 0.0], 1e-6)
     weights = (1 - share) * first.weights + share * second.weights
     truth = solved(weights, 1e-6)
@@ -45,7 +45,7 @@ def test_between_neighbors_it_is_the_barycenter(share):
     assert found.iterations[0] <= 3
     np.testing.assert_allclose(found.weights, weights)
     assert difference(found, truth) < 5e-3
-    # No cross-fade, which is off by more.
+    # A linear cross-fade has a larger error.
     fade = (1 - share) * first.density + share * second.density
     assert difference(found, truth) < 0.5 * np.abs(fade - truth.density).mean()
     exact = barycenter_between(first, second, share, INPUTS, tolerance=1e-6, max_iterations=2000)
@@ -61,7 +61,7 @@ def test_the_ends_are_the_neighbors(share):
     assert difference(found, neighbors[round(share)]) < 1e-5
 
 
-def test_strangers_are_refused():
+def test_neighbors_of_other_problems_are_refused():
     first, other = solved([0.5, 0.5, 0.0]), solved([0.5, 0.4, 0.1])
     with pytest.raises(ValueError, match="second must give weight to the inputs that first does"):
         barycenter_between(first, other, 0.5, INPUTS)
@@ -72,7 +72,7 @@ def test_strangers_are_refused():
         barycenter_between(first, first, 0.5, two)
 
 
-def test_it_can_be_stopped():
+def test_it_can_be_cancelled():
     first, second = solved([0.5, 0.5, 0.0]), solved([0.4, 0.6, 0.0])
     control = Control()
     control.cancel()
@@ -85,7 +85,7 @@ def only_finest(one):
 
 
 @pytest.mark.parametrize("reach", [None, 12.0])
-def test_beside_one_neighbor_it_is_the_barycenter(reach):
+def test_starting_from_one_neighbor_gives_the_barycenter(reach):
     options = {"sharpness": 0.75, "reach": reach, "tolerance": 1e-6, "max_iterations": 3000}
     first = barycenter(INPUTS, [0.5, 0.5, 0.0], GRID, **options)
     truth = barycenter(INPUTS, [0.42, 0.58, 0.0], GRID, **options)
@@ -97,8 +97,8 @@ def test_beside_one_neighbor_it_is_the_barycenter(reach):
     assert difference(quick, truth) < 0.2 * difference(first, truth)
 
 
-def test_what_stands_for_nothing_is_not_interpolated():
-    """Cells where neither neighbor has a scaling must not come back with one."""
+def test_values_that_represent_nothing_are_not_interpolated():
+    """Cells where neither neighbor has a scaling must not get one."""
     first, second = solved([0.5, 0.5, 0.0], 1e-6), solved([0.45, 0.55, 0.0], 1e-6)
     plain = barycenter_between(first, second, 0.5, INPUTS, tolerance=1e-6, max_iterations=2000)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mass on several connected pieces of a mesh: each keeps its own."""
+"""Mass on several connected components of a mesh: each keeps its own."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def surface():
 
 
 def bumps(surface, *centers):
-    """A bump around every center on its own piece, with the masses SHARES."""
+    """One bump around each center on its own component, with the masses SHARES."""
     total = np.zeros(surface.shape)
     for piece, (center, share) in enumerate(zip(centers, SHARES, strict=True)):
         bump = np.exp(-((MESH.vertices - center) ** 2).sum(axis=1) / 0.3) * (surface.pieces == piece)
@@ -40,7 +40,7 @@ def masses(surface, densities):
 
 
 @pytest.mark.parametrize("limit", ["max", None, -1.0])
-def test_bisection_keeps_the_mass_of_every_piece(surface, ends, limit):
+def test_bisection_keeps_the_mass_of_every_component(surface, ends, limit):
     found = bisect(*ends, surface, levels=3, entropy_limit=limit)
     assert found.converged.all()
     np.testing.assert_allclose(masses(surface, found.densities), np.tile(SHARES, (9, 1)), atol=1e-9)
@@ -50,7 +50,7 @@ def test_bisection_keeps_the_mass_of_every_piece(surface, ends, limit):
 
 
 @pytest.mark.parametrize(("sharpness", "limit"), [(0.0, None), (0.75, None), (1.0, None), (0.0, "max")])
-def test_barycenters_keep_the_mass_of_every_piece(surface, ends, sharpness, limit):
+def test_barycenters_keep_the_mass_of_every_component(surface, ends, sharpness, limit):
     found = barycenter(ends, [0.4, 0.6], surface, sharpness=sharpness, entropy_limit=limit)
     assert found.converged
     np.testing.assert_allclose(masses(surface, found.density[None])[0], SHARES, atol=1e-9)
@@ -58,8 +58,8 @@ def test_barycenters_keep_the_mass_of_every_piece(surface, ends, sharpness, limi
         assert found.invariant_error < 1e-9
 
 
-def test_a_piece_does_not_see_the_other(surface, ends):
-    """Without a bound, which joins them, every piece is solved as if it were alone."""
+def test_components_are_independent(surface, ends):
+    """Without a bound, which couples them, every component is solved as if alone."""
     alone = [np.where(surface.pieces == 1, mu, 0.0) for mu in ends]
     together = propagate([(0, 2), (2, 1)], 1.0, dict(enumerate(ends)), surface, tolerance=1e-9)
     single = propagate([(0, 2), (2, 1)], 1.0, dict(enumerate(alone)), surface, tolerance=1e-9)
@@ -67,7 +67,7 @@ def test_a_piece_does_not_see_the_other(surface, ends):
     np.testing.assert_allclose(together.densities[2][there], SHARES[1] * single.densities[2][there], rtol=1e-6)
 
 
-def test_the_exponent_reaches_the_bound_with_the_masses_kept(surface, ends):
+def test_the_bound_is_reached_with_the_masses_kept(surface, ends):
     rng = np.random.default_rng(0)
     pieces = PieceMasses.of(ends[0], surface)
     log_mu = pieces.balanced(rng.normal(0, 1, surface.shape), surface.weights)
@@ -78,5 +78,5 @@ def test_the_exponent_reaches_the_bound_with_the_masses_kept(surface, ends):
     np.testing.assert_allclose(masses(surface, sharp[None])[0], SHARES)
 
 
-def test_mass_on_one_piece_takes_no_care(surface, ends):
+def test_mass_on_a_single_component_is_accepted(surface, ends):
     assert PieceMasses.of(np.where(surface.pieces == 1, ends[0], 0.0), surface) is None

@@ -23,7 +23,7 @@ def uneven(seed, count, shape):
 
 
 def star(mus, weights, grid, **options):
-    """The density at a free vertex that an edge joins with each of `mus`."""
+    """The density at a free vertex that is connected with each of `mus` by an edge."""
     edges = [(i, len(mus)) for i in range(len(mus))]
     return propagate(edges, weights, dict(enumerate(mus)), grid, **options)
 
@@ -39,7 +39,7 @@ GRAPHS = {
 @pytest.mark.parametrize(("edges", "weights", "given"), GRAPHS.values(), ids=GRAPHS.keys())
 @pytest.mark.parametrize(("shape", "sigma"), [((10,), 1.2), ((4, 4), 0.9)])
 def test_the_minimum_over_a_graph_is_found(edges, weights, given, shape, sigma):
-    """Against Newton's method on the dual of the convex problem; measured agreement 1e-12."""
+    """Compared with Newton's method on the dual of the convex problem; measured agreement 1e-12."""
     grid = Grid(shape, sigma)
     fixed = dict(zip(given, uneven(1, len(given), shape), strict=True))
     expected = dense.propagated(edges, weights, fixed, grid)
@@ -50,7 +50,7 @@ def test_the_minimum_over_a_graph_is_found(edges, weights, given, shape, sigma):
 
 @pytest.mark.parametrize("count", [1, 2, 3, 10])
 def test_barycenters_are_minima_over_a_star(count):
-    """The barycenter's own solver against Newton's method as well; weights of any sum."""
+    """Compares the barycenter solver with Newton's method, for weights of any sum."""
     grid = Grid((9,), 1.1)
     mus = uneven(2, count, (9,))
     weights = np.random.default_rng(3).random(count) + 0.1
@@ -69,22 +69,22 @@ def test_a_star_is_a_barycenter(shape):
     expected = barycenter(mus, weights, grid, tolerance=1e-10, max_iterations=2000)
     np.testing.assert_allclose(found.densities[3], expected.density, atol=1e-8)
     np.testing.assert_allclose(found.densities[:3], mus / mus.mean(axis=tuple(range(1, mus.ndim)), keepdims=True))
-    # Only the weights' ratios matter.
+    # Only ratios of weights matter.
     scaled = star(mus, 7.0 * weights, grid, tolerance=1e-10, max_iterations=2000)
     np.testing.assert_allclose(scaled.densities, found.densities, atol=1e-9)
 
 
-def test_two_edges_meet_in_the_middle():
+def test_a_vertex_between_two_is_their_midpoint():
     mus, grid = uneven(6, 2, (20, 16)), Grid((20, 16), 1.3)
     found = propagate(line(3), 1.0, {0: mus[0], 2: mus[1]}, grid, tolerance=1e-10, max_iterations=2000)
     middle = barycenter(mus, [0.5, 0.5], grid, tolerance=1e-10, max_iterations=2000)
     np.testing.assert_allclose(found.densities[1], middle.density, atol=1e-8)
 
 
-def test_without_an_opposite_end_mass_only_spreads():
-    """At a leaf the plan is the kernel itself, one more blur; an inner vertex is blurred from both of its sides.
+def test_at_a_leaf_mass_only_spreads():
+    """At a leaf, the plan is the kernel, one more blur; an inner vertex is blurred from both sides.
 
-    With S0 = S1 - 3 sigma^2 + 2 sigma^4 / S1 between the fixed vertex and the one in the middle.
+    Between the fixed and the inner vertex, S0 = S1 - 3 sigma^2 + 2 sigma^4 / S1.
     """
     mu = gaussian((90,), [45], 9.0)
     grid = Grid((90,), 1.5)
@@ -98,14 +98,14 @@ def test_without_an_opposite_end_mass_only_spreads():
 
 
 def chain_variances(first, last, weights, sigma):
-    """Variances along a line of Gaussians: each is the plain barycenter of its neighbors."""
+    """Variances along a chain of Gaussians: each vertex is the plain barycenter of its neighbors."""
     variances = np.linspace(first, last, len(weights) + 1)
     for _ in range(20000):
         before = variances.copy()
         for i in range(1, len(weights)):
             shares = weights[i - 1 : i + 1] / weights[i - 1 : i + 1].sum()
             neighbors = variances[i - 1], variances[i + 1]
-            # One step of the barycenter's fixed point, from the vertex's own variance.
+            # One fixed-point step of the barycenter, from the vertex's own variance.
             roots = [0.5 * (sigma**2 + np.sqrt(sigma**4 + 4 * variances[i] * n)) for n in neighbors]
             variances[i] = shares @ roots
         if np.abs(variances - before).max() < 1e-13:
@@ -114,8 +114,8 @@ def chain_variances(first, last, weights, sigma):
 
 
 @pytest.mark.parametrize("count", [2, 3, 5, 8])
-def test_lines_of_gaussians(count):
-    """Means divide the way as the inverse weights do, variances have the closed form; measured: 4e-6 of the mass."""
+def test_chains_of_gaussians(count):
+    """Means divide the distance by the inverse weights, variances have the closed form; measured: 4e-6 of the mass."""
     shape, sigma = (120,), 1.5
     weights = np.arange(1.0, count + 1)
     found = propagate(
@@ -146,7 +146,7 @@ def test_edges_between_fixed_vertices_change_nothing():
     assert more.iterations == plain.iterations
 
 
-def test_all_fixed_is_solved_at_once():
+def test_a_graph_without_free_vertices_needs_no_sweeps():
     mus, grid = uneven(8, 2, (12, 9)), Grid((12, 9), 1.1)
     found = propagate([(0, 1)], 1.0, dict(enumerate(3 * mus)), grid)
     np.testing.assert_allclose(found.densities, mus)
@@ -156,8 +156,8 @@ def test_all_fixed_is_solved_at_once():
     np.testing.assert_allclose(found.entropies, [entropy(mu, grid.weights) for mu in mus])
 
 
-def test_parts_that_only_fixed_vertices_join_are_solved_apart():
-    """Together they take as long as the slower one, and each stops where it would alone."""
+def test_parts_joined_only_by_fixed_vertices_are_independent():
+    """Together they take as long as the slower part, and each stops when it would alone."""
     mus, grid = uneven(9, 3, (14, 12)), Grid((14, 12), 1.1)
     one = ([(0, 3), (3, 1)], {0: mus[0], 1: mus[1]})
     other = ([(1, 4), (4, 5), (5, 6), (6, 2)], {1: mus[1], 2: mus[2]})
@@ -183,7 +183,7 @@ def test_the_order_of_edges_and_their_direction_do_not_matter():
     np.testing.assert_allclose(other.densities, one.densities, atol=1e-8)
 
 
-def test_names_of_vertices_do_not_matter():
+def test_the_numbering_of_vertices_does_not_matter():
     mus, grid = uneven(11, 2, (11, 9)), Grid((11, 9), 1.1)
     options = {"tolerance": 1e-10, "max_iterations": 2000}
     one = propagate(line(4), 1.0, {0: mus[0], 3: mus[1]}, grid, **options).densities
@@ -224,7 +224,7 @@ def test_a_loose_entropy_limit_changes_nothing():
     np.testing.assert_allclose(loose.densities, free.densities, atol=1e-6)
 
 
-def test_a_start_from_a_similar_solution_saves_sweeps():
+def test_starting_from_a_similar_solution_saves_sweeps():
     mus, grid = uneven(13, 2, (20, 18)), Grid((20, 18), 1.2)
     options = {"tolerance": 1e-7, "max_iterations": 2000}
     before = propagate(line(6), 1.0, {0: mus[0], 5: mus[1]}, grid, **options)
@@ -238,7 +238,7 @@ def test_a_start_from_a_similar_solution_saves_sweeps():
     np.testing.assert_allclose(again.densities, before.densities, atol=1e-5)
 
 
-def test_over_relaxation_saves_sweeps_and_changes_nothing(monkeypatch):
+def test_over_relaxation_saves_sweeps_with_the_same_result(monkeypatch):
     mus, grid = uneven(14, 2, (16, 15)), Grid((16, 15), 1.2)
     fixed = {0: mus[0], 10: mus[1]}
     fast = propagate(line(11), 1.0, fixed, grid, tolerance=1e-8, max_iterations=5000)
@@ -252,7 +252,7 @@ def test_over_relaxation_saves_sweeps_and_changes_nothing(monkeypatch):
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-6])
 @pytest.mark.parametrize("limit", [None, "max"])
 def test_errors_are_those_of_the_plans(tolerance, limit):
-    """Recomputed from the scalings by the grid's own kernel."""
+    """Recomputed from the scalings with the grid's own kernel."""
     mus, grid = boxes()
     edges = np.array(GRAPHS["cycle and tail"][0])
     found = propagate(
@@ -267,14 +267,14 @@ def test_errors_are_those_of_the_plans(tolerance, limit):
 
 
 def test_scalings_at_free_vertices_have_product_one():
-    """prod_e s_e^alpha_e = 1: what tells the barycenter of these weights from that of others."""
+    """prod_e s_e^alpha_e = 1 distinguishes the barycenter of these weights from that of others."""
     mus, grid = uneven(16, 3, (15, 12)), Grid((15, 12), 1.1)
     weights = np.array([0.2, 0.5, 0.3])
     found = star(mus, weights, grid, tolerance=1e-9, max_iterations=2000)
     np.testing.assert_allclose(weights @ found.log_scalings[1::2].reshape(3, -1), 0.0, atol=1e-7)
 
 
-def test_iterations_that_run_out_are_said():
+def test_an_exceeded_iteration_limit_is_reported():
     mus, grid = uneven(17, 2, (12, 9)), Grid((12, 9), 1.1)
     found = propagate(line(4), 1.0, {0: mus[0], 3: mus[1]}, grid, tolerance=1e-12, max_iterations=2)
     assert found.iterations == 2
@@ -294,14 +294,14 @@ def test_far_numerics_take_over():
     np.testing.assert_allclose(moments(found.densities[1])[0], 14.5, atol=1e-6)
 
 
-def test_a_kernel_that_does_not_reach_is_refused():
+def test_a_kernel_that_is_too_narrow_is_refused():
     first, second = np.zeros((2, 200))
     first[2:6], second[190:195] = 1.0, 1.0
     with pytest.raises(KernelTooNarrowError, match="try"):
         propagate(line(3), 1.0, {0: first, 2: second}, Grid((200,), 0.2))
 
 
-def test_every_sweep_is_reported_and_can_be_the_last():
+def test_every_sweep_is_reported_and_can_be_cancelled():
     mus, grid = uneven(18, 2, (12, 9)), Grid((12, 9), 1.1)
     control, rounds = Control(), []
     with pytest.raises(Cancelled):

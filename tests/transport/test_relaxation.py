@@ -10,7 +10,7 @@ from convwass_addon.transport.relaxation import AdaptiveRelaxation
 
 
 def sweep(values, factor):
-    """Relax u'' = 0 on a line with zero ends, every other value first, as colors are swept."""
+    """Relax u'' = 0 on a line with zero ends, odd and even values alternately, as colors are swept."""
     for color in (0, 1):
         padded = np.concatenate([[0.0], values, [0.0]])
         full = 0.5 * (padded[:-2] + padded[2:])
@@ -18,7 +18,7 @@ def sweep(values, factor):
 
 
 def sweeps_needed(count, seed, factor=None):
-    """Sweeps until all is below 1e-9, with one factor or with those that are learned; and all factors in use."""
+    """Sweeps until all values are below 1e-9, with a given or with learned factors; and all factors used."""
     values = np.random.default_rng(seed).normal(size=count)
     relaxation = AdaptiveRelaxation(1)
     factors = []
@@ -33,9 +33,10 @@ def sweeps_needed(count, seed, factor=None):
 @pytest.mark.parametrize("count", [5, 8, 12, 16, 20, 25])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_best_factor_of_a_linear_iteration_is_found(count, seed):
-    """Young 1954: 2 / (1 + sin(pi / (n + 1))) for a line of n unknowns; it may be tried beyond now and then.
+    """Young 1954: 2 / (1 + sin(pi / (n + 1))) for a line of n unknowns; larger factors may be tried occasionally.
 
-    Measured: up to 0.08 too large, at most 1.7 times the sweeps of the best factor, a ninth of those without at 25.
+    Measured: up to 0.08 too large, at most 1.7 times the sweeps of the best factor, and at n = 25 a ninth of those
+    without over-relaxation.
     """
     best = 2.0 / (1.0 + np.sin(np.pi / (count + 1)))
     adaptive, factors = sweeps_needed(count, seed)
@@ -45,14 +46,14 @@ def test_the_best_factor_of_a_linear_iteration_is_found(count, seed):
 
 
 def rate_of(factor, unrelaxed):
-    """Rate of over-relaxation: (rate + factor - 1)^2 = rate factor^2 unrelaxed, solved for the larger rate."""
+    """Convergence rate: the larger solution of (rate + factor - 1)^2 = rate factor^2 unrelaxed."""
     half = 0.5 * factor**2 * unrelaxed - (factor - 1.0)
     inside = half**2 - (factor - 1.0) ** 2
     return half + np.sqrt(inside) if inside > 0 else factor - 1.0
 
 
 @pytest.mark.parametrize("unrelaxed", [0.1, 0.5, 0.8, 0.95, 0.99])
-def test_one_look_at_an_exact_rate_is_enough(unrelaxed):
+def test_one_exact_rate_determines_the_best_factor(unrelaxed):
     best = 2.0 / (1.0 + np.sqrt(1.0 - unrelaxed))
     relaxation = AdaptiveRelaxation(1)
     error = 1.0
@@ -66,8 +67,8 @@ def test_one_look_at_an_exact_rate_is_enough(unrelaxed):
 
 
 @pytest.mark.parametrize(("start", "expected"), [(1.2, 1.6345), (1.5, 1.6345), (1.62, 1.6345), (1.7, 1.7)])
-def test_a_rate_seen_with_any_smaller_factor_leads_to_the_best_one(start, expected):
-    """2 / (1 + sqrt(1 - rho)) = 1.6345 for rho = 0.95; beyond it every rate is the same and nothing can be learned."""
+def test_a_rate_measured_with_any_smaller_factor_gives_the_best_one(start, expected):
+    """2 / (1 + sqrt(1 - rho)) = 1.6345 for rho = 0.95; beyond it, the rate no longer depends on rho."""
     relaxation = AdaptiveRelaxation(1)
     relaxation.factors[0] = start
     error = 1.0
@@ -77,7 +78,7 @@ def test_a_rate_seen_with_any_smaller_factor_leads_to_the_best_one(start, expect
     assert relaxation.factors[0] == pytest.approx(expected, abs=1e-4)
 
 
-def test_growing_errors_call_the_factor_back():
+def test_growing_errors_reset_the_factor():
     relaxation = AdaptiveRelaxation(1)
     relaxation.factors[0] = 1.8
     seen = []
@@ -90,8 +91,8 @@ def test_growing_errors_call_the_factor_back():
     assert min(seen) >= 1.0
 
 
-def test_iterations_learn_apart_from_each_other():
-    """Each from its own errors, and nothing while it takes no part."""
+def test_problems_learn_independently():
+    """Each learns from its own errors, and nothing while inactive."""
     relaxation = AdaptiveRelaxation(3)
     errors = np.ones(3)
     for _ in range(12):
@@ -104,7 +105,7 @@ def test_iterations_learn_apart_from_each_other():
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.lists(st.one_of(st.just(0.0), st.floats(1e-300, 1e20)), min_size=1, max_size=40))
 def test_any_errors_leave_factors_in_range(errors):
-    """Exact zeros too, without a warning."""
+    """Including exact zeros, without a warning."""
     relaxation = AdaptiveRelaxation(2)
     for error in errors:
         relaxation.learn(np.array([error, 1.0]), np.array([True, False]))

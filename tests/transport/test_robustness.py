@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every solver on any grid, densities and kernel: numbers that are what they claim, or an error that helps."""
+"""Every solver on any grid, densities and kernel: correct results and errors, or a helpful exception."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LARGEST_SIZE = {1: 40, 2: 18, 3: 8}
 
 @dataclass(frozen=True)
 class Problem:
-    """A grid, three densities with holes, weights, and how far to go."""
+    """A grid, three densities with holes, weights, tolerance and iteration limit."""
 
     grid: Grid
     mus: np.ndarray
@@ -68,26 +68,26 @@ def problems(draw, sigmas=(0.03, 30.0), tolerances=(1e-9, 1e-2), rounds=(1, 2, 5
 
 
 def solvable():
-    """Problems most of which are solved to the end."""
+    """Problems that mostly converge."""
     return problems(sigmas=(2.0, 30.0), tolerances=(1e-3, 1e-2), rounds=(200,))
 
 
 def kernel(grid, logs):
-    """log H (a exp(column)) of every column, by the grid's own kernel at its furthest reach."""
+    """log H (a exp(column)) of every column, using the grid's kernel with the largest reach."""
     found = np.empty_like(logs)
     grid.log_apply_far(np.ascontiguousarray(logs), found)
     return found
 
 
 def misses(logs, densities):
-    """Sum of a |exp(column) - density| of every column."""
+    """Sum of a |exp(column) - density| for every column."""
     return np.abs(np.exp(np.minimum(logs, 50.0)) - densities).reshape(len(logs), -1).mean(axis=1)
 
 
 def answer(solve, *arguments, **options):
-    """What `solve` returns; an example where it says that the kernel does not reach, and what would, does not count.
+    """Return the result of `solve`; discard examples whose kernel is too narrow and whose error suggests another gamma.
 
-    Hypothesis complains where too few count.
+    Hypothesis complains if too few examples remain.
     """
     try:
         return solve(*arguments, **options)
@@ -147,9 +147,9 @@ def test_barycenters(problem, sharpness, limit):
     )
     assert_densities(found.density[None])
     assert np.isfinite([found.marginal_error, found.mass_error, found.invariant_error, found.entropy]).all()
-    # The error of d is known from the second round on.
+    # The error of d is known after the second round.
     assert np.isfinite(found.debias_error) or found.iterations[-1] == 1
-    # The last step of d, which a bound of the entropy does not allow, takes off about a half of its error.
+    # The last step of d, which an entropy bound excludes, removes about half of its error.
     left = 1.0 if limit is not None else max(0.5, 2.0 * sharpness - 1.0)
     assert found.converged == (max(found.marginal_error, left * found.debias_error) < problem.tolerance)
 
@@ -159,7 +159,7 @@ def test_barycenters(problem, sharpness, limit):
 def test_scalings_of_barycenters_have_the_marginals(problem, sharpness, limit):
     options = {"sharpness": sharpness, "entropy_limit": limit, **problem.limits}
     found = barycenter(problem.mus, problem.weights, problem.grid, **options)
-    # Beyond 36 sigma the kernel has no entries, and results near the end of float64 may lack their largest term.
+    # Beyond 36 sigma the kernel has no entries, and results near the limits of float64 may lack their largest term.
     assume(found.converged and max(problem.grid.shape) <= 36 * problem.grid.sigma)
     last = found.levels[-1]
     log_v = last.region.scatter(last.log_v, LOG_NOTHING)
@@ -248,7 +248,7 @@ def test_nearest_barycenters(problem):
     ("shape", "sigma"), [((1,), 0.3), ((1, 1), 1.0), ((1, 1, 1), 20.0), ((1, 7), 1.0), ((1, 5), 0.3), ((4, 1, 3), 20.0)]
 )
 def test_axes_of_one_cell(shape, sigma):
-    """They change nothing: the same numbers as without them, in cells."""
+    """They have no effect: the results in cells are the same as without them."""
     rng = np.random.default_rng(0)
     mus = rng.random((2, *shape)) + 0.1
     grid = Grid(shape, sigma)

@@ -29,18 +29,18 @@ def test_cells_without_mass_have_no_entropy():
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9])
 def test_a_gaussian_to_a_power_is_a_narrower_gaussian(ratio):
-    # Deviation s / sqrt(beta): the bound at deviation r s asks for beta = 1 / r^2.
+    # Deviation s / sqrt(beta): the bound for deviation r s requires beta = 1 / r^2.
     wide = gaussian(0.08)
     limit = 0.5 * np.log(2 * np.pi * np.e * (ratio * 0.08) ** 2)
     assert sharpening_exponent(np.log(wide), limit, WEIGHT) == pytest.approx(1 / ratio**2, rel=1e-6)
 
 
-def test_a_density_within_the_bound_is_left_alone():
+def test_a_density_within_the_bound_is_unchanged():
     assert sharpening_exponent(np.log(gaussian(0.05)), 0.0, WEIGHT) == 1.0
 
 
-def test_a_bound_out_of_reach_ends_without_nan():
-    # Two equal peaks of one cell cannot be told apart by any power.
+def test_an_unreachable_bound_gives_no_nan():
+    # No power separates two equal peaks of one cell.
     density = np.full(CELLS, 1e-9)
     density[[100, 300]] = 1.0
     beta = sharpening_exponent(np.log(density), -10.0, WEIGHT)

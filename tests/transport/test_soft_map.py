@@ -18,7 +18,7 @@ LONG = {"sweeps": 400, "tolerance": 1e-7}
 
 
 def problem(seed=0, gamma=0.08, tau=8.0):
-    """A source of 12 vertices, a target of 20, and costs without any pattern."""
+    """A source of 12 vertices, a target of 20, and random costs."""
     source, target = sheet(3, 4, seed), sheet(4, 5, seed + 1, gamma)
     graph = SourceEdges.of(source.laplacian)
     costs = np.random.default_rng(seed).uniform(0, 1, (12, 20))
@@ -32,14 +32,14 @@ def solved(case, **options):
 
 
 def mass_apart(one, other, domain):
-    """For every row the mass by which two densities differ, 0 to 2."""
+    """For every row, the L1 distance between two densities, 0 to 2."""
     return np.abs(one - other) @ domain.weights
 
 
 @pytest.mark.parametrize("seed", [0, 3])
 @pytest.mark.parametrize("tau", [0.5, 8.0])
-def test_is_what_the_papers_listing_gives(seed, tau):
-    """Algorithm 4, a vertex and an edge at a time, with the rescaled kernels of section 7."""
+def test_agrees_with_the_papers_listing(seed, tau):
+    """Algorithm 4, one vertex and edge at a time, with the rescaled kernels of section 7."""
     case = problem(seed, tau=tau)
     found = solved(case)
     assert found.converged
@@ -47,7 +47,7 @@ def test_is_what_the_papers_listing_gives(seed, tau):
 
 
 def test_minimizes_the_objective():
-    """By a general optimizer on the dual, which shares nothing with Algorithm 4."""
+    """Compared with a general optimizer on the dual, which shares nothing with Algorithm 4."""
     case = problem(gamma=0.2, tau=3.0)
     assert mass_apart(solved(case).densities, case.by_dual(), case.domain).max() < 1e-4
 
@@ -82,7 +82,7 @@ def test_order_of_vertices_does_not_matter(sharpness):
 
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 1000), tau=st.floats(0.0, 200.0), sharpness=st.floats(0.0, 1.0), sweeps=st.integers(1, 5))
-def test_rows_are_densities_and_fixed_ones_stay(seed, tau, sharpness, sweeps):
+def test_rows_are_densities_and_fixed_rows_are_unchanged(seed, tau, sharpness, sweeps):
     case = problem(seed)
     found = solved(case, tau=tau, sharpness=sharpness, sweeps=sweeps)
     assert found.densities.dtype == np.float32
@@ -94,7 +94,7 @@ def test_rows_are_densities_and_fixed_ones_stay(seed, tau, sharpness, sweeps):
 
 
 def test_debiased_maps_do_not_blur():
-    """Between equal distributions there is nothing but that one; the paper's map gets wider with every edge."""
+    """Between equal distributions, only that distribution occurs; the paper's map gets wider with every edge."""
     target = sheet(6, 6, 2, 0.02)
     point = target.with_kernel(0.02).apply(np.eye(36)[14] / target.weights[14])
     arguments = (np.zeros((5, 36)), [[0, 1], [1, 2], [2, 3], [3, 4]], 1.0, np.ones(5), target)
@@ -111,12 +111,12 @@ def test_a_mesh_maps_to_itself():
     graph = SourceEdges.of(surface.laplacian)
     found = soft_map(costs, graph.edges, graph.weights, surface.weights, soft_map_domain(surface))
     assert (found.densities.argmax(axis=1) == np.arange(len(costs))).all()
-    # On the unit sphere, where neighbors are 0.31 apart.
+    # On the unit sphere, with vertices 0.31 apart.
     images = (found.densities * found.areas) @ mesh.vertices
     assert np.linalg.norm(images - mesh.vertices, axis=1).max() < 0.2
 
 
-def test_weight_of_the_compatibility():
+def test_the_weight_of_the_compatibility():
     case = problem()
     free = {"fixed": {}, "tau": 1e4}
     found = solved(case, **free).densities
@@ -131,20 +131,20 @@ def test_entropies():
     np.testing.assert_allclose(found.entropies, -(held * np.log(held)) @ case.domain.weights, atol=1e-5)
 
 
-def test_pairs_hold_their_vertices():
+def test_pairs_fix_their_vertices():
     case = problem(1)
     found = solved(case, fixed={}, pairs=[[0, 5], [11, 13]])
     assert found.densities[[0, 11]].argmax(axis=1).tolist() == [5, 13]
 
 
-def test_contradictory_pairs_share():
+def test_contradictory_pairs_share_the_mass():
     found = solved(problem(), fixed={}, pairs=[[3, 0], [3, 19]])
     alone = [solved(problem(), fixed={}, pairs=[[3, target]], sweeps=1).densities[3] for target in (0, 19)]
     np.testing.assert_allclose(found.densities[3], np.mean(alone, axis=0), atol=1e-4)
     assert np.isfinite(found.densities).all()
 
 
-def test_vertices_that_nothing_uses():
+def test_unused_vertices():
     case = problem()
     mesh = case.domain.mesh
     loose = Surface(np.vstack([mesh.vertices, [[9.0, 9, 9]]]), mesh.faces, case.domain.gamma)
@@ -155,13 +155,13 @@ def test_vertices_that_nothing_uses():
     np.testing.assert_allclose(found.densities[:-1, :-1], solved(case).densities, atol=1e-4)
     assert (found.densities[:, -1] == 0).all()
     np.testing.assert_allclose(found.densities[-1, :-1], 1.0)
-    # With a pair, even a vertex without edges is somewhere.
+    # With a pair, even a vertex without edges gets a density.
     held = soft_map(costs, case.edges, case.weights, np.ones(13), loose, pairs=[[12, 4]])
     assert held.densities[12].argmax() == 4
 
 
-def test_targets_in_several_pieces():
-    """A piece of the source that is fixed to one piece of the target stays there."""
+def test_targets_with_several_components():
+    """A component of the source that is fixed to a component of the target stays there."""
     one, other = sheet(4, 5, 1).mesh, sheet(3, 4, 2).mesh
     target = Surface(
         np.vstack([one.vertices, other.vertices + 20.0]), np.vstack([one.faces, other.faces + 20]), gamma=0.05
@@ -173,7 +173,7 @@ def test_targets_in_several_pieces():
     np.testing.assert_allclose(on_first, [1, 1, 1, 0, 0, 0], atol=1e-3)
 
 
-def test_a_start_that_is_a_solution_is_kept():
+def test_a_solution_as_start_is_unchanged():
     case = problem()
     done = solved(case, sharpness=1.0)
     again = solved(case, sharpness=1.0, initial=done, sweeps=3)
@@ -191,7 +191,7 @@ def test_a_solve_can_be_cancelled_at_any_sweep():
     assert changes[0] > changes[2] > 0
 
 
-def test_ends_at_the_tolerance():
+def test_the_solve_stops_at_the_tolerance():
     found = solved(problem(), tolerance=1e-3)
     assert found.converged
     assert (found.changes[:-1] >= 1e-3).all()
@@ -231,7 +231,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("change", "word"), BAD)
-def test_says_what_is_wrong(change, word):
+def test_invalid_arguments_are_named(change, word):
     case = problem()
     options = dict(change)
     positional = [

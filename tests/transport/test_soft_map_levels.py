@@ -21,13 +21,13 @@ from tests.controls import CountingControl
 
 from .soft_map_cases import sheet
 
-# Costs here are a tenth of what those of real shapes are.
+# The costs here are a tenth of those for real shapes.
 HEAVY = SoftMapSweeps(tau=300.0)
 
 
 @cache
 def case():
-    """Two sheets whose places from left to right and from bottom to top correspond, and costs that know it roughly."""
+    """Two sheets with corresponding positions, and costs that know the correspondence roughly."""
     source, target = sheet(18, 20, 1), sheet(17, 21, 2)
     rng = np.random.default_rng(0)
     places = [np.stack(np.indices(size).reshape(2, -1), 1) / (np.array(size) - 1) for size in ((18, 20), (17, 21))]
@@ -37,11 +37,11 @@ def case():
 
 
 def error_of(densities, target, here, there):
-    """Mean distance, in sizes of the sheet, from where the mean of a row is to where it should be."""
+    """Mean distance, in sizes of the sheet, of the rows' means from the true points."""
     return np.linalg.norm((densities * target.weights) @ there - here, axis=1).mean()
 
 
-def test_is_as_right_as_many_sweeps_on_the_given_meshes():
+def test_is_as_accurate_as_many_sweeps_on_the_given_meshes():
     source, target, costs, (here, there) = case()
     graph = SourceEdges.of(source.laplacian)
     pairs = [[0, 0], [359, 356]]
@@ -78,13 +78,13 @@ def test_small_meshes_take_all_sweeps_themselves():
 
 
 def disagreement(both, source, target):
-    """Mass by which the couplings of the two directions differ, 0 to 2."""
+    """L1 distance between the couplings of the two directions, 0 to 2."""
     forward = source.weights[:, None] * both.forward.densities * target.weights
     backward = target.weights[:, None] * both.backward.densities * source.weights
     return np.abs(forward - backward.T).sum()
 
 
-def test_directions_agree_as_they_are_asked_to():
+def test_directions_agree_as_requested():
     source, target, costs, (here, there) = case()
     found = {a: symmetric_soft_map(costs, source, target, agreement=a, sweeps=HEAVY) for a in (0.0, 0.25, 0.6)}
     apart = [disagreement(both, source, target) for both in found.values()]
@@ -95,9 +95,9 @@ def test_directions_agree_as_they_are_asked_to():
     assert max(errors[1], back[1]) < 0.7 * max(errors[0], back[0])
 
 
-def test_without_agreement_both_directions_are_alone():
+def test_without_agreement_both_directions_are_independent():
     source, target, costs, _ = case()
-    # What ends on its own would end sooner than both together.
+    # A direction alone would stop earlier than both together.
     sweeps = SoftMapSweeps(coarse=3, fine=2, tolerance=1e-9)
     both = symmetric_soft_map(costs, source, target, pairs=[[5, 7]], agreement=0.0, sweeps=sweeps)
     forward = soft_map_between(costs, source, target, pairs=[[5, 7]], sweeps=sweeps)
@@ -106,14 +106,14 @@ def test_without_agreement_both_directions_are_alone():
     np.testing.assert_array_equal(both.backward.densities, backward.densities)
 
 
-def test_pairs_hold_both_directions():
+def test_pairs_fix_both_directions():
     source, target, costs, _ = case()
     both = symmetric_soft_map(costs, source, target, pairs=[[5, 300], [350, 2]])
     assert both.forward.densities[[5, 350]].argmax(axis=1).tolist() == [300, 2]
     assert both.backward.densities[[300, 2]].argmax(axis=1).tolist() == [5, 350]
 
 
-def test_vertices_that_nothing_uses():
+def test_unused_vertices():
     source, target, costs, _ = case()
     loose = [Surface(np.vstack([[[5.0, 5, 5]], s.mesh.vertices]), s.mesh.faces + 1) for s in (source, target)]
     found = symmetric_soft_map(np.pad(costs, ((1, 0), (1, 0))), *loose, pairs=[[1, 1], [0, 5]])
@@ -151,7 +151,7 @@ def test_a_solve_can_be_cancelled_on_any_level():
         ({"sweeps": SoftMapSweeps(tolerance=0.0)}, "tolerance"),
     ],
 )
-def test_says_what_is_wrong(change, word):
+def test_invalid_arguments_are_named(change, word):
     source, target, costs, _ = case()
     options = {"compatibility": costs, "source": source, "target": target, **change}
     with pytest.raises(ValueError, match=word):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sphere against distances, great circles and itself turned around."""
+"""Transport on the sphere compared with distances, great circles and rotated inputs."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_kernel_is_exact_in_logarithms(row, method):
     sigma = 1.5 * domain.radians
     far = angles(domain.positions[row, COLUMN], domain.positions)
     near = far < 25 * sigma
-    # One constant for all rows: no row sums to more than one, and the fullest to one.
+    # With one constant for all rows, no row sums to more than one, and the largest sum is one.
     constant = found[row, COLUMN] - np.log(domain.weights[row, 0])
     assert np.abs(found - (constant + np.log(domain.weights[row, 0]) - far**2 / (2 * sigma**2)))[near].max() < 1e-10
     assert near.any() and not near.all()
@@ -122,13 +122,13 @@ def test_barycenter_lies_on_the_great_circle(name):
     assert angles(mean_direction(found.density, domain), midpoint(first, second)) < pixels * domain.radians
 
 
-def test_great_circles_widen_what_travels():
+def test_blobs_widen_across_the_great_circle():
     domain = Sphere(64, 1.5)
     first, second, _ = PLACES["equator"]
     width = 3 * domain.radians
     mus = np.stack([blob(domain, first, width), blob(domain, second, width)])
     found = barycenter(mus, [0.5, 0.5], domain, sharpness=1.0, tolerance=1e-3)
-    # Along the way the width stays; sideways great circles bulge by 1 / cos(d / 2).
+    # Along the path the width is unchanged; across it, great circles bulge by 1 / cos(d / 2).
     mass = found.density * domain.weights
     middle = midpoint(first, second)
     sideways = np.arcsin(domain.positions[..., 2])
@@ -139,7 +139,7 @@ def test_great_circles_widen_what_travels():
     assert np.sqrt((mass * along**2).sum()) == pytest.approx(width, rel=0.03)
 
 
-def test_filter_is_off_by_less_than_a_third_of_sigma():
+def test_the_error_of_the_filter_is_below_a_third_of_sigma():
     domain = Sphere(64, 1.5, kernel="filter")
     first, second, _ = PLACES["near a pole"]
     mus = np.stack([blob(domain, end, 3 * domain.radians) for end in (first, second)])
@@ -153,7 +153,7 @@ def test_distance_is_that_of_the_great_circle():
     first, second = unit(30, 10), unit(80, 60)
     width = 3 * domain.radians
     found = distance(blob(domain, first, width), blob(domain, second, width), domain, tolerance=1e-4)
-    # Points beside the way, y away from it, have less far to go: sin(d' / 2) = cos(y) sin(d / 2).
+    # Points at distance y from the path have a shorter path: sin(d' / 2) = cos(y) sin(d / 2).
     beside = np.linspace(-4, 4, 201) * width
     shorter = 2 * np.arcsin(np.cos(beside) * np.sin(angles(first, second) / 2))
     expected = np.sqrt(np.average(shorter**2, weights=np.exp(-((beside / width) ** 2) / 2)))
@@ -162,7 +162,7 @@ def test_distance_is_that_of_the_great_circle():
 
 @settings(max_examples=8, deadline=None)
 @given(turn=st.integers(1, 63), flip=st.booleans(), seed=st.integers(0, 99))
-def test_turning_the_inputs_turns_the_barycenter(turn, flip, seed):
+def test_rotating_the_inputs_rotates_the_barycenter(turn, flip, seed):
     domain = Sphere(32, 1.5)
     rng = np.random.default_rng(seed)
     ends = [midpoint(v, v) for v in rng.normal(size=(2, 3))]
@@ -170,7 +170,7 @@ def test_turning_the_inputs_turns_the_barycenter(turn, flip, seed):
     plain = barycenter(mus, [0.4, 0.6], domain).density
     moved = np.roll(mus, turn, axis=2)[:, :: -1 if flip else 1]
     turned = barycenter(moved, [0.4, 0.6], domain).density
-    # Coarser levels turn by whole cells only where the turn is a multiple of theirs.
+    # Coarser levels rotate by whole cells only if the rotation is a multiple of theirs.
     expected = np.roll(plain, turn, axis=1)[:: -1 if flip else 1]
     error = (np.abs(turned - expected) * domain.weights).sum()
     assert error < (1e-9 if turn % 4 == 0 else 2e-2)

@@ -21,13 +21,13 @@ FINS = TriangleMesh.from_arrays(
 
 
 def needles() -> TriangleMesh:
-    """A ball a hundred times as long as it is wide."""
+    """A ball stretched to a hundred times its width."""
     mesh = ball(points=200)
     return TriangleMesh.from_arrays(mesh.vertices * (0.01, 0.01, 1), mesh.faces)
 
 
 def with_loose_ends() -> TriangleMesh:
-    """A ball with vertices that no triangle uses, triangles that name a vertex twice, and ones without area."""
+    """A ball with unused vertices, triangles that repeat a vertex, and triangles without area."""
     mesh = ball(points=150)
     vertices = np.concatenate([[(9, 9, 9)], mesh.vertices, [(7, 7, 7), 0.5 * (mesh.vertices[3] + mesh.vertices[40])]])
     return TriangleMesh.from_arrays(
@@ -63,7 +63,7 @@ def surface(request, mesh):
 
 
 def columns_on(surface, count=3, seed=0):
-    """Uneven positive densities with holes."""
+    """Uneven nonnegative densities with holes."""
     rng = np.random.default_rng(seed)
     columns = rng.random((count, *surface.shape)) * (rng.random((count, *surface.shape)) < 0.7)
     columns[:, np.argmax(surface.weights)] += 0.1
@@ -71,7 +71,7 @@ def columns_on(surface, count=3, seed=0):
 
 
 def dense_kernel(surface):
-    """H as a matrix over the vertices in use, by numpy's dense solver."""
+    """H as a matrix over the used vertices, by NumPy's dense solver."""
     used = surface.weights > 0
     areas = np.diag(surface.weights[used])
     stiffness = surface.laplacian.matrix.toarray()[np.ix_(used, used)]
@@ -83,7 +83,7 @@ def test_weights(surface):
     assert surface.weights.sum() == pytest.approx(1, abs=1e-12)
     used = np.isin(np.arange(surface.shape[0]), surface.mesh.faces[_proper(surface.mesh.faces)])
     np.testing.assert_array_equal(surface.weights > 0, used)
-    assert surface.area == pytest.approx(surface.mesh.area, rel=1e-4)  # mollified needles have a little more
+    assert surface.area == pytest.approx(surface.mesh.area, rel=1e-4)  # mollified needles have slightly more
     assert surface.unit_length == pytest.approx(np.sqrt(surface.area))
 
 
@@ -92,8 +92,8 @@ def _proper(faces):
     return (a != b) & (b != c) & (c != a)
 
 
-def test_apply_is_so_many_implicit_euler_steps(surface):
-    """Against numpy's dense solver, to rounding times the condition of the system."""
+def test_apply_is_the_given_number_of_implicit_euler_steps(surface):
+    """Compared with NumPy's dense solver, up to rounding times the condition number of the system."""
     used = surface.weights > 0
     columns = columns_on(surface)
     found = surface.apply(columns)
@@ -116,7 +116,7 @@ def test_apply_is_symmetric_and_linear(surface):
     np.testing.assert_allclose(surface.apply(x), hx, rtol=1e-13)
 
 
-def test_no_heat_is_negative_and_all_of_a_piece_gets_some(surface):
+def test_heat_is_nonnegative_and_positive_on_the_whole_component(surface):
     used = np.flatnonzero(surface.weights)
     peaks = np.zeros((len(used), *surface.shape))
     peaks[np.arange(len(used)), used] = 1 / surface.weights[used]
@@ -143,8 +143,8 @@ def test_log_apply_is_the_logarithm_of_apply(surface):
     np.testing.assert_array_equal(logs, out)
 
 
-def test_log_apply_far_is_the_same_where_both_reach(surface):
-    """By a dense matrix of logarithms, for scalings of over a thousand nats; the same 1e-9 of their size."""
+def test_log_apply_far_agrees_where_both_reach(surface):
+    """With a dense matrix of logarithms, for scalings of over a thousand nats; to 1e-9 of their size."""
     rng = np.random.default_rng(3)
     logs = rng.uniform(-500, 500, (3, *surface.shape))
     logs[rng.random(logs.shape) < 0.3] = LOG_NOTHING
@@ -173,7 +173,7 @@ def test_log_apply_of_nothing_is_nothing(surface):
 def test_the_kernel_of_a_sphere_is_its_series():
     """sum (2 l + 1) (1 + t l (l + 1) / m)^-m P_l(cos), at time t = gamma / 4 in lengths of the unit area.
 
-    Relative errors wherever heat is above 1e-4 of its peak; they fall with the square of the edge length.
+    Relative errors where the heat is above 1e-4 of its peak; they decrease quadratically with the edge length.
     """
     errors = []
     for level in (4, 5):
@@ -197,7 +197,7 @@ def series(cosine, gamma, steps):
 
 @pytest.mark.parametrize(("gamma", "steps"), [(0.003, 10), (0.05, 3), (1.0, 1)])
 def test_waves_of_a_square_decay_by_their_eigenvalue(gamma, steps):
-    """Cosines keep their shape, since no heat leaves through the border; 24 cells have them to 2 %."""
+    """Cosines keep their shape, since no heat leaves through the boundary; accurate to 2 % on 24 cells."""
     surface = sheet(24, gamma=gamma, steps=steps)
     x, y, _ = surface.positions.T
     wave = np.cos(2 * np.pi * x) * np.cos(np.pi * y)
@@ -206,12 +206,12 @@ def test_waves_of_a_square_decay_by_their_eigenvalue(gamma, steps):
     assert found == pytest.approx(-steps * np.log1p(gamma / 4 / steps * eigenvalue), rel=0.02)
 
 
-def test_gamma_goes_with_the_edge_length_by_default():
+def test_the_default_gamma_depends_on_the_edge_length():
     coarse, fine = (Surface(mesh.vertices, mesh.faces) for mesh in (icosphere(2), icosphere(5)))
     assert coarse.gamma == pytest.approx(0.7 * coarse.mean_edge_length)
     assert fine.gamma == 0.01 > 0.7 * fine.mean_edge_length
     assert coarse.with_kernel().gamma == coarse.gamma
-    # The edges of the unit sphere's triangles, all nearly as long as those of an equilateral one of their area.
+    # The triangles on the unit sphere are nearly equilateral; the expected edge length follows from their area.
     expected = np.sqrt(4 / np.sqrt(3) / len(icosphere(5).faces))
     assert fine.mean_edge_length == pytest.approx(expected, rel=0.01)
 
@@ -281,7 +281,7 @@ def test_rigid_motions_and_mirrors_change_nothing(name):
 
 
 def test_far_numerics_reach_further_than_scalings():
-    """Three sources on a long strip, 1600, 400 and 0 in logarithms: scalings lose what is near the lowest."""
+    """Three sources on a long strip, with logarithms 1600, 400 and 0: scalings lose the values near the lowest."""
     surface = strip(200, 3e-7)
     x = surface.positions[:, 0]
     logs = np.select([x == 0, x == 100, x == 200], [1600.0, 400.0, 0.0], LOG_NOTHING)
@@ -290,14 +290,14 @@ def test_far_numerics_reach_further_than_scalings():
     surface.log_apply_far(logs[None], far[None])
     assert (near[x == 200] == LOG_NOTHING).all()
     np.testing.assert_allclose(far[x == 200], 0, atol=1)
-    # Each source alone is within reach wherever it matters.
+    # Each source alone is within reach where it dominates.
     alone = np.stack([np.where(x == source, logs, LOG_NOTHING) for source in (0, 100, 200)])
     surface.log_apply(alone, alone)
     np.testing.assert_allclose(far, np.logaddexp.reduce(alone), atol=1e-9)
 
 
 def test_where_not_even_the_dense_kernel_reaches():
-    """A kernel that ends before the other end is told from one that is small there: no garbage, no division."""
+    """A kernel that ends before the other end is distinguished from one that is small there: no garbage or division."""
     surface = strip(150, 1e-9)
     x = surface.positions[:, 0]
     first, second = (x < 3).astype(float), (x > 147).astype(float)
@@ -310,7 +310,7 @@ def test_where_not_even_the_dense_kernel_reaches():
     assert np.isfinite(distance(first, second, surface.with_kernel(1e-4)).value)
 
 
-def test_far_numerics_are_for_small_meshes():
+def test_far_numerics_refuse_large_meshes():
     surface = sphere(5, 1e-6)
     logs = np.zeros((1, *surface.shape))
     with pytest.raises(KernelTooNarrowError, match=r"gamma = 1e-06 is too small .* 10242 vertices; try 2e-06"):
@@ -355,12 +355,12 @@ def _triangle():
     ],
     ids=["empty", "no faces", "beyond", "negative", "pairs", "flat", "nan", "inf", "point", "line", "twice"],
 )
-def test_what_is_no_mesh_is_refused(vertices, faces):
+def test_invalid_meshes_are_refused(vertices, faces):
     with pytest.raises(InputError):
         Surface(vertices, faces)
 
 
-def test_what_lies_on_unused_vertices_does_not_count():
+def test_values_at_unused_vertices_are_ignored():
     mesh = MESHES["loose ends"]
     surface = Surface(mesh.vertices, mesh.faces, 0.02)
     plain = two_densities(surface)
@@ -379,15 +379,15 @@ def pieces():
     return Surface(mesh.vertices, mesh.faces, 0.01)
 
 
-def test_pieces_are_numbered(pieces):
+def test_components_are_numbered(pieces):
     np.testing.assert_array_equal(pieces.pieces, np.repeat([0, 1], [100, 128]))
     assert sphere(2, 0.1).pieces is None
     loose = Surface([*ball(points=50).vertices, (0, 0, 0)], ball(points=50).faces)
     assert loose.pieces is None
 
 
-def test_mass_cannot_cross_from_piece_to_piece(pieces):
-    """The message says whose mass, how much, and where."""
+def test_mass_cannot_cross_between_components(pieces):
+    """The message says which distribution, how much mass, and where."""
     left, right = (np.where(pieces.pieces == piece, 1.0, 0.0) for piece in (0, 1))
     left, right = (density / (density @ pieces.weights) for density in (left, right))
     with pytest.raises(
@@ -402,8 +402,8 @@ def test_mass_cannot_cross_from_piece_to_piece(pieces):
         barycenter([left + right, right + left, left + 3 * right], [1, 1, 1], pieces)
 
 
-def test_equal_masses_on_every_piece_are_solved_piece_by_piece(pieces):
-    """The squared distance is the sum of those of the pieces, by their share of the mass; the blend is that of each."""
+def test_equal_masses_on_every_component_are_solved_per_component(pieces):
+    """The squared distance is the mass-weighted sum over the components; each has its own barycenter."""
     first, second = columns_on(pieces, 2, seed=9)
     share = 0.3
     for density in (first, second):
@@ -418,7 +418,7 @@ def test_equal_masses_on_every_piece_are_solved_piece_by_piece(pieces):
         index = np.cumsum(own) - 1
         faces = pieces.mesh.faces[own[pieces.mesh.faces].all(axis=1)]
         alone = Surface(pieces.mesh.vertices[own], index[faces], 1.0)
-        # The same kernel in the same lengths.
+        # The same kernel in the same length unit.
         alone = alone.with_kernel(pieces.gamma * pieces.area / alone.area)
         divergence += mass * distance(first[own], second[own], alone, tolerance=1e-9).divergence
         single = barycenter([first[own], second[own]], [0.4, 0.6], alone, tolerance=1e-9).density
@@ -428,6 +428,6 @@ def test_equal_masses_on_every_piece_are_solved_piece_by_piece(pieces):
     assert (blend.density * pieces.weights)[pieces.pieces == 0].sum() == pytest.approx(share)
 
 
-def test_distances_between_points_of_pieces(pieces):
+def test_distances_between_points_of_components(pieces):
     found = point_distances([3, 200], pieces)
     np.testing.assert_array_equal(np.isfinite(found), [pieces.pieces == 0, pieces.pieces == 1])

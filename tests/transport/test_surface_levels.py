@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces solved coarse to fine."""
+"""Coarse-to-fine solves on surfaces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RINGS, SIDES = 640, 16
 
 
 def alone(surface):
-    """The same surface without levels, solved as it is."""
+    """The same surface without levels."""
     own = copy(surface)
     own.coarser = lambda: None
     return own
@@ -34,7 +34,7 @@ def alone(surface):
 
 @cache
 def globe(gamma=0.01):
-    """10242 vertices."""
+    """A sphere with 10242 vertices."""
     return sphere(5, gamma)
 
 
@@ -73,7 +73,7 @@ def test_kernels_share_the_coarser_mesh():
 
 
 def test_a_narrow_kernel_is_wider_on_the_coarser_mesh():
-    """As wide as its edges ask for, but no wider for them than the fine one is for its own."""
+    """As wide as the coarse edges require, but no wider relative to them than the fine kernel to its edges."""
     narrow, narrower = globe(0.003), globe(1e-4)
     assert narrow.coarser().gamma == pytest.approx(0.2 * narrow.coarser().mean_edge_length, rel=1e-9)
     assert narrow.fall_of_gamma == pytest.approx(narrow.coarser().gamma / 0.003)
@@ -81,11 +81,11 @@ def test_a_narrow_kernel_is_wider_on_the_coarser_mesh():
     assert ratios[1] == pytest.approx(ratios[0])
 
 
-def test_small_meshes_have_none():
+def test_small_meshes_have_no_coarser_level():
     assert sphere(4, 0.01).coarser() is None
 
 
-def test_masses_and_smooth_functions_go_there_and_back(surface):
+def test_masses_and_smooth_functions_survive_a_round_trip(surface):
     coarse = surface.coarser()
     densities = np.random.default_rng(0).random((2, *surface.shape)) * (surface.weights > 0)
     restricted = surface.restrict(densities)
@@ -100,13 +100,13 @@ def test_masses_and_smooth_functions_go_there_and_back(surface):
 
 
 def test_the_coarser_kernel_is_the_same_kernel(surface):
-    """Heat of a wide patch, at the coarser mesh's vertices."""
+    """Heat of a wide patch at the vertices of the coarser mesh."""
     coarse = surface.coarser()
     first = surface.positions[0]
     patch = np.where(surface.weights > 0, np.exp(-20 * np.square(surface.positions - first).sum(axis=1)), 0.0)
     heat = surface.apply(patch)
     found = coarse.apply(surface.restrict(patch[None])[0])
-    # Vertices of the coarser mesh are some of the finer one's.
+    # Vertices of the coarser mesh are a subset of those of the finer one.
     _, seeds = cKDTree(surface.positions).query(coarse.positions)
     np.testing.assert_allclose(found, heat[seeds], atol=0.02 * heat.max())
 
@@ -120,7 +120,7 @@ OPTIONS = [
 
 @pytest.mark.parametrize(("options", "away"), OPTIONS, ids=["plain", "bound", "sharp"])
 def test_barycenters_agree_with_cold_ones(options, away):
-    """Within the tolerance, in fewer rounds on the finest mesh; sharp ones are held down by their marginals less."""
+    """Within the tolerance, in fewer rounds on the finest mesh; sharp ones have a tighter marginal constraint."""
     surface = globe()
     mus = [cap(surface, 0.0), cap(surface, FAR), peaks(surface, 1)]
     found = barycenter(mus, [0.5, 0.3, 0.2], surface, **options)
@@ -131,7 +131,7 @@ def test_barycenters_agree_with_cold_ones(options, away):
     assert found.iterations[-1] < cold.iterations[-1]
     assert np.abs(found.density - cold.density) @ surface.weights < away
     assert found.density @ surface.weights == pytest.approx(1, abs=1e-12)
-    # Under a bound the invariant holds only as far as the marginals do.
+    # With an entropy bound, the invariant is only as accurate as the marginals.
     assert "entropy_limit" in options or found.invariant_error < 1e-9
 
 
@@ -152,7 +152,7 @@ def test_propagation_agrees_with_a_cold_one(gamma, limit):
 
 @pytest.mark.parametrize("limit", [None, "max"])
 def test_errors_are_those_of_the_plans(limit):
-    """Recomputed from the scalings by the surface's own kernel."""
+    """Recomputed from the scalings with the surface's own kernel."""
     surface = globe()
     found = propagate(line(4), 1.0, {0: cap(surface, 0.0), 3: cap(surface, FAR)}, surface, entropy_limit=limit)
     scalings = np.exp(np.maximum(found.log_scalings, -600))
@@ -175,7 +175,7 @@ def radius(surface, density):
 
 @pytest.mark.parametrize("limit", ["max", None])
 def test_caps_move_along_the_great_circle(limit):
-    """At any times; without a bound the blur of every level adds up, but the center stays where it belongs."""
+    """At any times; without a bound, the blur of all levels adds up, but the center stays on the path."""
     surface = globe()
     ends = cap(surface, 0.0), cap(surface, FAR)
     times = np.arange(1, 12) / 12
@@ -200,10 +200,10 @@ def test_bisection_agrees_with_cold_solves():
 
 
 @pytest.mark.parametrize(("limit", "away"), [("max", 0.03), (None, 0.1)])
-def test_nothing_leaps_across_the_gap(limit, away):
-    """From the middle of one leg of a U to that of the other, 0.5 apart through the air and 2.3 along the tube.
+def test_mass_does_not_jump_across_the_gap(limit, away):
+    """From the middle of one leg of a U to the middle of the other, 0.5 apart through the air and 2.3 along the tube.
 
-    The shortest way is along the inside of the bend. Without a bound frames are as wide as a leg.
+    The shortest path is along the inside of the bend. Without a bound, frames are as wide as a leg.
     """
     surface = tube()
     along = np.append(np.repeat(rings(RINGS), SIDES), [0.0, total_length()])
@@ -217,12 +217,12 @@ def test_nothing_leaps_across_the_gap(limit, away):
     mass = found.densities * surface.weights
     np.testing.assert_allclose(mass @ along, places, atol=away)
     if limit == "max":
-        # On its way down one leg, the other one is as near through the air as ever.
+        # While mass moves down one leg, the other leg is as near as ever through the air.
         far = np.abs(along - places[:, None]) > 0.6
         assert (mass * far).sum(axis=1)[[0, 1, 3, 4]].max() < 0.01
 
 
-def test_frames_that_nothing_wants_are_not_solved():
+def test_unneeded_frames_are_not_solved():
     surface = sphere(3, 0.0145)
     ends = cap(surface, 0.0), cap(surface, FAR)
     found = bisect(*ends, surface, levels=4, times=[0.1, 0.0])
@@ -233,7 +233,7 @@ def test_frames_that_nothing_wants_are_not_solved():
     assert bisect(*ends, surface, levels=4, times=[0.0, 1.0]).iterations == ()
 
 
-def test_steps_tell_how_far_it_is():
+def test_steps_report_the_progress():
     surface = globe()
     ends = cap(surface, 0.0), cap(surface, FAR)
     reports, results = [], []
@@ -253,7 +253,7 @@ def test_steps_tell_how_far_it_is():
     np.testing.assert_array_equal(results[0].times, np.arange(9) / 8)
 
 
-def test_a_solve_can_be_stopped_on_any_level():
+def test_a_solve_can_be_cancelled_on_any_level():
     surface = globe()
     ends = cap(surface, 0.0), cap(surface, FAR)
     for vertices in (surface.coarser().shape[0], surface.shape[0]):
@@ -266,8 +266,8 @@ def test_a_solve_can_be_stopped_on_any_level():
         assert rounds.count(vertices) == 1
 
 
-def test_a_bound_that_does_not_let_frames_converge_is_raised():
-    """With so tight a tolerance that 60 sweeps are not enough; what was raised fades toward the ends."""
+def test_a_bound_that_prevents_convergence_is_raised():
+    """With a tolerance so small that 60 sweeps are not enough; the raised bound returns to its value at the ends."""
     surface = sphere(2, 0.05)
     ends = cap(surface, 0.0, 0.5), cap(surface, FAR, 0.5)
     found = bisect(*ends, surface, levels=2, tolerance=1e-300, max_iterations=100)
@@ -282,8 +282,8 @@ def test_a_bound_that_does_not_let_frames_converge_is_raised():
 
 
 @pytest.mark.parametrize("share", [0.5, 0.85])
-def test_two_peaks_travel_side_by_side_under_a_bound(share):
-    """With steps for the range of one peak alone such frames never converge, and their bounds were raised by nats."""
+def test_two_peaks_converge_under_a_bound(share):
+    """With step sizes for the range of a single peak, such frames never converged, and their bounds rose by nats."""
     surface = sphere(4, 0.016)
     north, south = [np.exp(-(angles(surface, np.array([0.0, 0.0, side])) ** 2) / 0.08) for side in (1.0, -1.0)]
     east, west = [np.exp(-(angles(surface, np.array([side, 0.3, 0.0])) ** 2) / 0.06) for side in (1.0, -1.0)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Transport on meshes against linear programming, great circles, dense solvers and its own marginals."""
+"""Transport on meshes compared with linear programming, great circles, dense solvers and its own marginals."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from tests.transport.sheets import sheet_mesh, strip
 from tests.transport.spheres import angles, at, cap, off_center, peaks, sphere
 
 FAR = 1.6
-"""Angle between the caps that are interpolated."""
+"""Angle between the interpolated caps."""
 
 
 def exact_plan(surface, first, second):
-    """Optimal transport of great-circle distances, squared, by linear programming: the distance and the plan.
+    """Optimal transport for squared great-circle distances by linear programming: the distance and the plan.
 
-    Only vertices with mass enter.
+    Only vertices with mass take part.
     """
     with np.errstate(all="ignore"):
         ot = pytest.importorskip("ot")
@@ -65,7 +65,7 @@ CAPS = [
 def test_caps_against_linear_programming(separation, steps, error, error_of_divergence):
     """2562 vertices, gamma 0.0145: within 5.5 % with 10 steps and 2.5 % with 20.
 
-    The root of the divergence, which eq. (10) leaves at that, is 18 to 23 % short at 2.4 rad.
+    The root of the divergence, the uncorrected debiased value of eq. (10), is 18 to 23 % too short at 2.4 rad.
     """
     surface = sphere(4, 0.0145, steps)
     first, second = cap(surface, 0.0), cap(surface, separation)
@@ -79,7 +79,7 @@ def test_caps_against_linear_programming(separation, steps, error, error_of_dive
 
 @pytest.mark.parametrize("seed", range(4))
 def test_several_peaks_against_linear_programming(seed):
-    """Measured with 20 steps: 1.4 % short to 0.2 % long, with 10 steps 0.7 % short to 1.8 % long."""
+    """Measured with 20 steps: -1.4 to +0.2 %, with 10 steps -0.7 to +1.8 %."""
     surface = sphere(4, 0.0145, 20)
     first, second = peaks(surface, 2 * seed), peaks(surface, 2 * seed + 1)
     exact, _ = exact_plan(surface, first, second)
@@ -89,7 +89,7 @@ def test_several_peaks_against_linear_programming(seed):
     assert fewer == pytest.approx(exact, rel=0.025)
 
 
-def test_to_itself_every_distribution_has_distance_zero():
+def test_the_distance_to_itself_is_zero():
     surface = sphere(3, 0.02)
     for density in (cap(surface, 0.0), peaks(surface, 3), np.exp(surface.positions[:, 0])):
         found = distance(density, density, surface, tolerance=1e-7)
@@ -98,7 +98,7 @@ def test_to_itself_every_distribution_has_distance_zero():
         assert abs(found.entropic_value) > 1e-3
 
 
-def test_distance_has_no_direction_and_its_matrix_agrees():
+def test_distance_is_symmetric_and_agrees_with_the_matrix():
     surface = sphere(3, 0.02)
     family = np.stack([cap(surface, 0.0), cap(surface, 1.0), peaks(surface, 2), np.ones(surface.shape)])
     table = distance_matrix(family, surface, tolerance=1e-7)
@@ -114,7 +114,7 @@ def test_distance_has_no_direction_and_its_matrix_agrees():
     assert (lengths[:, :, None] <= lengths[:, None, :] + lengths.T[None] + 1e-9).all()  # the triangle inequality
 
 
-def test_converged_means_the_plans_to_themselves_too():
+def test_convergence_includes_the_self_distances():
     """Between caps four rounds are enough, from a cap to itself they are not."""
     surface = sphere(3, 0.0145)
     ends = cap(surface, 0.0), cap(surface, 1.0)
@@ -126,7 +126,7 @@ def test_converged_means_the_plans_to_themselves_too():
 
 
 def test_the_marginal_error_enters_the_divergence_squared():
-    """1e-2 of it leaves 4e-4 of the divergence; 9e-4 without the mass term of the plans to themselves."""
+    """An error of 1e-2 changes the divergence by 4e-4; without the mass term of the self-distances by 9e-4."""
     surface = sphere(3, 0.0145)
     ends = cap(surface, 0.0), cap(surface, 0.25)
     loose, tight = (distance(*ends, surface, tolerance=tolerance) for tolerance in (1e-2, 1e-8))
@@ -135,7 +135,7 @@ def test_the_marginal_error_enters_the_divergence_squared():
 
 
 def dense_kernel(surface):
-    """H as a matrix, by numpy's dense solver."""
+    """H as a matrix, by NumPy's dense solver."""
     stiffness = surface.laplacian.matrix.toarray()
     areas = np.diag(surface.weights)
     step = np.linalg.solve(areas + surface.gamma / (4 * surface.steps) * stiffness, areas)
@@ -153,7 +153,7 @@ def log_product(matrix, logs):
 
 
 def dense_value(surface, first, second):
-    """Eq. (10), gamma (1 + sum a a pi (ln(pi / H) - 1)), from the plan, by plain Sinkhorn."""
+    """Eq. (10), gamma (1 + sum a a pi (ln(pi / H) - 1)), from the plan of a plain Sinkhorn iteration."""
     h = dense_kernel(surface)
     log_w = np.zeros(surface.shape)
     for _ in range(5000):
@@ -167,7 +167,7 @@ def dense_value(surface, first, second):
 
 @pytest.mark.parametrize("gamma", [0.01, 0.1])
 def test_values_are_those_of_eq_10(gamma):
-    """From dense plans on an uneven mesh; 1e-8 of the value is the marginal error."""
+    """From dense plans on an uneven mesh; the marginal error allows 1e-8 of the value."""
     mesh = ball(radius=2.0, points=120)
     surface = Surface(mesh.vertices * (1, 0.8, 0.5), mesh.faces, gamma, 5)
     rng = np.random.default_rng(1)
@@ -181,7 +181,7 @@ def test_values_are_those_of_eq_10(gamma):
 
 
 def dense_barycenter(surface, mus, weights, sharpness, rounds):
-    """The rounds of Algorithm 2 with the debiasing density, over the dense kernel."""
+    """Algorithm 2 with the debiasing density, with a dense kernel."""
     ha = dense_kernel(surface) * surface.weights
     log_v, log_d = [np.zeros(surface.shape) for _ in mus], np.zeros(surface.shape)
     for _ in range(rounds):
@@ -222,7 +222,7 @@ def test_barycenters_against_a_dense_solver(ring, count, sharpness):
 
 
 def test_full_sharpness_against_a_dense_solver(ring):
-    """Debiasing without rest takes for ever to bring out detail finer than the kernel, so there is none."""
+    """Full debiasing converges extremely slowly for detail finer than the kernel, so the densities are smooth."""
     mus, weights = ring.apply(ring.apply(ragged(ring, 2))), np.array([0.4, 0.6])
     mus /= (mus @ ring.weights)[:, None]
     found = barycenter(mus, weights, ring, sharpness=1.0, tolerance=1e-12, max_iterations=3000)
@@ -233,7 +233,7 @@ def test_full_sharpness_against_a_dense_solver(ring):
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
 def test_corners_of_the_simplex_are_the_blurred_inputs(ring, sharpness):
-    """Weights of zero take no part; one input alone is blurred by the kernel, and less by sharpness."""
+    """Weights of zero have no effect; a single input is blurred by the kernel, less with sharpness."""
     mus = ragged(ring, 3)
     corner = barycenter(mus, [0, 2, 0], ring, sharpness=sharpness, tolerance=1e-8, max_iterations=2000)
     alone = barycenter(mus[1:2], [1], ring, sharpness=sharpness, tolerance=1e-8, max_iterations=2000)
@@ -247,9 +247,9 @@ def test_corners_of_the_simplex_are_the_blurred_inputs(ring, sharpness):
 
 
 def test_sharpness_and_bounds_on_a_sphere():
-    """Halfway between caps: the dial from 0 to 1 sharpens, the bound restores the entropy of the inputs.
+    """Halfway between caps: sharpness from 0 to 1 sharpens, the bound restores the entropy of the inputs.
 
-    With a bound the steps are partial, and the invariant holds only as far as the marginals do.
+    With a bound, steps are partial, and the invariant is only as accurate as the marginals.
     """
     surface = sphere(3, 0.0145)
     ends = [cap(surface, 0.0), cap(surface, FAR)]
@@ -276,10 +276,10 @@ def test_a_star_is_a_barycenter(ring, weights):
 
 @pytest.mark.parametrize("gamma", [0.0073, 0.0145])
 def test_caps_move_along_the_great_circle(gamma):
-    """Centers of two caps, 1.6 rad apart, on their way; 2562 vertices.
+    """Centers of two caps, 1.6 rad apart, on their path; 2562 vertices.
 
-    Measured: bisection within 0.002 rad, blends with the weights for this kernel within 0.0075, with a bound of the
-    entropy 0.039, and with the weights of quadratic costs 0.11 to 0.19, so that other weights are needed.
+    Measured: bisection within 0.002 rad, blends with weights for this kernel within 0.0075, with an entropy bound
+    0.039, and with the weights for quadratic costs 0.11 to 0.19, which shows that kernel-specific weights are needed.
     """
     surface = sphere(4, gamma)
     ends = cap(surface, 0.0), cap(surface, FAR)
@@ -303,7 +303,7 @@ def test_caps_move_along_the_great_circle(gamma):
 
 
 def test_frames_at_other_times():
-    """A frame between two others is where it belongs too; asked for in any order, with the ends themselves."""
+    """Frames between two others are at the right place, too; in any order, including the ends."""
     surface = sphere(3, 0.0145)
     ends = cap(surface, 0.0), cap(surface, FAR)
     times = [0.4, 1.0, 0.0, 0.6]
@@ -315,7 +315,7 @@ def test_frames_at_other_times():
     np.testing.assert_allclose(found.densities @ surface.weights, 1, rtol=1e-12)
 
 
-def test_a_line_of_two_edges_is_the_midpoint(ring):
+def test_the_vertex_between_two_is_their_midpoint(ring):
     ends = ragged(ring, 2)
     halfway = propagate(line(3), 1.0, {0: ends[0], 2: ends[1]}, ring, tolerance=1e-11, max_iterations=2000)
     middle = bisect(*ends, ring, levels=1, entropy_limit=None, tolerance=1e-11, max_iterations=2000)
@@ -324,7 +324,7 @@ def test_a_line_of_two_edges_is_the_midpoint(ring):
     np.testing.assert_allclose(middle.densities[1], blend.density, rtol=1e-8)
 
 
-def test_a_long_line_keeps_its_step_and_its_entropy():
+def test_a_long_chain_has_even_steps_and_entropies():
     """Eight edges: measured within 0.002 rad of even steps."""
     surface = sphere(4, 0.0073)
     ends = cap(surface, 0.0), cap(surface, FAR)
@@ -335,8 +335,8 @@ def test_a_long_line_keeps_its_step_and_its_entropy():
     np.testing.assert_allclose(found.densities @ surface.weights, 1, rtol=1e-12)
 
 
-def test_maps_lead_from_cap_to_cap():
-    """The image of all of one cap's mass has the mean of the other's, there and back."""
+def test_maps_transport_cap_to_cap():
+    """The images of all mass of one cap have the mean of the other, in both directions."""
     surface = sphere(4, 0.0073)
     first, second = cap(surface, 0.0), cap(surface, FAR)
     solved = distance(first, second, surface, tolerance=1e-8)
@@ -353,11 +353,11 @@ def test_maps_lead_from_cap_to_cap():
 
 @pytest.mark.parametrize(("gamma", "away"), [(0.0018, 0.044), (0.0036, 0.059), (0.0073, 0.091)])
 def test_maps_against_linear_programming(gamma, away):
-    """Mean distance of images from those by the exact plan, as measured, and why it is not zero.
+    """Mean distance of images from those of the exact plan, as measured, and why it is not zero.
 
-    Images of an entropic plan shrink toward the middle; between equal Gaussians of variance s in the plane, by a
-    kernel of variance q, to (sqrt(4 s^2 + q^2) - q) / (2 s). Caps 0.3 rad apart come within 0.025 of that, the exact
-    plan within 0.01 of one.
+    Images of an entropic plan shrink toward the center: for equal Gaussians of variance s in the plane and a kernel of
+    variance q, by the factor (sqrt(4 s^2 + q^2) - q) / (2 s). For caps of 0.3 rad, the measured factor is within 0.025
+    of that, and for the exact plan within 0.01 of one.
     """
     surface = sphere(4, gamma, 20)
     first, second = cap(surface, 0.0, radius=0.6), cap(surface, 0.3, radius=0.6)
@@ -382,8 +382,8 @@ def test_maps_are_means_over_a_dense_plan(ring):
     np.testing.assert_allclose(transport_map(solved.log_w, ring)[held], expected, atol=1e-9)
 
 
-def test_maps_carry_any_values():
-    """A constant stays, a multiple of the positions is a multiple of the images."""
+def test_maps_transport_any_values():
+    """Constants are unchanged; multiples of the positions give multiples of the images."""
     surface = sphere(3, 0.0145)
     solved = distance(cap(surface, 0.0), peaks(surface, 1), surface)
     images = transport_map(solved.log_w, surface)
@@ -395,7 +395,7 @@ def test_maps_carry_any_values():
 
 @pytest.mark.parametrize("weights", [(0.2, 0.3, 0.5), (0.9, 0.05, 0.05), (0.0, 1.0, 0.0)])
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
-def test_coordinates_find_the_weights_again(weights, sharpness):
+def test_coordinates_recover_the_weights(weights, sharpness):
     surface = sphere(3, 0.0145)
     family = [cap(surface, 0.0), cap(surface, FAR), peaks(surface, 1)]
     mu = barycenter(family, weights, surface, sharpness=sharpness, tolerance=1e-7, max_iterations=3000).density
@@ -418,13 +418,13 @@ def test_the_nearest_member_of_a_family_is_nearer_than_its_neighbors():
 
 
 def bump(surface, angle):
-    """A smooth density with no edge anywhere, exp(4 cos)."""
+    """A smooth density without any edges, exp(4 cos)."""
     density = np.exp(4 * np.cos(angles(surface, at(angle))))
     return density / (density @ surface.weights)
 
 
 def test_refinement_of_the_mesh_converges():
-    """Squared distance of two bumps on 162 to 10242 vertices: it settles with the square of the edge length."""
+    """Squared distance of two bumps on 162 to 10242 vertices: converges quadratically in the edge length."""
     values = [
         distance(bump(surface, 0.0), bump(surface, 1.2), surface, tolerance=1e-8).value
         for surface in (sphere(level, 0.05, 5) for level in (2, 3, 4, 5))
@@ -437,7 +437,7 @@ def test_refinement_of_the_mesh_converges():
 
 @st.composite
 def surfaces(draw):
-    """Small meshes of any kind: noisy, torn, flipped, with degenerate triangles, at any scale, with any kernel."""
+    """Small meshes of any kind: noisy, torn, flipped, with degenerate triangles, at any scale and with any kernel."""
     kind = draw(st.sampled_from(["ball", "sheet", "strip", "torus"]))
     if kind == "ball":
         mesh = ball(points=draw(st.integers(8, 60)))
@@ -461,12 +461,12 @@ def surfaces(draw):
     gamma = 10 ** draw(st.floats(-9, 1))
     try:
         return Surface(vertices * scale, faces, gamma, draw(st.sampled_from([1, 3, 10])))
-    except InputError:  # nothing is left of its area
+    except InputError:  # no area is left
         reject()
 
 
 def sparse(surface, count, seed):
-    """Densities of mass 1 with many zeros, down to single vertices, and the area of every piece as the mass on it."""
+    """Densities of mass 1 with many zeros, and on every component the component's area as its mass."""
     rng = np.random.default_rng(seed)
     kept = rng.random((count, 1)) * (rng.random((count, 1)) < 0.7)
     densities = rng.random((count, *surface.shape)) ** 3 * (rng.random((count, *surface.shape)) < kept)
@@ -498,7 +498,7 @@ ANYTHING = settings(max_examples=25, derandomize=True)
 @ANYTHING
 @given(surface=surfaces(), seed=st.integers(0, 1000))
 def test_distances_are_finite_and_their_errors_honest(surface, seed):
-    """The second marginal is off by no more than the error reported, twice that where steps were relaxed."""
+    """The error of the second marginal is at most the reported one, or twice that if steps were relaxed."""
     first, second = sparse(surface, 2, seed)
     try:
         found = distance(first, second, surface, max_iterations=300)
@@ -516,10 +516,10 @@ def test_distances_are_finite_and_their_errors_honest(surface, seed):
 
 
 @pytest.mark.parametrize("gamma", [1e-13, 1e-9, 1e-7, 1e-6, 3e-6, 1e-5, 1e-3, 0.1, 10.0])
-def test_long_ways_are_solved_or_refused(gamma):
-    """From end to end of a strip of 120 cells, through scalings, the dense log domain and where neither reaches.
+def test_long_distances_are_solved_or_refused(gamma):
+    """From end to end of a strip of 120 cells, through scalings, the dense log domain and beyond the reach of both.
 
-    What says that it has converged is halfway in the middle; what cannot reach is refused or has not converged.
+    Converged results are halfway in the middle; if the kernel is too narrow, the solve is refused or does not converge.
     """
     surface = strip(120, gamma)
     x = surface.positions[:, 0]
@@ -585,7 +585,7 @@ def test_barycenters_have_mass_one_and_honest_errors(surface, seed, count, sharp
 @ANYTHING
 @given(surface=surfaces(), seed=st.integers(0, 1000), bound=st.sampled_from([None, "max"]))
 def test_propagations_have_mass_one_and_honest_errors(surface, seed, bound):
-    """A fork: two given ends of a line of three edges, and a third one at its middle."""
+    """A fork: two fixed ends of a chain of three edges, and a third one at its middle."""
     mus = sparse(surface, 3, seed)
     edges = [(0, 1), (1, 2), (2, 3), (1, 4)]
     fixed = {0: mus[0], 3: mus[1], 4: mus[2]}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mass that may vanish and grow: closed forms, a dense solver, and the balanced limit."""
+"""Unbalanced transport: closed forms, a dense solver, and the balanced limit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def bump(size, center, deviation):
 
 
 def dense_unbalanced(mus, alphas, grid, reach, sharpness, rounds):
-    """The iteration of Chizat et al. with the debiasing density, the kernel as a matrix; density of mass 1 and mass."""
+    """The iteration of Chizat et al. with the debiasing density and a dense kernel; density of mass 1, total mass."""
     log_h = np.log(kernel(grid)) - np.log(grid.cells)
     gamma = 2 * grid.sigma**2
     e, k = reach**2 / (reach**2 + gamma), gamma / (reach**2 + gamma)
@@ -43,9 +43,9 @@ def dense_unbalanced(mus, alphas, grid, reach, sharpness, rounds):
 @pytest.mark.parametrize("reach", [3.0, 5.0, 8.0])
 @pytest.mark.parametrize("weight", [0.2, 0.5, 0.9])
 def test_bumps_out_of_reach_fade(reach, weight):
-    """Alone in its place, mu = alpha^(1 + e) times something that is the same for both, and nothing moves.
+    """For each bump in place, mu = alpha^(1 + e) times a common factor, and nothing moves.
 
-    As gamma vanishes this is alpha^2, the interpolation of Hellinger's distance.
+    For gamma to 0 this is alpha^2, the interpolation of the Hellinger distance.
     """
     grid = Grid((128,), 1.5)
     found = barycenter(
@@ -92,7 +92,7 @@ def test_a_long_reach_is_the_balanced_barycenter():
 
 
 @pytest.mark.parametrize("reach", [2.0, 20.0])
-def test_alike_shapes_give_themselves_back(reach):
+def test_equal_shapes_are_returned_unchanged(reach):
     grid = Grid((96,), 1.5)
     mu = bump(96, 30, 5) + 0.5 * bump(96, 62, 7)
     found = barycenter([mu, mu], [0.3, 0.7], grid, sharpness=1.0, reach=reach, tolerance=1e-4, max_iterations=5000)
@@ -120,7 +120,7 @@ def test_it_converges_for_every_reach(seed, reach, sharpness, count):
     assert found.invariant_error < 1e-8
 
 
-def test_what_makes_no_sense_is_refused():
+def test_invalid_arguments_are_refused():
     mus = np.ones((2, 16))
     with pytest.raises(ValueError, match="reach must be a positive length"):
         barycenter(mus, [1, 1], Grid((16,), 1.5), reach=0.0)

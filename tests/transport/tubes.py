@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tube bent to a U: its two legs are near through the air and far along the surface."""
+"""A tube bent to a U, whose two legs are near through the air and far along the surface."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from convwass_addon.geometry.mesh import TriangleMesh
 
 LEG, BEND, RADIUS = 2.0, 0.25, 0.15
-"""Length of the legs, radius of the bend between them, and of the tube: the gap between the legs is 0.2 wide."""
+"""Length of the legs, radius of the bend, and radius of the tube: the gap between the legs is 0.2 wide."""
 
 
 def middle_line(along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points of the U's middle line and its directions, (n, 2) each, at lengths along it."""
+    """Points on the U's center line and its directions, (n, 2) each, at lengths along it."""
     arc = np.pi * BEND
     angle = np.clip((along - LEG) / BEND, 0.0, np.pi)
     points = np.stack([-BEND * np.cos(angle), -BEND * np.sin(angle)], axis=1)
@@ -22,17 +22,17 @@ def middle_line(along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def total_length() -> float:
-    """Length of the middle line."""
+    """Length of the center line."""
     return 2.0 * LEG + np.pi * BEND
 
 
 def rings(count: int) -> np.ndarray:
-    """Lengths along the middle line of the rings of vertices."""
+    """Lengths along the center line of the rings of vertices."""
     return np.linspace(0.0, total_length(), count)
 
 
 def bent_tube(count: int, sides: int) -> TriangleMesh:
-    """`count` rings of `sides` vertices, one after the other, closed by a vertex at each end."""
+    """`count` rings of `sides` vertices, one after the other, closed with a vertex at each end."""
     points, directions = middle_line(rings(count))
     across = np.stack([directions[:, 1], -directions[:, 0]], axis=1)
     turn = np.arange(sides) * 2 * np.pi / sides
