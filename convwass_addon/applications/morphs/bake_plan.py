@@ -20,7 +20,10 @@ from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
 from ..motions.choosing import MotionChoice, chosen_motion
 from ..motions.guides import Guide
+from ..motions.posed_motion import PosedMotion
+from .animation import Animation
 from .first_preview import first_preview
+from .following_problem import FollowingProblem
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
@@ -103,10 +106,11 @@ class BakePlan:
     executor: Executor | None
     previews: bool
     looked_at: int
+    animation: Animation | None = None
 
     def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Begin all runs; the stack ends what computes them."""
-        if self._shows:
+        if self._shows and self.animation is None:
             yield from self._first_preview(control)
         problem = yield from self.prepared(control)
         if isinstance(problem, MovingProblem):
@@ -127,7 +131,11 @@ class BakePlan:
         problem = yield from sketchable_problem(
             self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
         )
+        if self.animation is not None and not self.animation.keeps_topology:
+            return self._following(problem, MotionChoice("transport", "TOPOLOGY"), control)
         choice = yield from self._motion(control)
+        if self.animation is not None:
+            return self._following(problem, choice, control)
         problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
         if choice.motion is None:
             return problem.with_detail_of(self.shapes)
@@ -135,6 +143,20 @@ class BakePlan:
         moving = MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control)
         check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
         return moving
+
+    def _following(self, problem: MorphProblem, choice: MotionChoice, control: Control) -> FollowingProblem:
+        """Return what blends of animated inputs have in common."""
+        outward = [orient_outward(shape) for shape in self.shapes]
+        animation, motion = self.animation, None
+        if animation.keeps_topology:
+            animation = animation.facing([shape.faces for shape in outward])
+        if choice.motion is not None:
+            pairs, coherence = pairs_of(self.blends), self.settings.coherence
+            motion = PosedMotion.of(choice.motion, outward, self.names, pairs, coherence, control)
+        still = with_connectivity(replace(problem, motion=choice.record()), min(self._threads, len(self.shapes)))
+        following = FollowingProblem.around(still, motion, animation, outward, self.names, self.matching)
+        check_memory(following.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
+        return following
 
     @contextmanager
     def again(

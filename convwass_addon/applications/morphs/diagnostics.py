@@ -33,6 +33,8 @@ TEXTS: dict[str, str] = {
     "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
     "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
+    "TOPOLOGY": "Mass takes the nearest free place: triangles of a shape change from frame to frame, which no motion "
+    "follows",
     "NO_MOTION": "Mass takes the nearest free place: no motion between the shapes could be made ({failure})",
     "LOOK_PROCEDURAL": "Procedural colors of {materials} ({names}) became one color: bake them to an image or to "
     "vertex colors",
@@ -61,7 +63,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY"), "INFO"),
+    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     "NO_MOTION": "WARNING",
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS"), "WARNING"),
@@ -297,7 +299,7 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     chosen = next((figure for figure in figures if figure.get("motion_reason") not in (None, "ASKED")), None)
     if chosen is None:
         return []
-    if chosen["motion_reason"] in ("SOLID", "MANY"):
+    if chosen["motion_reason"] in ("SOLID", "MANY", "TOPOLOGY"):
         return [Diagnostic(str(chosen["motion_reason"]), {})]
     kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
     if kind is None or chosen.get("motion_score") is None:

@@ -18,6 +18,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from ..motions.guides import Guide
+from .animation import Animation
 from .bake_plan import BakePlan
 from .frame_cache import BakeCache, FrameCache
 from .layouts import Blend
@@ -47,6 +48,7 @@ def morph(
     wanted: range | None = None,
     previews: bool = False,
     looked_at: int = 0,
+    animation: Animation | None = None,
 ) -> Work[None]:
     """Make the blends of the shapes, one after the other.
 
@@ -84,6 +86,11 @@ def morph(
     looked_at : int
         Number of the blend that is being looked at, of those that are made: previews near to it come first.
 
+    animation : Animation, optional
+        The inputs of a path at all of its frames, in the order of their vertices in `shapes`: every blend takes them as
+        they are at its frame. Motions are chosen for `shapes`, and keep their maps; where the triangles of an input
+        change from frame to frame, there is none.
+
     Yields
     ------
     Progress
@@ -104,7 +111,8 @@ def morph(
         refuse_far(shape)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     runs = runs_of(blends, wanted)
-    store = None if cache is None else cache.of(shapes, names, labels, settings, guides)
+    followed = [] if animation is None else animation.meshes
+    store = None if cache is None else cache.of([*shapes, *followed], names, labels, settings, guides)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     plan = BakePlan(
         shapes=shapes,
@@ -119,6 +127,7 @@ def morph(
         executor=executor,
         previews=previews,
         looked_at=looked_at,
+        animation=animation,
     )
     # Part of a morph may be made elsewhere: only whoever has all of it decides over all of it.
     topology = SteadyTopology(blends if wanted is None else ())

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,6 +74,14 @@ class Carrier:
     def samples(self) -> SurfaceSamples:
         """Vertices of `mesh` that stand for its parts."""
         return SurfaceSamples.of(self.mesh, _SAMPLES, _REACH)
+
+    def posed(self, rest: NDArray[np.float64]) -> Carrier:
+        """Return the same shape in another pose, where the vertices of `rest` are; the parts it is made of stay."""
+        mesh = TriangleMesh(self.mesh.vertices + rest[self.seeds] - self.rest.vertices[self.seeds], self.mesh.faces)
+        poisson = PoissonDeformation(mesh, self.poisson.links, _ANCHORING)
+        posed = replace(self, rest=TriangleMesh(rest, self.rest.faces), mesh=mesh, poisson=poisson)
+        vars(posed)["samples"] = self.samples
+        return posed
 
     def places(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return which vertices of `mesh` some of `rest`, (k,), are; the nearest ones for those that are none."""

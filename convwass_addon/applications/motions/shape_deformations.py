@@ -18,6 +18,7 @@ from ...geometry.normals import vertex_normals
 from ...geometry.poisson_deformation import deformation_gradients
 from ...geometry.rotation_fields import rotation_matrices, rotation_vectors, unwound, unwound_towards
 from ...geometry.rotations import nearest_rotations
+from ...geometry.surface_rotations import surface_rotations
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .carriers import Carrier
@@ -92,15 +93,46 @@ def split_deformation(
     control : Control
         Stops the work.
     """
-    mesh, links, points = source.mesh, source.poisson.links, laid.points
     control.check()
-    images = FacingPointFinder(target.mesh).find(points, vertex_normals(points, mesh.faces), control=control)
+    normals = vertex_normals(laid.points, source.mesh.faces)
+    images = FacingPointFinder(target.mesh).find(laid.points, normals, control=control)
+    guesses = None if back is None else back.inverse_vectors_at(images, target.mesh)
+    return _split(source, laid, images, guesses, control)
+
+
+def posed_deformation(
+    deformation: ShapeDeformation, source: Carrier, before: TriangleMesh, target: TriangleMesh, control: Control
+) -> ShapeDeformation:
+    """Return the deformation that puts a shape onto another in other poses of both: all points stay on their images.
+
+    Parameters
+    ----------
+    deformation : ShapeDeformation
+        Between the shapes as they were.
+    source : Carrier
+        The shape that is deformed, in its pose.
+    before, target : TriangleMesh
+        The mesh that carries the other shape, as it was and in its pose.
+    control : Control
+        Stops the work.
+    """
+    images = deformation.images
+    turns = surface_rotations(before.vertices, target.vertices, before.faces)
+    nearest = before.faces[images.triangles, images.shares.argmax(axis=1)]
+    beside = deformation.points - images.interpolated(before.corners)
+    points = images.interpolated(target.corners) + np.einsum("nij,nj->ni", turns[nearest], beside)
+    # From frame to frame, parts are to turn the same way.
+    return _split(source, Laid(points, deformation.confidence), images, deformation.vectors, control)
+
+
+def _split(
+    source: Carrier, laid: Laid, images: ClosestPoints, guesses: NDArray[np.float64] | None, control: Control
+) -> ShapeDeformation:
+    """Split a deformation whose images are known; its rotation vectors are near to guesses, where there are any."""
+    mesh, links, points = source.mesh, source.poisson.links, laid.points
     shortest = rotation_vectors(_smooth_rotations(mesh, points))
     edges = mesh_edges(mesh.faces, links.ends)
-    if back is None:
-        vectors = unwound(shortest, edges)
-    else:
-        vectors = unwound_towards(shortest, back.inverse_vectors_at(images, target.mesh), edges)
+    vectors = unwound(shortest, edges) if guesses is None else unwound_towards(shortest, guesses, edges)
     turns = rotation_matrices(vectors[mesh.faces].mean(axis=1))
     stretches = np.swapaxes(turns, 1, 2) @ deformation_gradients(mesh.vertices, points, mesh.faces)
     link_turns = rotation_matrices(vectors[links.ends].mean(axis=1))

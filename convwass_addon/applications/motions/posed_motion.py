@@ -1,0 +1,210 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A motion between shapes that change their poses meanwhile: maps stay attached to the meshes.
+
+The maps of a guided motion, which tell where on the other shapes every point of a shape belongs, hold in all poses:
+with the vertices moved they give the deformations between the poses, and with them a guided motion. What another motion
+does differently between the shapes at rest is added, turned with the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.mesh import TriangleMesh
+from ...geometry.surface_rotations import surface_rotations
+from ...progress import Control
+from .carriers import Carrier, carrier_of
+from .combined_motion import CombinedMotion
+from .guided_motion import GuidedMotion
+from .guided_settings import GuidedSettings
+from .laid_meshes import Laid
+from .motion import Motion, MovedShape
+from .shape_deformations import posed_deformation, split_deformation
+
+# Weight that a shape keeps where it is laid on another: with none at all it is not moved.
+_LEFT = 1e-3
+
+
+@dataclass(frozen=True)
+class PosedMotion:
+    """A motion of shapes at rest, for any poses of them.
+
+    Attributes
+    ----------
+    chosen : Motion
+        Between the shapes at rest.
+    guided : GuidedMotion
+        With the same maps, or a part of `chosen`.
+    embeddings : tuple of ClosestPoints
+        Where on the inputs the vertices of the guided shapes are.
+    """
+
+    chosen: Motion
+    guided: GuidedMotion
+    embeddings: tuple[ClosestPoints, ...]
+
+    @classmethod
+    def of(
+        cls,
+        chosen: Motion,
+        shapes: Sequence[TriangleMesh],
+        names: Sequence[str],
+        pairs: Sequence[tuple[int, int]],
+        coherence: float,
+        control: Control,
+    ) -> PosedMotion:
+        """Take the maps out of a motion.
+
+        Parameters
+        ----------
+        chosen : Motion
+            Between the shapes at rest.
+        shapes, names
+            The inputs at rest, facing outward, and what messages call them.
+        pairs : sequence of (int, int)
+            Which of them occur together.
+        coherence : float
+            Of the motion.
+        control : Control
+            Stops the work.
+
+        Raises
+        ------
+        InputError
+            A shape that cannot be carried by a coarser mesh.
+        """
+        if isinstance(chosen, GuidedMotion):
+            guided = chosen
+        elif isinstance(chosen, CombinedMotion):
+            guided = chosen.guided
+        else:
+            guided = _guided_along(chosen, shapes, names, pairs, coherence, control)
+        embeddings = [_embedding(own, shape) for own, shape in zip(guided.carriers, shapes, strict=True)]
+        return cls(chosen, guided, tuple(embeddings))
+
+    def at(self, shapes: Sequence[TriangleMesh], active: Sequence[int], control: Control) -> Motion:
+        """Return the motion between poses of the shapes, the triangles being the same; of `active` ones only."""
+        carriers = list(self.guided.carriers)
+        for index in active:
+            rest = self.embeddings[index].interpolated(shapes[index].corners)
+            carriers[index] = carriers[index].posed(rest)
+        before = self.guided.carriers
+        deformations = {
+            (one, other): posed_deformation(
+                self.guided.deformations[one, other], carriers[one], before[other].mesh, carriers[other].mesh, control
+            )
+            for one, other in permutations(active, 2)
+        }
+        posed = GuidedMotion(tuple(carriers), deformations, self.guided.pairs, self.guided.settings)
+        return _Posed(self, posed)
+
+
+@dataclass(frozen=True)
+class _Posed:
+    """The motion between poses; the rest of what it moves is that of the shapes at rest, so that origins are there."""
+
+    motion: PosedMotion
+    guided: GuidedMotion
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        posed = self.guided.moved(weights)
+        still = self.motion.guided
+        if self.motion.chosen is still:
+            return [
+                None if own is None else MovedShape(carrier.rest, own.vertices, own.parents)
+                for own, carrier in zip(posed, still.carriers, strict=True)
+            ]
+        chosen, guided = self.motion.chosen.moved(weights), still.moved(weights)
+        return [
+            None if own is None else _with_difference(own, before, wanted)
+            for own, before, wanted in zip(posed, guided, chosen, strict=True)
+        ]
+
+    def record(self) -> dict[str, object]:
+        return self.motion.chosen.record()
+
+
+def _with_difference(posed: MovedShape, guided: MovedShape, chosen: MovedShape) -> MovedShape:
+    """Return a shape in its pose, moved as it is chosen at rest instead of guided."""
+    faces = guided.rest.faces
+    turns = surface_rotations(guided.vertices, posed.vertices, faces)
+    if chosen.rest is guided.rest:
+        difference = chosen.vertices - guided.vertices
+        vertices = posed.vertices + np.einsum("nij,nj->ni", turns, difference)
+        return MovedShape(chosen.rest, vertices, chosen.parents)
+    places = ClosestPointFinder(guided.rest.corners).find(chosen.rest.vertices)
+    nearest = faces[places.triangles, places.shares.argmax(axis=1)]
+    difference = chosen.vertices - places.interpolated(guided.vertices[faces])
+    vertices = places.interpolated(posed.vertices[faces]) + np.einsum("nij,nj->ni", turns[nearest], difference)
+    return MovedShape(chosen.rest, vertices, chosen.parents)
+
+
+def _guided_along(
+    motion: Motion,
+    shapes: Sequence[TriangleMesh],
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    coherence: float,
+    control: Control,
+) -> GuidedMotion:
+    """Return a guided motion whose maps are those of another one: where it lays the shapes on each other."""
+    settings = GuidedSettings(coherence=coherence)
+    none = np.empty(0, np.int64)
+    carriers = [
+        carrier_of(shape, name, none, settings.carrier_vertices, control)
+        for shape, name in zip(shapes, names, strict=True)
+    ]
+    deformations = {}
+    for one, other in pairs:
+        there = _laid(motion, carriers[one], one, other, len(shapes))
+        back = _laid(motion, carriers[other], other, one, len(shapes))
+        deformations[one, other] = split_deformation(carriers[one], carriers[other], there, None, control)
+        deformations[other, one] = split_deformation(
+            carriers[other], carriers[one], back, deformations[one, other], control
+        )
+    return GuidedMotion(tuple(carriers), deformations, {}, settings)
+
+
+def _laid(motion: Motion, carrier: Carrier, one: int, other: int, count: int) -> Laid:
+    """Return where a motion lays the vertices of a shape's carrier on another shape."""
+    weights = [0.0] * count
+    weights[one], weights[other] = _LEFT, 1.0 - _LEFT
+    moved = motion.moved(weights)[one]
+    places = ClosestPointFinder(moved.rest.corners).find(carrier.mesh.vertices)
+    return Laid(places.interpolated(moved.mesh.corners), np.ones(len(carrier.mesh.vertices)))
+
+
+def _embedding(carrier: Carrier, shape: TriangleMesh) -> ClosestPoints:
+    """Return where on an input the vertices of its carrier's rest are: its own come first, others cut its triangles."""
+    count = len(shape.vertices)
+    rest = carrier.rest
+    triangle, corner = np.zeros(len(rest.vertices), np.int64), np.zeros(len(rest.vertices), np.int64)
+    # Vertices that no triangle uses stay where the first triangle's first corner is: nothing is seen of them.
+    for place in range(3):
+        triangle[shape.faces[:, place]], corner[shape.faces[:, place]] = np.arange(len(shape.faces)), place
+    shares = np.eye(3)[corner]
+    if carrier.parents is not None:
+        triangle[rest.faces.ravel()] = np.repeat(carrier.parents, 3)
+        shares = _barycentric(rest.vertices, shape.corners[triangle])
+        shares[:count] = np.where((shape.faces[triangle[:count]] == np.arange(count)[:, None]), 1.0, 0.0)
+    return ClosestPoints(triangle, shares, np.zeros(len(rest.vertices)))
+
+
+def _barycentric(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return barycentric coordinates of points in the planes of triangles, (n, 3); a third each without an area."""
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normal = np.cross(a, b)
+    squared = np.einsum("ni,ni->n", normal, normal)
+    offset = points - corners[:, 0]
+    safe = np.where(squared > 0, squared, 1.0)
+    second = np.einsum("ni,ni->n", np.cross(offset, b), normal) / safe
+    third = np.einsum("ni,ni->n", np.cross(a, offset), normal) / safe
+    shares = np.stack([1.0 - second - third, second, third], axis=1)
+    return np.where((squared > 0)[:, None], shares, 1.0 / 3.0)
