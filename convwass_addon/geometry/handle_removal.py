@@ -17,21 +17,47 @@ from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
 # Chosen by eye; docs/performance.md, "Barycenters on grids", and `python3 run.py bench quality` tell how many false
 # handles remain.
-# A handle is false if the level is at least this fraction of the density at its thinnest place, or if the density in
-# its hole is at least this fraction of the level.
-_FALSE_HANDLE = 0.5
 # Density to which cells are raised or lowered, relative to the level, and the radii of the change in cells.
 RAISED, LOWERED = 1.1, 0.85
-_RADII = (1.5, 2.25, 3.0)
+_RADII = (1.5, 2.25, 3.0, 4.5)
 # Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
 # The isosurface may separate cells at a saddle of their values if the saddle is at least this close to the level.
 _SLACK = 0.95
-# Number of places examined, and how many at once.
-_TRIED = 240
+# Number of places examined at once.
 _AT_ONCE = 20
 # Half width of a change in cells. Its shapes are (radii, 13, 13, 13), one at the center and zero at the boundary.
 _REACH = 6
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How large the changes are that remove handles.
+
+    Attributes
+    ----------
+    false : float
+        A handle may be removed if the level is at least this fraction of the density at its thinnest place, or if the
+        density in its hole is at least this fraction of the level.
+    radii : int
+        How many of the radii are tried.
+    places : int
+        Number of places examined.
+    smoothings : int
+        How strongly places are smoothed, from 1 to 3, where handles remain.
+    """
+
+    false: float
+    radii: int
+    places: int
+    smoothings: int
+
+
+GENTLE = Effort(0.5, 3, 240, 1)
+"""For every blend by itself."""
+FIRM = Effort(0.1, 4, 960, 3)
+"""For blends whose neighbors have no such handle. From octopus to horse at 64 cells, the handle of one frame in 24
+takes a fraction of 0.2; from ball to knot at 40 cells by transport, seven frames take the strongest smoothing."""
 
 
 def _shape(radius: float) -> NDArray[np.float32]:
@@ -43,7 +69,7 @@ def _shape(radius: float) -> NDArray[np.float32]:
 _SHAPES = np.stack([_shape(radius) for radius in _RADII])
 
 
-def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> int:
+def remove_handles(density: NDArray[np.floating], level: float, excess: int, effort: Effort = GENTLE) -> int:
     """Move saddles near a level to its other side until enough handles are removed, the smallest changes first.
 
     Parameters
@@ -54,6 +80,8 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> 
         Level of the surface.
     excess : int
         Number of handles to remove.
+    effort : Effort
+        The largest changes.
 
     Returns
     -------
@@ -61,9 +89,10 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int) -> 
         Number of handles removed; the number of components does not increase.
     """
     left = excess
-    for places, shapes in ((_places, _SHAPES[:_NARROW]), (_places, _SHAPES), (_places_between, _SHAPES)):
+    own = _SHAPES[: effort.radii]
+    for places, shapes in ((_places, own[:_NARROW]), (_places, own), (_places_between, own)):
         if left > 0:
-            left -= _removed(density, level, left, shapes, places(density, level))
+            left -= _removed(density, level, left, shapes, places(density, level, effort))
     return excess - left
 
 
@@ -93,12 +122,12 @@ class _Places:
 
     @classmethod
     def of(
-        cls, thin: NDArray[np.int64], holes: NDArray[np.int64], density: NDArray[np.floating], level: float
+        cls, thin: NDArray[np.int64], holes: NDArray[np.int64], density: NDArray[np.floating], level: float, most: int
     ) -> _Places:
-        """Lower the density at thin places and raise it in holes, ordered by distance from the level."""
+        """Lower the density at thin places and raise it in holes, at `most` of them, the nearest to the level first."""
         cells = np.concatenate([thin, holes])
         wanted = np.repeat(np.array([LOWERED * level, RAISED * level], density.dtype), [len(thin), len(holes)])
-        order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:_TRIED]
+        order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:most]
         return cls(cells[order], wanted[order])
 
 
@@ -184,15 +213,15 @@ def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:
     return tuple(slice(int(at), int(at) + 2 * _REACH + 1) for at in cell)
 
 
-def _places(density: NDArray[np.floating], level: float) -> _Places:
+def _places(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
     """Return saddles of potentially false handles."""
-    thin = bridges(density, level * _SLACK, level / _FALSE_HANDLE)
-    holes = lids(density, level * _FALSE_HANDLE, level / _SLACK)
-    return _Places.of(thin, holes, density, level)
+    thin = bridges(density, level * _SLACK, level / effort.false)
+    holes = lids(density, level * effort.false, level / _SLACK)
+    return _Places.of(thin, holes, density, level, effort.places)
 
 
-def _places_between(density: NDArray[np.floating], level: float) -> _Places:
+def _places_between(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
     """Return saddles that exist only because the isosurface separates cells sharing an edge or a corner."""
-    thin = bridges_by_faces(density, level * _SLACK, level / _FALSE_HANDLE)
-    holes = lids_by_corners(density, level * _FALSE_HANDLE, level / _SLACK)
-    return _Places.of(thin, holes, density, level)
+    thin = bridges_by_faces(density, level * _SLACK, level / effort.false)
+    holes = lids_by_corners(density, level * effort.false, level / _SLACK)
+    return _Places.of(thin, holes, density, level, effort.places)

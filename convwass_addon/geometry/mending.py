@@ -9,7 +9,7 @@ is counted on cells; surfaces are extracted only to find the level and at the en
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .connectivity import Connectivity
 from .dilation import dilated
 from .even_surface import even_surface
-from .handle_removal import RAISED, remove_handles
+from .handle_removal import GENTLE, RAISED, Effort, remove_handles
 from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
 from .piece_joining import DEEPEST_GAP, join_pieces
@@ -46,6 +46,8 @@ class Mending:
         Its topology, and the largest numbers allowed.
     crumbs, filled, bridged, clipped, unhandled : int
         Numbers of dropped components, filled bubbles, bridged gaps, partially joined components, and removed handles.
+    density : (nx, ny, nz)
+        The repaired density.
     smoothed : float
         Blur in cells of spongy places, if their handles could not be removed otherwise.
     """
@@ -58,6 +60,7 @@ class Mending:
     bridged: int
     clipped: int
     unhandled: int
+    density: NDArray[np.floating] = field(repr=False, compare=False)
     smoothed: float = 0.0
 
     def record(self) -> dict[str, object]:
@@ -69,7 +72,9 @@ class Mending:
         }
 
 
-def mended_surface(density: NDArray[np.floating], volume: float, most: Connectivity) -> Mending:
+def mended_surface(
+    density: NDArray[np.floating], volume: float, most: Connectivity, effort: Effort = GENTLE
+) -> Mending:
     """Extract an evenly meshed surface that encloses a volume, with bounded numbers of components, handles and bubbles.
 
     Only small changes are made. Defects that would need larger ones remain and are listed in the record.
@@ -82,6 +87,8 @@ def mended_surface(density: NDArray[np.floating], volume: float, most: Connectiv
         In cells.
     most : Connectivity
         Largest numbers of components, handles and bubbles: those of the input shapes.
+    effort : Effort
+        How large the changes are that remove handles.
 
     Raises
     ------
@@ -92,20 +99,22 @@ def mended_surface(density: NDArray[np.floating], volume: float, most: Connectiv
     # Parts thinner than the deepest gap are irrelevant.
     box, low = _box_of_interest(density, volume)
     given = np.array(density[box], order="C")
-    work = _Work(given.copy(), volume, most, _SPONGE)
+    work = _Work(given.copy(), volume, most, _SPONGE, effort)
     level = work.level
     best = _settled(work, most)
     # Where there is no sponge, more smoothing removes no more handles than a little.
     is_sponge = best.mending.found.beyond(most).handles > _SPONGE
-    for sigma in _SMOOTHINGS if is_sponge else _SMOOTHINGS[:1]:
+    for sigma in _SMOOTHINGS if is_sponge else _SMOOTHINGS[: effort.smoothings]:
         if best.mending.found.beyond(most).handles == 0:
             break
         too_many = None if sigma == _SMOOTHINGS[-1] else _SPONGE
-        found = _settled(_Work(smoothed_at_saddles(given, level, sigma), volume, most, too_many), most)
+        found = _settled(_Work(smoothed_at_saddles(given, level, sigma), volume, most, too_many, effort), most)
         if found.mending.found.beyond(most) < best.mending.found.beyond(most):
             best = _Settled(replace(found.mending, smoothed=sigma), found.density)
     surface = even_surface(best.mending.surface, best.density)
-    return replace(best.mending, surface=LevelSurface(surface.mesh.moved(low), surface.level))
+    repaired = density.copy()
+    repaired[box] = best.density
+    return replace(best.mending, surface=LevelSurface(surface.mesh.moved(low), surface.level), density=repaired)
 
 
 @dataclass(frozen=True)
@@ -142,14 +151,22 @@ class _Work:
 
     Parameters
     ----------
-    density, volume, most
+    density, volume, most, effort
         As for :func:`mended_surface`.
     too_many : int or None
         If there are more excess handles than this, none is removed.
     """
 
-    def __init__(self, density: NDArray[np.floating], volume: float, most: Connectivity, too_many: int | None) -> None:
+    def __init__(
+        self,
+        density: NDArray[np.floating],
+        volume: float,
+        most: Connectivity,
+        too_many: int | None,
+        effort: Effort,
+    ) -> None:
         self.density, self._volume, self._most, self._too_many = density, volume, most, too_many
+        self._effort = effort
         self._shortfall = estimate_shortfall(density, volume)
         self.level = level_enclosing(density, volume, self._shortfall)
         self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
@@ -158,7 +175,7 @@ class _Work:
         """Extract the current surface; the next repairs use its level."""
         surface = surface_enclosing(self.density, self._volume, self._shortfall)
         self.level = surface.level
-        return Mending(surface, Connectivity.of(surface), self._most, *self._counts())
+        return Mending(surface, Connectivity.of(surface), self._most, *self._counts(), self.density)
 
     def mend(self) -> bool:
         """Repair defects at the current level; return whether anything was repaired."""
@@ -168,7 +185,7 @@ class _Work:
         handles = pieces + bubbles - euler_number(self.density, self.level) // 2
         excess = handles - self._most.handles
         if excess > 0 and (self._too_many is None or excess <= self._too_many):
-            self._unhandled += remove_handles(self.density, self.level, excess)
+            self._unhandled += remove_handles(self.density, self.level, excess, self._effort)
         return before != self._counts()
 
     def _counts(self) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.geometry.even_surface import even_surface
-from convwass_addon.geometry.handle_removal import remove_handles
+from convwass_addon.geometry.handle_removal import FIRM, remove_handles
 from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
 from convwass_addon.geometry.level_topology import euler_number, hollows_below, pieces_above
 from convwass_addon.geometry.mending import mended_surface
@@ -193,6 +193,16 @@ def test_a_slit_between_cells_that_touch_by_an_edge_is_closed(inside):
     assert euler_number(density, 1.0) == 0
     assert remove_handles(density, 1.0, 1) == 1
     assert euler_number(density, 1.0) == 2
+
+
+def test_a_firm_effort_closes_holes_that_a_gentle_one_leaves():
+    plate = np.zeros((24, 24, 12), np.float32)
+    plate[3:-3, 3:-3, 3:-3] = 1.0
+    plate[10:14, 10:14, 3:-3] = 0.1
+    plate = gaussian_filter(plate, 0.7)
+    volume = half(plate)
+    assert mended_surface(plate, volume, ONE).found == Connectivity(1, 1, 0)
+    assert mended_surface(plate, volume, ONE, FIRM).found == ONE
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -185,7 +185,8 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     blend, sigma = solved.blend, max(solved.sigmas)
     merged = solved.merged()
     shapes = [problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
-    extracted = extract_surface(merged.density, merged.volume, sigma, shapes, problem.settings, solids)
+    constraint = problem.constraint(blend.weights)
+    extracted = extract_surface(merged.density, merged.volume, sigma, shapes, problem.settings, solids, constraint)
     mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,

@@ -14,8 +14,10 @@ from scipy.ndimage import gaussian_filter
 from ...errors import InputError
 from ...geometry.connectivity import Connectivity
 from ...geometry.even_surface import even_surface
+from ...geometry.handle_removal import GENTLE, Effort
 from ...geometry.isosurface import LevelSurface, bounding_box, surface_at_level, surface_enclosing
 from ...geometry.mending import mended_surface
+from ...geometry.surface_bounds import SurfaceBounds
 from ...geometry.thin_parts import locally_normalized, lost_parts
 from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings
@@ -81,6 +83,25 @@ def level_density(
     return LevelDensity(prepared.density, prepared.low, surface_enclosing(prepared.density, volume).level, volume)
 
 
+@dataclass(frozen=True)
+class Constraint:
+    """What the surface of a blend has to observe besides its density.
+
+    Attributes
+    ----------
+    effort : Effort
+        How large the changes are that remove handles.
+    bounds : SurfaceBounds or None
+        Where the surface may be.
+    """
+
+    effort: Effort = GENTLE
+    bounds: SurfaceBounds | None = None
+
+
+UNCONSTRAINED = Constraint()
+
+
 def own_surface(occupancy: NDArray[np.floating], settings: MorphSettings) -> LevelSurface:
     """Surface of a shape, extracted from its occupancy as the surfaces of blends are."""
     volume = float(occupancy.sum(dtype=np.float64))
@@ -100,6 +121,7 @@ def extract_surface(
     shapes: Sequence[Connectivity],
     settings: MorphSettings,
     solids: CoincidingSolids | None = None,
+    constraint: Constraint = UNCONSTRAINED,
 ) -> Extraction:
     """Extract the surface of a blend.
 
@@ -117,6 +139,8 @@ def extract_surface(
         Which level, and whether to keep thin parts and to mend.
     solids : CoincidingSolids, optional
         The shapes, where they have been moved onto each other: where they coincide, their mean is taken instead.
+    constraint : Constraint
+        What else the surface has to observe, where it is mended.
     """
     if settings.level == "half-max":
         surface = surface_at_level(density, float(density.max()) / 2)
@@ -127,21 +151,31 @@ def extract_surface(
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
-    extracted = _mended(prepared, volume, shapes, settings)
+    extracted = _mended(prepared, volume, shapes, settings, constraint)
     shown = prepared.density > extracted.surface.level
     lost = lost_parts(density[prepared.box], shown, _REACH * sigma).moved(prepared.low)
     return Extraction(prepared.placed(extracted.surface), {**extracted.record, "lost": lost.record()})
 
 
 def extract_coinciding(
-    solids: CoincidingSolids, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings
+    solids: CoincidingSolids,
+    volume: float,
+    shapes: Sequence[Connectivity],
+    settings: MorphSettings,
+    constraint: Constraint = UNCONSTRAINED,
 ) -> Extraction:
     """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
-    return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings)
+    return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings, constraint)
 
 
-def _mended(prepared: _Prepared, volume: float, shapes: Sequence[Connectivity], settings: MorphSettings) -> Extraction:
+def _mended(
+    prepared: _Prepared,
+    volume: float,
+    shapes: Sequence[Connectivity],
+    settings: MorphSettings,
+    constraint: Constraint,
+) -> Extraction:
     """Return the surface in the box of a density, mended as far as the settings ask for it."""
     if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
@@ -149,8 +183,16 @@ def _mended(prepared: _Prepared, volume: float, shapes: Sequence[Connectivity], 
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)
-    mending = mended_surface(prepared.density, volume, most)
-    return Extraction(mending.surface, mending.record())
+    mending = mended_surface(prepared.density, volume, most, constraint.effort)
+    if constraint.bounds is None:
+        return Extraction(mending.surface, mending.record())
+    # What was repaired may be further away than what was there.
+    level = mending.surface.level
+    limited = constraint.bounds.limited(mending.density, level, prepared.box)
+    held = int(np.count_nonzero((limited > level) != (mending.density > level)))
+    if held:
+        mending = mended_surface(limited, volume, most, constraint.effort)
+    return Extraction(mending.surface, {**mending.record(), "held": held})
 
 
 @dataclass(frozen=True)

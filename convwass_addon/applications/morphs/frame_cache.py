@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import ConvwassError, InputError
-from ...geometry.connectivity import Connectivity
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..motions.guides import Guide
 from ..whole_paths import whole_path
 from .code_digest import code_digest
+from .demands import Demand
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
 from .morph_problem import MorphFrame
@@ -216,22 +216,22 @@ class BakeCache:
             if self._read(path, key, frame.blend) is None:
                 self._cache.missed(error)
 
-    def load_again(self, run: Sequence[Blend], blend: Blend, asked: Connectivity) -> MorphFrame | None:
-        """Return a blend of a run that was made with no more pieces and handles than asked, if that is there."""
-        stored = self._read(*self._again(run, blend, asked), blend)
+    def load_again(self, run: Sequence[Blend], blend: Blend, demand: Demand) -> MorphFrame | None:
+        """Return a blend of a run that was made once more as demanded, if that is there."""
+        stored = self._read(*self._again(run, blend, demand), blend)
         if stored is None:
             return None
         self._cache.reused += 1
         return MorphFrame(blend=blend, **vars(stored))
 
-    def save_again(self, run: Sequence[Blend], frame: MorphFrame, asked: Connectivity) -> None:
+    def save_again(self, run: Sequence[Blend], frame: MorphFrame, demand: Demand) -> None:
         """Put one into the cache; raises ConvwassError where a file cannot be written."""
-        self._write(*self._again(run, frame.blend, asked), frame)
+        self._write(*self._again(run, frame.blend, demand), frame)
 
-    def _again(self, run: Sequence[Blend], blend: Blend, asked: Connectivity) -> tuple[Path, str]:
+    def _again(self, run: Sequence[Blend], blend: Blend, demand: Demand) -> tuple[Path, str]:
         """Return the file and the key of a blend that is made once more."""
         own = self._keys(run)[run.index(blend)]
-        key = hashlib.sha256(f"{own} {json.dumps(vars(asked))}".encode()).hexdigest()
+        key = hashlib.sha256(f"{own} {demand.digest()}".encode()).hexdigest()
         return self._cache.folder / f"{key}.frame", key
 
     def _keys(self, run: Sequence[Blend]) -> list[str]:

@@ -14,7 +14,7 @@ from contextlib import ExitStack
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from ..motions.guides import Guide
@@ -25,12 +25,11 @@ from .layouts import Blend
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
-from .remaking import decided_again
+from .remaking import BakeReview, Remaking
 from .runs import Run, SolvedRun, as_solved, runs_of
-from .steady_topology import SteadyTopology
 
 # Share of the progress at which all blends are there for the first time.
-_DECIDED_FROM = 0.95
+_REVIEWED_FROM = 0.95
 
 
 def morph(
@@ -96,7 +95,7 @@ def morph(
     Progress
         The payloads are every finished :class:`.morph_problem.MorphFrame` in the order of the blends, and every
         :class:`.bake_plan.MorphPreview`. A frame that is changed once all frames between two shapes are known comes
-        again after them, and takes the place of the one before; see :mod:`.steady_topology`.
+        again after them, and takes the place of the one before; see :mod:`.remaking`.
 
     Raises
     ------
@@ -130,7 +129,7 @@ def morph(
         animation=animation,
     )
     # Part of a morph may be made elsewhere: only whoever has all of it decides over all of it.
-    topology = SteadyTopology(blends if wanted is None else ())
+    review = BakeReview(blends if wanted is None else ())
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
         fraction, problem = 0.0, None
@@ -138,13 +137,14 @@ def morph(
             begun = yield from plan.begun(stack, control)
             solved, fraction, problem = as_solved(begun.pending, control), begun.fraction, begun.problem
         total = sum(map(len, runs))
-        span = (_DECIDED_FROM if topology.legs else 1.0) - fraction
+        span = (_REVIEWED_FROM if review.is_needed else 1.0) - fraction
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
-            topology.hear(frame)
-            ends = done == total and not topology.asked()
+            review.hear(frame)
+            ends = done == total and review.is_done()
             share = 1.0 if ends else fraction + span * done / total
             yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
-        yield from decided_again(plan, runs, topology, store, problem, control, begin=fraction + span)
+        remaking = Remaking(plan, runs, store, problem, control)
+        yield from within(remaking.fitted(review), fraction + span, 1.0)
 
 
 def in_order(

@@ -16,7 +16,8 @@ from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...one_line import one_line
-from .extraction import connectivity_of
+from .demands import Demand
+from .extraction import UNCONSTRAINED, Constraint, connectivity_of
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .part_potentials import PartPotentials
@@ -88,6 +89,8 @@ class MorphProblem:
         What the record of every frame says about the choice of a motion.
     shapes : tuple of FacingShape
         The shapes themselves, outward, where blends get their detail from them; empty where they do not.
+    demand : Demand or None
+        What the other blends demand of those that are made now.
     """
 
     transport: TransportProblem
@@ -96,6 +99,7 @@ class MorphProblem:
     motion: Mapping[str, object] = field(default_factory=dict)
     meshes: tuple[TriangleMesh, ...] = ()
     shapes: tuple[FacingShape, ...] = ()
+    demand: Demand | None = None
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
@@ -131,9 +135,14 @@ class MorphProblem:
         shapes = range(len(self.transport.volumes))
         return replace(self, connectivity=tuple(each(self.shape_connectivity, shapes)), meshes=())
 
-    def limited(self, most: Connectivity) -> MorphProblem:
-        """Return the same for blends that are to have no more than `most`, whatever the shapes have."""
-        return replace(self, connectivity=(most,) * len(self.transport.volumes), meshes=())
+    def demanding(self, demand: Demand) -> MorphProblem:
+        """Return the same for blends of which something is demanded, whatever pieces and handles the shapes have."""
+        connectivity = (demand.most,) * len(self.transport.volumes)
+        return replace(self, connectivity=connectivity, meshes=(), demand=demand)
+
+    def constraint(self, weights: Sequence[float]) -> Constraint:
+        """Return how the surface of the blend with these weights is to be extracted."""
+        return UNCONSTRAINED if self.demand is None else self.demand.constraint(self.lattice, weights)
 
     def shape_connectivity(self, index: int) -> Connectivity:
         """Tell how shape `index` is connected: what its cells show, less what only they show.

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
-from ...geometry.connectivity import Connectivity
 from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
@@ -22,6 +21,7 @@ from ..motions.motion import Motion, MovedShape
 from .blend_solver import BlendSolver
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
+from .demands import Demand
 from .detail import detailed_blend, reliability_of, starts_on_readings
 from .extraction import extract_coinciding
 from .layouts import Blend
@@ -126,9 +126,9 @@ class MovingProblem:
         room = room_of_moved(bounds, still.lattice.centers, blends, control)
         return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
 
-    def limited(self, most: Connectivity) -> MovingProblem:
-        """Return the same for blends that are to have no more than `most`, whatever the inputs have."""
-        return replace(self, still=self.still.limited(most))
+    def demanding(self, demand: Demand) -> MovingProblem:
+        """Return the same for blends of which something is demanded, whatever pieces and handles the inputs have."""
+        return replace(self, still=self.still.demanding(demand))
 
     def effort(self, blend: Blend) -> float:
         """Estimate how long a blend takes beside others."""
@@ -186,7 +186,8 @@ class MovingProblem:
     def _coinciding(self, problem: MorphProblem, blend: Blend, solids: CoincidingSolids) -> MorphFrame:
         """Return the frame of shapes that coincide: nothing is left to transport."""
         volume = float(problem.transport.blend_volumes(blend).sum())
-        extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings)
+        constraint = problem.constraint(blend.weights)
+        extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings, constraint)
         mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
         record = {
             "cells": problem.lattice.shape,
@@ -240,7 +241,7 @@ class MovingProblem:
         known = {part.name: part.volumes[active] for part in self.still.transport.parts}
         parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in transport.parts)
         connectivity = tuple(self.still.connectivity[i] for i in active)
-        return MorphProblem(replace(transport, parts=parts), connectivity)
+        return MorphProblem(replace(transport, parts=parts), connectivity, demand=self.still.demand)
 
 
 @dataclass(frozen=True)

@@ -1,110 +1,156 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make those blends of a bake once more whose pieces or handles do not fit the blends about them."""
+"""Make those blends of a bake once more that do not fit the blends about them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .bake_plan import BakePlan
+from .demands import Demand
 from .frame_cache import BakeCache
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moving_problem import MovingProblem
 from .runs import Run, as_solved
 from .solving_again import Asked
-from .steady_topology import SteadyTopology
+from .steady_topology import SteadyTopology, legs_of
+from .surface_steps import Chain, SurfaceSteps
 
-# What cannot be made as asked is decided anew, so often.
+# What cannot be made as demanded is decided anew, so often.
 _ROUNDS = 3
+# A blend is as it was where no more cells than this are held by the blend beside it.
+_HELD = 2
 
 
-def decided_again(
-    plan: BakePlan,
-    runs: Sequence[Run],
-    topology: SteadyTopology,
-    store: BakeCache | None,
-    problem: MorphProblem | MovingProblem | None,
-    control: Control,
-    begin: float,
-) -> Work[None]:
-    """Make blends again until their topology changes as seldom as it can.
+class BakeReview:
+    """Hears of all blends of a bake, and knows which do not fit the others.
+
+    Parameters
+    ----------
+    blends : sequence of Blend
+        All that are made; those that are no path fit anyway.
+    """
+
+    def __init__(self, blends: Sequence[Blend]) -> None:
+        legs = legs_of(blends)
+        self.is_needed = bool(legs)
+        self.topology, self.steps = SteadyTopology(legs), SurfaceSteps(legs)
+
+    def hear(self, frame: MorphFrame) -> None:
+        """Take note of the next frame."""
+        self.topology.hear(frame)
+        self.steps.hear(frame)
+
+    def is_done(self) -> bool:
+        """Whether all blends fit."""
+        return not self.topology.asked() and not self.steps.chains()
+
+
+class Remaking:
+    """Makes blends again until surfaces do not jump and the topology changes as seldom as it can.
 
     Parameters
     ----------
     plan : BakePlan
-        How they are computed.
+        How blends are computed.
     runs : sequence of tuple of Blend
         All of them.
-    topology : SteadyTopology
-        Has heard of all frames.
     store : BakeCache or None
         Frames that are in it are not made again.
     problem : MorphProblem, MovingProblem or None
         What the blends have in common; None where all frames were in the cache.
     control : Control
         Ends the work when cancelled.
-    begin : float
-        Share of the progress that is done by then.
-
-    Yields
-    ------
-    Progress
-        The payloads are frames that take the place of earlier ones.
     """
-    asked = topology.asked()
-    if not asked:
-        return
-    share = (1.0 - begin) / _ROUNDS
-    for attempt in range(_ROUNDS):
-        start = begin + attempt * share
-        known = {} if store is None else _known(store, runs, asked)
-        wanted = {blend: most for blend, most in asked.items() if blend not in known}
-        if wanted and problem is None:
-            problem = yield from within(replace(plan, runs=_affected(runs, wanted)).prepared(control), start, start)
-        if wanted:
-            known |= _made(plan, problem, runs, wanted, store, control)
-        for done, (blend, most) in enumerate(asked.items(), start=1):
-            message = Sentence("Topology of blend {done} of {total}", {"done": done, "total": len(asked)})
-            yield Progress(start + share * done / len(asked), message, topology.better(known[blend], most))
-        asked = topology.asked()
-        if not asked:
-            break
-    yield Progress(1.0, Sentence("Topology is steady"))
 
+    def __init__(
+        self,
+        plan: BakePlan,
+        runs: Sequence[Run],
+        store: BakeCache | None,
+        problem: MorphProblem | MovingProblem | None,
+        control: Control,
+    ) -> None:
+        self._plan, self._runs, self._store, self._problem, self._control = plan, runs, store, problem, control
+        self._demands: dict[Blend, Demand] = {}
+        self._surfaces: dict[Blend, TriangleMesh] = {}
 
-def _affected(runs: Sequence[Run], asked: Asked) -> dict[int, Run]:
-    return {index: run for index, run in enumerate(runs) if not asked.keys().isdisjoint(run)}
+    def fitted(self, review: BakeReview) -> Work[None]:
+        """Yield frames that take the place of earlier ones, as payloads."""
+        if review.is_done():
+            return
+        chains = [chain for chain in review.steps.chains() if review.topology.knows(chain.blends)]
+        for done, chain in enumerate(chains):
+            yield from within(
+                self._evened(chain, review.topology), 0.5 * done / len(chains), 0.5 * (done + 1) / len(chains)
+            )
+        yield from within(self._steadied(review.topology), 0.5, 1.0)
+        yield Progress(1.0, Sentence("Blends fit each other"))
 
+    def _evened(self, chain: Chain, topology: SteadyTopology) -> Work[None]:
+        """Make blends near to the ones before them, until one would be there anyway."""
+        near = self._surfaces.get(chain.beside, chain.near)
+        for done, blend in enumerate(chain.blends):
+            if blend in self._demands:
+                break
+            demand = Demand(topology.most(blend), near, chain.reach)
+            frame = (yield from self._made({blend: demand}))[blend]
+            if frame.record["held"] <= _HELD:
+                break
+            self._demands[blend], self._surfaces[blend], near = demand, frame.mesh, frame.mesh
+            topology.hear(frame)
+            yield Progress(
+                done / len(chain.blends), Sentence("Surface of blend {blend}", {"blend": blend.frame}), frame
+            )
 
-def _known(store: BakeCache, runs: Sequence[Run], asked: Asked) -> dict[Blend, MorphFrame]:
-    """Return those frames that are in the cache."""
-    found = {
-        blend: store.load_again(run, blend, asked[blend])
-        for run in _affected(runs, asked).values()
-        for blend in run
-        if blend in asked
-    }
-    return {blend: frame for blend, frame in found.items() if frame is not None}
+    def _steadied(self, topology: SteadyTopology) -> Work[None]:
+        """Make blends with fewer pieces and handles."""
+        for attempt in range(_ROUNDS):
+            asked = topology.asked()
+            if not asked:
+                break
+            wanted = {
+                blend: replace(self._demands.get(blend, Demand(most)), most=most) for blend, most in asked.items()
+            }
+            found = yield from self._made(wanted)
+            for done, (blend, most) in enumerate(asked.items()):
+                message = Sentence("Topology of blend {done} of {total}", {"done": done + 1, "total": len(asked)})
+                yield Progress((attempt + done / len(asked)) / _ROUNDS, message, topology.better(found[blend], most))
 
+    def _made(self, asked: Asked) -> Work[dict[Blend, MorphFrame]]:
+        """Make frames, or take them out of the cache."""
+        found = self._known(asked)
+        missing = {blend: demand for blend, demand in asked.items() if blend not in found}
+        if not missing:
+            return found
+        runs = self._affected(missing)
+        if self._problem is None:
+            self._problem = yield from within(replace(self._plan, runs=runs).prepared(self._control), 0.0, 0.0)
+        with self._plan.again(self._problem, runs, missing, self._control) as pending:
+            for solved in as_solved(pending, self._control):
+                for frame in solved.frames:
+                    found[frame.blend] = frame
+                    if self._store is not None:
+                        self._store.save_again(self._runs[solved.index], frame, missing[frame.blend])
+        return found
 
-def _made(
-    plan: BakePlan,
-    problem: MorphProblem | MovingProblem,
-    runs: Sequence[Run],
-    asked: Asked,
-    store: BakeCache | None,
-    control: Control,
-) -> dict[Blend, MorphFrame]:
-    """Make frames, and put them into the cache."""
-    found = {}
-    with plan.again(problem, _affected(runs, asked), asked, control) as pending:
-        for solved in as_solved(pending, control):
-            for frame in solved.frames:
-                found[frame.blend] = frame
-                if store is not None:
-                    store.save_again(runs[solved.index], frame, asked[frame.blend])
-    return found
+    def _known(self, asked: Asked) -> dict[Blend, MorphFrame]:
+        """Return those frames that are in the cache."""
+        if self._store is None:
+            return {}
+        found = {
+            blend: self._store.load_again(run, blend, asked[blend])
+            for run in self._affected(asked).values()
+            for blend in run
+            if blend in asked
+        }
+        return {blend: frame for blend, frame in found.items() if frame is not None}
+
+    def _affected(self, blends: Iterable[Blend]) -> dict[int, Run]:
+        wanted = set(blends)
+        return {index: run for index, run in enumerate(self._runs) if not wanted.isdisjoint(run)}

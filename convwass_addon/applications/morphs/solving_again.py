@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends that are made once more with fewer pieces and handles, of the same barycenters."""
+"""Blends that are made once more as the blends about them demand it, of the same barycenters."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from functools import partial
 
-from ...geometry.connectivity import Connectivity
 from ...progress import UNINTERRUPTED, Control
 from ..workers import one_blas_thread
 from .blending import HandOver, solve_some_blends
+from .demands import Demand
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moving_problem import MovingProblem
 from .runs import Pending, Run, runs_elsewhere, solved_in_threads
 
-Asked = Mapping[Blend, Connectivity]
-"""What some blends should have at the most."""
+Asked = Mapping[Blend, Demand]
+"""What is demanded of some blends."""
 
 
 def solve_again(
@@ -33,8 +33,8 @@ def solve_again(
         That of the run; the connectivity of its shapes is not needed.
     run : tuple of Blend
         Whose blends start from each other.
-    asked : mapping of Blend to Connectivity
-        Which blends, and what each should have at the most.
+    asked : mapping of Blend to Demand
+        Which blends, and what is demanded of each.
     control : Control
         Ends the work when cancelled.
 
@@ -44,8 +44,8 @@ def solve_again(
         In the order of the run.
     """
     if isinstance(problem, MovingProblem):
-        return [problem.limited(asked[blend]).frame(blend, control) for blend in run if blend in asked]
-    limited = [problem.limited(asked[blend]) if blend in asked else None for blend in run]
+        return [problem.demanding(asked[blend]).frame(blend, control) for blend in run if blend in asked]
+    limited = [problem.demanding(asked[blend]) if blend in asked else None for blend in run]
     while limited and limited[-1] is None:
         limited.pop()
     return solve_some_blends(problem.transport, run, limited, control)

@@ -9,7 +9,7 @@ have more than was decided are asked for again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -62,12 +62,12 @@ class SteadyTopology:
 
     Parameters
     ----------
-    blends : sequence of Blend
-        All that are made.
+    legs : sequence of Leg
+        All blends that are decided over.
     """
 
-    def __init__(self, blends: Sequence[Blend]) -> None:
-        self.legs = legs_of(blends)
+    def __init__(self, legs: Sequence[Leg]) -> None:
+        self._legs = legs
         self._shapes: dict[Blend, Connectivity] = {}
         self._counts: dict[Blend, _Counts] = {}
 
@@ -79,17 +79,23 @@ class SteadyTopology:
         if frame.blend.source is not None:
             self._shapes[frame.blend] = has
         elif most is not None:
-            # What is left beyond that could not be mended.
-            least = _decided(_LEAST, {kind: getattr(has, kind) for kind in _DECIDED if _exceeds(has, most, kind)})
-            self._counts[frame.blend] = _Counts(has, least, most)
+            self._counts[frame.blend] = _Counts(has, _LEAST, most)
 
     def asked(self) -> dict[Blend, Connectivity]:
         """Return the most that blends should have which have more than that now, in the order of the blends."""
         found: dict[Blend, Connectivity] = {}
-        for leg in self.legs:
+        for leg in self._legs:
             if self._knows(leg):
                 found |= self._asked_of(leg)
         return found
+
+    def knows(self, blends: Iterable[Blend]) -> bool:
+        """Whether frames of all of these have been heard of that are mended."""
+        return all(blend in self._counts for blend in blends)
+
+    def most(self, blend: Blend) -> Connectivity:
+        """Return the most that the shapes of a blend have which is known."""
+        return self._counts[blend].most
 
     def better(self, frame: MorphFrame, asked: Connectivity) -> MorphFrame | None:
         """Take note of a frame that was made again, and return it; None where the one before is as good.
@@ -107,7 +113,7 @@ class SteadyTopology:
             counts.has = has
         # Nothing is asked for twice.
         left = {kind: getattr(counts.has, kind) for kind in _DECIDED if _exceeds(counts.has, asked, kind)}
-        counts.least = _decided(counts.least, left)
+        counts.least = replace(counts.least, **left)
         if not is_better:
             return None
         return replace(frame, record={**frame.record, "most": vars(counts.most)})
@@ -146,7 +152,3 @@ def _connectivity(frame: MorphFrame, name: str) -> Connectivity | None:
 
 def _exceeds(has: Connectivity, most: Connectivity, kind: str) -> bool:
     return getattr(has, kind) > getattr(most, kind)
-
-
-def _decided(counts: Connectivity, kinds: dict[str, int]) -> Connectivity:
-    return replace(counts, **kinds)

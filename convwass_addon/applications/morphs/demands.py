@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the other blends of a bake demand of one that is made again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry.connectivity import Connectivity
+from ...geometry.handle_removal import FIRM
+from ...geometry.mesh import TriangleMesh
+from ...geometry.surface_bounds import SurfaceBounds
+from .extraction import Constraint
+from .volumes import Lattice
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What a blend should be like.
+
+    Attributes
+    ----------
+    most : Connectivity
+        The most pieces, handles and bubbles that it should have.
+    near : TriangleMesh or None
+        The surface of the blend beside it, in the scene; None where that does not matter.
+    reach : float
+        How far the surface may be from that one, in scene units.
+    """
+
+    most: Connectivity
+    near: TriangleMesh | None = None
+    reach: float = 0.0
+
+    def constraint(self, lattice: Lattice, weights: Sequence[float]) -> Constraint:
+        """Return what that means for the surface of the blend with these weights, on its grid."""
+        if self.near is None:
+            return Constraint(FIRM)
+        corner = np.asarray(weights) @ lattice.centers + lattice.origin
+        corners, reach = (self.near.corners - corner) / lattice.spacing, self.reach / lattice.spacing
+        return Constraint(FIRM, SurfaceBounds.of(corners, lattice.shape, reach))
+
+    def digest(self) -> str:
+        """Return a hash of all of it."""
+        hashed = hashlib.sha256(json.dumps([vars(self.most), self.reach]).encode())
+        if self.near is not None:
+            for array in (self.near.vertices.astype("<f8"), self.near.faces.astype("<i8")):
+                hashed.update(np.ascontiguousarray(array).data)
+        return hashed.hexdigest()

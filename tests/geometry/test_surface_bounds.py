@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.isosurface import surface_at_level
+from convwass_addon.geometry.surface_bounds import SurfaceBounds
+from tests.shapes import ball
+
+SHAPE = (40, 40, 40)
+CENTER = np.full(3, 20.0)
+RADII = np.linalg.norm(np.indices(SHAPE).T + 0.5 - CENTER, axis=-1).T
+BALL = ball(10.0, CENTER, points=3000)
+
+
+def solid(radius):
+    """About one half at the surface of a ball."""
+    return (1.0 / (1.0 + np.exp(2.0 * (RADII - radius)))).astype(np.float32)
+
+
+def radii_of(density):
+    return np.linalg.norm(surface_at_level(density, 0.5).mesh.vertices - CENTER, axis=1)
+
+
+def test_distances_of_a_ball():
+    bounds = SurfaceBounds.of(BALL.corners, SHAPE, 2.0)
+    near = np.abs(RADII - 10.0) < 6.0
+    np.testing.assert_allclose(bounds.distances[near], (RADII - 10.0)[near], atol=0.6)
+
+
+@pytest.mark.parametrize(("radius", "expected"), [(14.0, 12.0), (5.0, 8.0), (11.0, 11.0)])
+def test_a_ball_grows_or_shrinks_as_far_as_it_may(radius, expected):
+    found = SurfaceBounds.of(BALL.corners, SHAPE, 2.0).limited(solid(radius), 0.5)
+    np.testing.assert_allclose(radii_of(found), expected, atol=0.5)
+    assert radii_of(found).mean() == pytest.approx(expected, abs=0.35)
+
+
+def test_a_crack_that_opens_at_once_opens_from_outside():
+    cracked = solid(10.0)
+    cracked[20] = 0.0
+    x, y, z = (
+        surface_at_level(SurfaceBounds.of(BALL.corners, SHAPE, 2.0).limited(cracked, 0.5), 0.5).mesh.vertices - CENTER
+    ).T
+    in_crack = np.abs(x - 0.5) < 1.0
+    assert np.hypot(y, z)[in_crack].min() == pytest.approx(8.0, abs=1.0)
+
+
+def test_a_box_of_a_density_is_limited_alike():
+    bounds, box = SurfaceBounds.of(BALL.corners, SHAPE, 2.0), (slice(5, 35), slice(3, 38), slice(6, 36))
+    np.testing.assert_array_equal(bounds.limited(solid(14.0)[box], 0.5, box), bounds.limited(solid(14.0), 0.5)[box])
