@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from convwass_addon.applications.live.field_sources import StandInSource, TransportSource, box_of_shapes
 from convwass_addon.applications.live.filling_lattice import LEVELS, count_of_nodes
 from convwass_addon.applications.live.level_fields import mixed
-from convwass_addon.applications.live.live_blends import FADE, LiveBlends, LiveShape, LiveShapes
+from convwass_addon.applications.live.live_blends import FADE, LiveBlends, LiveShape, LiveShapes, quick_settings
 from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.live.weight_layouts import layout_of
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -118,7 +118,8 @@ def hand(names: Sequence[str], cells: int, solved: int) -> dict[str, object]:
         Cells that the blends are solved on.
     """
     shapes, shown = _shapes(names), Shown()
-    source, box = _source(shapes, cells, solved)
+    quick = quick_settings(MorphSettings(resolution=solved)).tolerance
+    source, box = _source(shapes, cells, solved, quick)
     times = []
     for weights in _path(len(names), _DRAWN):
         begun = time.thread_time()
@@ -203,7 +204,7 @@ def _settings(cells: int, steps: int, shapes: LiveShapes) -> LiveSettings:
     fine = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
     count = count_of_nodes(layout_of(len(shapes.names)), [own for own in LEVELS if own <= steps])
     megabytes = box_of_shapes(shapes.meshes, fine).field_bytes * count / 1e6
-    return LiveSettings(live_resolution=cells, live_memory=max(int(np.ceil(megabytes)), 16))
+    return LiveSettings(live_resolution=cells, live_memory=int(np.ceil(megabytes)))
 
 
 def _path(count: int, frames: int) -> list[NDArray[np.float64]]:

@@ -37,6 +37,7 @@ SCENARIOS = (
     "flat",
     "elsewhere",
     "morphs",
+    "live",
     "guides",
     "disabling",
 )

@@ -27,7 +27,7 @@ FINEST = 24
 """Steps where neighbors of the last level still differ by more than `FAR`."""
 
 FAR = 0.25
-"""How much the solids of neighbors may differ, as a share of their volume; beyond, mixtures show both."""
+"""How much neighbors may differ, as a share of their mass; beyond, mixtures show both."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,12 @@ class FillingLattice:
         Most nodes that there is memory for; levels that are not refined further fit.
     fade : float
         Seconds within which a finer level takes over.
+    far : float
+        How much neighbors of the last level may differ; beyond, the finest level is filled between them.
     """
 
-    def __init__(self, layout: WeightLayout, levels: Sequence[int], most: int, fade: float) -> None:
-        self._layout, self._most, self._fade = layout, most, fade
+    def __init__(self, layout: WeightLayout, levels: Sequence[int], most: int, fade: float, far: float = FAR) -> None:
+        self._layout, self._most, self._fade, self._far = layout, most, fade, far
         self._fields: dict[Node, LevelField] = {}
         # When a node of a level and all its neighbors were there.
         self._since: dict[tuple[int, Node], float] = {}
@@ -99,7 +101,7 @@ class FillingLattice:
                 for one in () if own is None else (own, *self._layout.neighbors(own, steps)):
                     if self._is_surrounded(one, steps):
                         self._since.setdefault((steps, _unit(one, steps)), now)
-            if self.levels[-1] == LEVELS[-1]:
+            if self.levels[-1] == LEVELS[-1] and self._far < np.inf:
                 self._refine(node)
 
     def extend(self, levels: Sequence[int], now: float) -> None:
@@ -204,7 +206,7 @@ class FillingLattice:
             return
         for other in self._layout.neighbors(own, LEVELS[-1]):
             field = self._fields.get(_unit(other, LEVELS[-1]))
-            if field is None or field.difference(self._fields[node]) <= FAR:
+            if field is None or field.difference(self._fields[node]) <= self._far:
                 continue
             middle = tuple((a + b) // 2 for a, b in zip(node, _unit(other, LEVELS[-1]), strict=True))
             self._ask_for([middle, *self._layout.neighbors(middle, FINEST)])

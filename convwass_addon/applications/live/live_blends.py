@@ -35,7 +35,7 @@ from ..morphs.volumes import Lattice
 from ..motions.choosing import MotionChoice, chosen_motion
 from ..motions.guides import Guide
 from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
-from .filling_lattice import LEVELS, FillingLattice, count_of_nodes, fitting_levels
+from .filling_lattice import FAR, LEVELS, FillingLattice, count_of_nodes, fitting_levels
 from .level_fields import FieldBox, LevelField, mixed
 from .live_settings import LiveSettings
 from .weight_layouts import checked_weights, layout_of
@@ -51,6 +51,11 @@ _LEAST_WEIGHT = 1.0 / 500.0
 _LEAST_REST = 1e-3
 # Share of the free memory that fields may take.
 _MEMORY_SHARE = 0.25
+# On pads 12 steps are true to 0.03 cells (docs/performance.md, "Live blends"); to refine them takes four times the
+# memory.
+_FAR_ON_PADS = np.inf
+# Blends at the hand are solved to this tolerance, twice the usual one, until the lattice is there.
+_HAND_TOLERANCE = 2e-2
 # Plain transport is filled to this level while the motion is not known.
 _WITHOUT_MOTION = LEVELS[:2]
 # Shares of the progress: until the plain lattice is filled, and until the motion is found.
@@ -311,18 +316,23 @@ class LiveBlends:
         if self._nodes is not None:
             return
         if self._settings.resolution > _FINE:
-            coarse = replace(self._settings, resolution=_STAND_IN, blur=None)
+            coarse = replace(quick_settings(self._settings), resolution=_STAND_IN, blur=None)
             problem = yield from self._voxelized(coarse, control)
             self._at_hand = StandInSource(problem, self._lattice, self._box)
             yield from self._solve_hand(control)
         self._problem = yield from self._voxelized(self._settings, control)
         if self._at_hand is None:
-            self._at_hand = TransportSource(self._problem, self._box, control)
+            quick = replace(self._problem.transport, settings=quick_settings(self._settings))
+            self._at_hand = TransportSource(replace(self._problem, transport=quick), self._box, control)
         self._nodes = TransportSource(self._problem, self._box, control)
         levels = self._fitting(self._box)
         if not self._motion_is_known:
             levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
-        self._layers = [FillingLattice(self.layout, levels, self._most(self._box), FADE)]
+        self._layers = [self._empty_lattice(levels, self._box)]
+
+    def _empty_lattice(self, levels: Sequence[int], box: FieldBox) -> FillingLattice:
+        far = FAR if self.layout.count == 2 else _FAR_ON_PADS
+        return FillingLattice(self.layout, levels, self._most(box), FADE, far)
 
     def _voxelized(self, settings: MorphSettings, control: Control) -> Work[MorphProblem]:
         shapes = self._shapes
@@ -438,7 +448,7 @@ class LiveBlends:
         source = MovingSource(moving)
         box = self._box.union(source.box)
         source.box = box
-        layer = FillingLattice(self.layout, self._fitting(box), self._most(box), FADE)
+        layer = self._empty_lattice(self._fitting(box), box)
         with self._lock:
             for plain in self._layers:
                 plain.enlarge(box)
@@ -457,3 +467,8 @@ class LiveBlends:
             yield self._report(report.message, report.fraction)
             while (task := self._urgent_task()) is not None:
                 yield from task(control)
+
+
+def quick_settings(settings: MorphSettings) -> MorphSettings:
+    """Return the settings for blends that are looked at until better ones are there."""
+    return replace(settings, tolerance=max(settings.stopping_error, _HAND_TOLERANCE))

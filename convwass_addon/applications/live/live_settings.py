@@ -26,7 +26,8 @@ class LiveSettings(Settings):
         512,
         "Memory",
         "Most memory for the blends that are kept; where it does not do, the lattice of blends is coarser",
-        least=16,
+        least=1,
+        soft_least=64,
         most=16_384,
         unit="MB",
     )

@@ -73,10 +73,14 @@ def test_a_field_without_a_cell_inside_is_refused():
         LevelField.of(np.full((3, 3, 3), 0.2), (0, 2, 0), 0.5, 1.0, BOX)
 
 
-def test_difference_is_that_of_the_solids():
+def test_difference_is_that_of_the_masses():
     small, large = ball_field(5.0), ball_field(6.0)
+    # One lies within the other.
     expected = 2.0 * (6.0**3 - 5.0**3) / (6.0**3 + 5.0**3)
-    assert small.difference(large) == pytest.approx(expected, rel=0.05)
+    assert small.difference(large) == pytest.approx(expected, rel=0.1)
+    assert ball_field(4.0).difference(ball_field(4.0, CENTER + np.array([0.0, 0.0, 8.0]))) == pytest.approx(
+        2.0, abs=0.1
+    )
     assert small.difference(small) == 0.0
 
 

@@ -125,7 +125,7 @@ def test_a_coarser_stand_in_has_the_place_and_the_size():
 
 
 def test_where_memory_is_short_the_lattice_is_coarser():
-    live = live_balls(Clock(), count=4, live_memory=16, live_resolution=48)
+    live = live_balls(Clock(), count=4, live_memory=8, live_resolution=32)
     work = live.work(Control())
     while not live.notices:
         next(work)
