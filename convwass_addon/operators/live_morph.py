@@ -11,6 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.live.running import running_live
 from ..bridge.morphs.morph_guides import guides_among
+from ..bridge.shape_sources import is_plain, shape_source
 from ..errors import ConvwassError, InputError
 from ..properties.live import LiveProperties
 from ..properties.morphs import MorphProperties
@@ -124,7 +125,8 @@ def begun_session(context: bpy.types.Context, own: CONVWASS_OT_live_morph) -> Li
     objects = chosen_inputs(context, own).objects
     if not 2 <= len(objects) <= 4:
         raise InputError("A live morph takes two, three or four shapes, not {count}.", count=len(objects))
-    if asks_for_flat(objects, context.evaluated_depsgraph_get(), own.thickness):
+    are_plain = all(is_plain(shape_source(obj, own.grouping)) for obj in objects)
+    if are_plain and asks_for_flat(objects, context.evaluated_depsgraph_get(), own.thickness):
         raise InputError("Flat shapes cannot be morphed live; bake them, or give them thickness.")
     guides = guides_among(context.scene.convwass_guides.named, [obj.name for obj in objects])
     options = {**own.request().as_dict(), "guides": [guide.as_dict() for guide in guides]}
@@ -168,7 +170,7 @@ class CONVWASS_OT_bake_live_morph(_OnLiveMorph, bpy.types.Operator):
 
     def execute(self, context):
         session = running_live()
-        names, weights = "\n".join(session.names), ",".join(f"{weight:.6g}" for weight in session.weights)
+        names, weights = "\n".join(session.objects), ",".join(f"{weight:.6g}" for weight in session.weights)
         session.end()
         settings = context.scene.convwass_morph
         given = {name: getattr(settings, name) for name in bake_arguments()}

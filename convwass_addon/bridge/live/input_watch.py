@@ -10,22 +10,25 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..handles import Handle
+from ..handles import Handle, found
 from ..morphs.changes import signature
+from ..shape_sources import ShapeSource
 
 
 class InputWatch:
-    """Watches some objects while it is registered.
+    """Watches the objects of some shapes while it is registered.
 
     Parameters
     ----------
-    inputs : sequence of bpy.types.Object
-        Which.
+    sources : sequence of ShapeSource
+        Which shapes.
     """
 
-    def __init__(self, inputs: Sequence[bpy.types.Object]) -> None:
-        self.names = [obj.name for obj in inputs]
-        self._objects = [Handle.of("objects", obj) for obj in inputs]
+    def __init__(self, sources: Sequence[ShapeSource]) -> None:
+        objects = [obj for source in sources for obj in {source.root: None, **dict.fromkeys(source.parts)}]
+        self._names = [obj.name for obj in objects]
+        self._objects = [Handle.of("objects", obj) for obj in objects]
+        self._roots = [Handle.of("objects", source.root) for source in sources]
         self._updated = False
         self._known: list[tuple[object, ...]] = []
         self.note()
@@ -40,30 +43,28 @@ class InputWatch:
             bpy.app.handlers.depsgraph_update_post.remove(self._listen)
 
     @property
-    def inputs(self) -> list[bpy.types.Object] | None:
-        """The objects; None where one of them is gone."""
-        found = [handle.find() for handle in self._objects]
-        return None if any(obj is None or not obj.users_scene for obj in found) else found
+    def roots(self) -> list[bpy.types.Object]:
+        """What stands for the shapes, as far as it is there."""
+        return found(self._roots)
 
     @property
     def lost(self) -> list[str]:
-        """Names of those that are gone."""
-        found = [handle.find() for handle in self._objects]
-        return [name for name, obj in zip(self.names, found, strict=True) if obj is None or not obj.users_scene]
+        """Names of the objects that are gone."""
+        there = [handle.find() for handle in self._objects]
+        return [name for name, obj in zip(self._names, there, strict=True) if obj is None or not obj.users_scene]
 
     def note(self) -> None:
         """Take the objects as they are now for known."""
-        self._known, self._updated = [_state(obj) for obj in self.inputs or ()], False
+        self._known, self._updated = [_state(obj) for obj in found(self._objects)], False
 
     @property
     def may_have_changed(self) -> bool:
         """Whether an object may be another one than was noted."""
-        inputs = self.inputs
-        return inputs is not None and (self._updated or [_state(obj) for obj in inputs] != self._known)
+        return self._updated or [_state(obj) for obj in found(self._objects)] != self._known
 
     def _listen(self, _scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
         changed = {update.id.original.session_uid for update in depsgraph.updates if update.is_updated_geometry}
-        for obj in self.inputs or ():
+        for obj in found(self._objects):
             if obj.session_uid in changed or (obj.data is not None and obj.data.session_uid in changed):
                 self._updated = True
 
@@ -75,4 +76,4 @@ def _state(obj: bpy.types.Object) -> tuple[object, ...]:
         places = np.empty(3 * len(obj.data.vertices), np.float32)
         obj.data.attributes["position"].data.foreach_get("vector", places)
         points = zlib.crc32(places.tobytes())
-    return (*signature(obj), points)
+    return (*signature(ShapeSource(obj.name, obj, (obj,))), points)

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ..handles import Handle
+from ..shape_sources import ShapeSource
 from .live_pad import LivePad
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class LiveScene:
         Where they go.
     view_layer : bpy.types.ViewLayer
         Where inputs are hidden and the handle is selected.
-    inputs : sequence of bpy.types.Object
+    sources : sequence of ShapeSource
         The shapes.
     meshes : sequence of TriangleMesh
         The same in world space.
@@ -40,26 +41,28 @@ class LiveScene:
         self,
         scene: bpy.types.Scene,
         view_layer: bpy.types.ViewLayer,
-        inputs: Sequence[bpy.types.Object],
+        sources: Sequence[ShapeSource],
         meshes: Sequence[TriangleMesh],
     ) -> None:
         home = bpy.data.collections.new("Live Morph")
         scene.collection.children.link(home)
         mesh = bpy.data.meshes.new("Live Morph")
-        for slot in inputs[0].material_slots:
+        first = sources[0].parts[0]
+        for slot in first.material_slots:
             mesh.materials.append(slot.material)
         shape = bpy.data.objects.new("Live Morph", mesh)
-        shape.color = inputs[0].color
+        shape.color = first.color
         home.objects.link(shape)
         bounds = np.array([own.bounds for own in meshes])
         size = float((bounds[:, 1] - bounds[:, 0]).max())
         whole = np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
-        self.pad = LivePad(home, [obj.name for obj in inputs], whole, size)
+        self.pad = LivePad(home, [source.name for source in sources], whole, size)
         for block in (home, *home.objects, *(obj.data for obj in home.objects if obj.data)):
             block.is_runtime_data = True
         self._home, self._shape = Handle.of("collections", home), Handle.of("objects", shape)
         self._layer = view_layer.name
         self._scene = Handle.of("scenes", scene)
+        inputs = list(dict.fromkeys(obj for source in sources for obj in (source.root, *source.parts)))
         self._selected = [Handle.of("objects", obj) for obj in inputs if obj.select_get(view_layer=view_layer)]
         active = view_layer.objects.active
         self._active = None if active is None else Handle.of("objects", active)

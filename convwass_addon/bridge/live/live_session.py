@@ -23,6 +23,7 @@ from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..morphs.shape_reading import ReadShapes, read_shapes
 from ..objects import write_mesh
+from ..shape_sources import OBJECTS, shape_source
 from .input_watch import InputWatch
 from .live_scene import LiveScene
 from .running import running_live, set_running
@@ -83,8 +84,9 @@ class LiveSession:
         self._request, self._clock = request, clock
         self._read = read_shapes(inputs, context.evaluated_depsgraph_get(), request.settings, request.options)
         self._blends = self._blends_of(self._read)
-        self.scene = LiveScene(context.scene, context.view_layer, inputs, self._read.meshes)
-        self.watch = InputWatch(inputs)
+        sources = [shape_source(obj, request.options.get("grouping", OBJECTS)) for obj in inputs]
+        self.scene = LiveScene(context.scene, context.view_layer, sources, self._read.meshes)
+        self.watch = InputWatch(sources)
         self.watch.register()
         self._job = BackgroundJob(self._blends.work)
         self._message = Sentence("Reading the shapes")
@@ -113,6 +115,11 @@ class LiveSession:
     def names(self) -> list[str]:
         """Of the inputs, as they were when they were read."""
         return list(self._read.names)
+
+    @property
+    def objects(self) -> list[str]:
+        """Names of the objects that stand for the inputs, as far as they are there."""
+        return [obj.name for obj in self.watch.roots]
 
     @property
     def weights(self) -> tuple[float, ...]:
@@ -233,7 +240,7 @@ class LiveSession:
         request = self._request
         try:
             depsgraph = bpy.context.evaluated_depsgraph_get()
-            read = read_shapes(self.watch.inputs, depsgraph, request.settings, request.options)
+            read = read_shapes(self.watch.roots, depsgraph, request.settings, request.options)
             self.watch.note()
             if _are_same(read.meshes, self._read.meshes):
                 return

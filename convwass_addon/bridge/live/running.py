@@ -16,6 +16,7 @@ class RunningLive(Protocol):
 
     count: int
     names: list[str]
+    objects: list[str]
     weights: tuple[float, ...]
     place: tuple[float, float]
     message: Sentence
