@@ -12,7 +12,7 @@ from tests.shapes import ball, box
 
 
 def shaken_box():
-    """A cube of side 2 whose vertices have been moved within its faces and along its edges."""
+    """A cube of side 2 with vertices displaced within its faces and along its edges."""
     cube = with_short_edges(box((2.0, 2.0, 2.0)), 0.3, 10_000).mesh
     shifts = np.random.default_rng(1).uniform(-0.06, 0.06, cube.vertices.shape)
     on_wall = np.isclose(np.abs(cube.vertices), 1.0)
@@ -24,11 +24,11 @@ def test_angles_of_known_triangles():
     assert np.degrees(smallest_angles(corners)) == pytest.approx([45, 60])
 
 
-def test_narrow_angles_of_a_cube_open_and_its_edges_stay():
+def test_narrow_angles_of_a_cube_widen_and_its_edges_stay():
     cube, on_wall = shaken_box()
     wider = with_wider_angles(cube, 0.01)
     np.testing.assert_array_equal(wider.faces, cube.faces)
-    # What was on walls, edges and corners still is.
+    # Vertices on faces, edges and corners are still on them.
     np.testing.assert_allclose(wider.vertices[on_wall], cube.vertices[on_wall], atol=1e-12)
     before, after = (np.degrees(smallest_angles(mesh.corners)) for mesh in (cube, wider))
     assert after.min() >= before.min()
@@ -36,7 +36,7 @@ def test_narrow_angles_of_a_cube_open_and_its_edges_stay():
     assert wider.volume == pytest.approx(8.0)
 
 
-def test_a_round_surface_is_left_by_no_more_than_asked():
+def test_the_distance_from_a_round_surface_is_limited():
     round_one = ball(points=2000)
     moved = with_wider_angles(round_one, 1e-3)
     assert np.abs(np.linalg.norm(moved.vertices, axis=1) - 1.0).max() < 2e-3

@@ -12,7 +12,7 @@ from tests.shapes import ball, box, joined, square, torus
 
 
 def by_force(corners, points):
-    """Distances to the closest of all triangles, each had from a least-squares problem with shares of sum 1."""
+    """Distances to the closest of all triangles, each from a least-squares problem with coordinates of sum 1."""
     distances = np.empty((len(points), len(corners)))
     scale = 1e5 * (np.abs(corners).max() + np.abs(points).max())
     for row, point in zip(distances, points, strict=True):
@@ -32,13 +32,13 @@ def check(corners, points):
 
 
 @pytest.mark.parametrize("shape", [box((1, 2, 3)), joined(ball(1.0, points=30), square(2.0, (3, 0, 0)))])
-def test_distances_are_those_to_the_closest_of_all_triangles(shape):
+def test_distances_agree_with_brute_force(shape):
     points = np.random.default_rng(3).uniform(-3, 3, (25, 3))
     found = check(shape.corners, points)
     np.testing.assert_allclose(found.distances, by_force(shape.corners, points), atol=1e-4)
 
 
-def test_far_and_near_points_of_a_torus():
+def test_near_and_distant_points_of_a_torus():
     shape = torus(2.0, 0.5, segments=(120, 60))
     points = np.random.default_rng(5).normal(size=(1000, 3)) * 3
     ring = np.hypot(points[:, 0], points[:, 1]) - 2.0
@@ -48,7 +48,7 @@ def test_far_and_near_points_of_a_torus():
 
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1e-3, 1.0, 50.0]), st.integers(1, 40))
-def test_triangles_of_all_sizes_agree_with_measuring_them_all(seed, spread, count):
+def test_triangles_of_all_sizes_agree_with_brute_force(seed, spread, count):
     generator = np.random.default_rng(seed)
     sizes = 10.0 ** generator.uniform(-3, 1, (count, 1, 1))
     corners = generator.normal(size=(count, 1, 3)) * spread + generator.normal(size=(count, 3, 3)) * sizes
@@ -57,7 +57,7 @@ def test_triangles_of_all_sizes_agree_with_measuring_them_all(seed, spread, coun
     np.testing.assert_allclose(check(corners, points).distances, by_force(corners, points), atol=1e-5 * size)
 
 
-def test_looking_about_is_nearly_as_good():
+def test_local_search_is_nearly_as_accurate():
     shape = torus(2.0, 0.5, segments=(120, 60))
     points = np.random.default_rng(7).normal(size=(3000, 3)) * 0.03 + shape.corners[:3000, 1]
     finder = ClosestPointFinder(shape.corners)
@@ -80,7 +80,7 @@ def test_values_of_corners_are_interpolated():
     np.testing.assert_allclose(found.interpolated(np.array([[[0.0], [1.0], [10.0]]])), [[5.25]])
 
 
-def test_no_points_are_no_trouble_and_no_triangles_are():
+def test_no_points_are_accepted_and_no_triangles_are_refused():
     assert len(ClosestPointFinder(box().corners).find(np.empty((0, 3))).triangles) == 0
     with pytest.raises(ValueError, match="at least one triangle"):
         ClosestPointFinder(np.empty((0, 3, 3)))

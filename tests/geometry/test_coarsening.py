@@ -30,7 +30,7 @@ def fins():
 
 
 def loose_ends():
-    """A ball with vertices that no triangle uses, triangles that name a vertex twice, and one triangle twice."""
+    """A ball with unused vertices, triangles that repeat a vertex, and a duplicate triangle."""
     mesh = ball(points=2000)
     faces = np.concatenate([mesh.faces + 1, mesh.faces[:1] + 1, [(5, 5, 6), (0, 0, 7)]])
     return TriangleMesh.from_arrays(np.concatenate([[(9, 9, 9)], mesh.vertices, [(7, 7, 7)]]), faces)
@@ -69,8 +69,8 @@ def used_by(mesh):
     return np.isin(np.arange(len(mesh.vertices)), proper)
 
 
-def test_the_topology_stays(mesh, found):
-    """Pieces, handles and holes; every edge of a closed mesh has two triangles that agree about what is outside."""
+def test_the_topology_is_kept(mesh, found):
+    """Components, handles and holes; closed meshes stay closed and consistently oriented."""
     fine, coarse = topology(with_faces(mesh, unrepeated(mesh))), topology(found.mesh)
     assert (piece_count(found.mesh), coarse.euler) == (piece_count(mesh), fine.euler)
     assert (coarse.open_edges > 0) == (fine.open_edges > 0)
@@ -85,7 +85,7 @@ def unrepeated(mesh):
     return first & (a != b) & (b != c) & (c != a)
 
 
-def test_its_vertices_are_vertices_of_the_surface(mesh, found):
+def test_its_vertices_are_a_subset_of_the_original_ones(mesh, found):
     np.testing.assert_array_equal(found.mesh.vertices, mesh.vertices[found.seeds])
     np.testing.assert_array_equal(found.clusters[found.seeds], np.arange(len(found.seeds)))
     labels = vertex_components(mesh)
@@ -94,8 +94,8 @@ def test_its_vertices_are_vertices_of_the_surface(mesh, found):
     np.testing.assert_array_equal(labels[used], labels[found.seeds[found.clusters[used]]])
 
 
-def test_clusters_hang_together(mesh, found):
-    """Along edges of the mesh: through the air none is connected to anything."""
+def test_clusters_are_connected(mesh, found):
+    """Along edges of the mesh, not through the air."""
     faces = mesh.faces[unrepeated(mesh)]
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     inner = ends[found.clusters[ends[:, 0]] == found.clusters[ends[:, 1]]]
@@ -114,8 +114,8 @@ def test_prolongation_interpolates(mesh, found):
     np.testing.assert_allclose((matrix @ values)[found.seeds], values, atol=1e-12)
 
 
-def test_positions_are_interpolated_to_near_themselves(mesh, found):
-    """Within the size of a triangle, and on the average within a fraction of it."""
+def test_interpolated_positions_are_near_the_original_ones(mesh, found):
+    """Within the size of a triangle, and on average within a fraction of it."""
     used = found.clusters >= 0
     off = np.linalg.norm(found.prolongation @ found.mesh.vertices - mesh.vertices, axis=1)[used]
     labels = vertex_components(found.mesh)[found.clusters[used]]
@@ -126,8 +126,8 @@ def test_positions_are_interpolated_to_near_themselves(mesh, found):
         assert off[labels == piece].mean() < 0.25 * edge
 
 
-def test_values_come_from_triangles_around_the_own_seed(mesh, found):
-    """So that no part of a surface takes values from another that only the air is between."""
+def test_values_come_from_triangles_around_the_vertexs_own_seed(mesh, found):
+    """No part of a surface takes values from another part across the air."""
     around = [set() for _ in found.seeds]
     for face in found.mesh.faces.tolist():
         for corner in face:
@@ -148,7 +148,7 @@ def test_masses_are_kept(mesh, found):
 
 
 @pytest.mark.parametrize("name", ["ball", "torus", "sheet"])
-def test_clusters_are_about_equally_large(name):
+def test_clusters_have_similar_areas(name):
     mesh = MESHES[name]
     found = coarsened(mesh, mesh.vertex_areas, COUNT)
     assert len(found.seeds) == pytest.approx(COUNT, rel=0.02)
@@ -157,8 +157,8 @@ def test_clusters_are_about_equally_large(name):
     assert areas.max() < 3 * areas.mean()
 
 
-def test_small_pieces_and_thin_parts_keep_enough_vertices():
-    """A hundred thousandth of the area still has more than a dozen; a ring of a leg is cut into three at least."""
+def test_small_components_and_thin_parts_keep_enough_vertices():
+    """A hundred thousandth of the area keeps more than a dozen, and every cross-section of a leg at least three."""
     pieces = MESHES["pieces"]
     found = coarsened(pieces, pieces.vertex_areas, COUNT)
     assert (np.bincount(vertex_components(found.mesh)) > 12).all()
@@ -168,7 +168,7 @@ def test_small_pieces_and_thin_parts_keep_enough_vertices():
     assert topology(found.mesh).euler == 0
 
 
-def test_it_is_the_same_every_time():
+def test_the_result_is_deterministic():
     mesh = MESHES["torus"]
     one, other = (coarsened(mesh, mesh.vertex_areas, COUNT) for _ in range(2))
     np.testing.assert_array_equal(one.seeds, other.seeds)
@@ -187,7 +187,7 @@ def test_it_is_the_same_every_time():
     ],
     ids=["triangle", "no faces", "degenerate", "tiny", "crumbs"],
 )
-def test_there_is_no_coarser_mesh_where_nothing_would_be_gained(mesh):
+def test_small_meshes_have_no_coarser_mesh(mesh):
     assert coarsened(mesh, mesh.vertex_areas, 10) is None
 
 
@@ -200,6 +200,6 @@ def test_vertices_can_be_kept():
     assert len(found.seeds) < 260
     np.testing.assert_array_equal(found.mesh.vertices, mesh.vertices[found.seeds])
     assert topology(found.mesh).euler == 0
-    # A kept vertex is its own image.
+    # Prolongation maps a kept vertex to itself.
     places = [int(np.flatnonzero(found.seeds == vertex)[0]) for vertex in kept]
     np.testing.assert_allclose(found.prolongation[kept][:, places].toarray(), np.eye(4), atol=1e-12)

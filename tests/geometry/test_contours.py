@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Outlines of densities in a plane: areas, holes, islands, mending and fitting."""
+"""Outlines of densities in the plane: areas, holes, islands, mending and fitting."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def drawn(rings, cells=96, rule="even-odd"):
     return coverage(filled_boundary(rings, rule), (cells, cells))
 
 
-def test_a_disc_has_its_area_and_its_place():
+def test_a_disc_has_the_correct_area_and_center():
     density = gaussian_filter(drawn([ellipse((40.3, 52.1), (25, 25))]), 0.7)
     outline = outline_enclosing(density, np.pi * 625).outline
     (region,) = outline.regions
@@ -32,7 +32,7 @@ def test_a_disc_has_its_area_and_its_place():
     np.testing.assert_allclose(np.linalg.norm(region.outer - [40.3, 52.1], axis=1), 25.0, atol=0.06)
 
 
-def test_rings_holes_and_islands_belong_together():
+def test_holes_and_islands_are_nested_in_their_rings():
     rings = [ellipse((48, 48), (40, 40)), ellipse((48, 48), (25, 25)), ellipse((48, 48), (10, 10))]
     outline = outline_at_level(drawn(rings), 0.5).outline
     large, small = outline.regions
@@ -43,12 +43,12 @@ def test_rings_holes_and_islands_belong_together():
     assert ring_area(small.outer) == pytest.approx(np.pi * 100, rel=1e-2)
 
 
-def test_what_touches_the_wall_is_closed():
+def test_outlines_at_the_boundary_are_closed():
     assert outline_at_level(np.ones((6, 8)), 0.5).outline.area == pytest.approx(48, abs=0.6)
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_cells_are_counted_as_outlines_are_drawn(seed):
+def test_components_of_cells_agree_with_the_outlines(seed):
     density = np.random.default_rng(seed).random((24, 17))
     found = FlatConnectivity.of(outline_at_level(density, 0.55))
     assert found.regions == regions_above(density, 0.55)[1]
@@ -62,12 +62,12 @@ def test_levels_equal_to_values_of_cells_make_closed_rings():
 
 
 @pytest.mark.parametrize("density", [np.zeros((8, 8)), np.pad(np.ones((2, 2)), 3)])
-def test_too_little_for_an_area_is_refused(density):
+def test_a_density_too_small_for_the_area_is_refused(density):
     with pytest.raises(InputError, match="dense enough"):
         outline_enclosing(density, 20.0)
 
 
-def test_crumbs_and_false_holes_are_mended():
+def test_crumbs_and_false_holes_are_removed():
     rings = [ellipse((48, 48), (30, 30)), ellipse((48, 48), (2, 2)), ellipse((8, 8), (1, 1))]
     density = gaussian_filter(drawn(rings), 0.7)
     mending = mended_outline(density, np.pi * 900, FlatConnectivity(1, 0))
@@ -83,7 +83,7 @@ def test_narrow_gaps_are_bridged_and_wide_ones_are_not():
         assert mended_outline(density, density.sum(), FlatConnectivity(1, 0)).found.regions == regions
 
 
-def test_what_the_shapes_have_is_left_alone():
+def test_features_of_the_shapes_are_kept():
     density = gaussian_filter(drawn([ellipse((48, 48), (30, 30)), ellipse((48, 48), (2, 2))]), 0.7)
     mending = mended_outline(density, density.sum(), FlatConnectivity(1, 1))
     assert mending.found == FlatConnectivity(1, 1)
@@ -108,7 +108,7 @@ def test_polygons_stay_within_the_error(blob, error):
 
 
 @pytest.mark.parametrize("error", [0.1, 0.3, 1.0])
-def test_curves_stay_within_the_error_that_they_state(blob, error):
+def test_curves_stay_within_the_stated_error(blob, error):
     for ring, curve in zip(blob.rings, fitted_beziers(blob, error), strict=True):
         assert curve.error <= error
         samples = curve.sampled(1500)
@@ -130,7 +130,7 @@ def test_a_rectangle_keeps_its_corners():
     assert curve.corners.sum() == 4
 
 
-def test_images_keep_their_mass_on_other_grids():
+def test_images_keep_their_mass_when_resampled():
     values = np.random.default_rng(1).random((13, 9))
     found = resampled(values, (2.3, 4.6), 1.7, (40, 32))
     assert found.sum() == pytest.approx(values.sum() * 1.7**2)

@@ -29,13 +29,13 @@ def test_polynomials_of_second_degree_are_exact():
     )
 
 
-def test_samples_are_met():
+def test_samples_are_interpolated():
     field = np.random.default_rng(2).random(SHAPE).astype(np.float32)
     inner = PLACES[1:-1, 1:-1, 1:-1].reshape(-1, 3)
     np.testing.assert_allclose(cubic_samples(field, inner).values, field[1:-1, 1:-1, 1:-1].ravel(), atol=1e-6)
 
 
-def test_gradients_are_those_of_the_values():
+def test_gradients_agree_with_the_values():
     field = np.random.default_rng(3).random(SHAPE).astype(np.float32)
     at, step = points(200, seed=4), 1e-2
     found = cubic_samples(field, at).gradients

@@ -8,7 +8,7 @@ from convwass_addon.geometry.cuts import Cuts
 
 
 def ring():
-    """A square ring of bars of 2 x 2 cells, and a rod apart from it."""
+    """A square ring of bars with 2 x 2 cells, and a separate rod."""
     inside = np.zeros((24, 14, 6), bool)
     inside[2:12, 2:12, 2:4] = True
     inside[4:10, 4:10, 2:4] = False
@@ -17,7 +17,7 @@ def ring():
 
 
 def slab(inside, x, y):
-    """Cells of the solid in a range of x and y."""
+    """Cells of the solid in ranges of x and y."""
     taken = np.zeros_like(inside)
     taken[slice(*x), slice(*y)] = inside[slice(*x), slice(*y)]
     return np.argwhere(taken)
@@ -26,7 +26,7 @@ def slab(inside, x, y):
 LEFT, RIGHT = ((6, 8), (2, 4)), ((6, 8), (10, 12))
 
 
-def test_one_of_two_cuts_through_a_ring_may_be_taken():
+def test_only_one_of_two_cuts_through_a_ring_is_taken():
     inside = ring()
     for first, second in ((0, 1), (1, 0)):
         cuts = Cuts(inside, {0: slab(inside, *LEFT), 1: slab(inside, *RIGHT)})
@@ -34,30 +34,30 @@ def test_one_of_two_cuts_through_a_ring_may_be_taken():
         assert not cuts.take(second)
 
 
-def test_a_cut_through_a_rod_may_not_and_its_end_may():
+def test_a_rod_may_be_shortened_but_not_cut():
     inside = ring()
     assert not Cuts(inside, {0: slab(inside, (17, 19), (2, 4))}).take(0)
     assert Cuts(inside, {0: slab(inside, (20, 22), (2, 4))}).take(0)
 
 
-def test_a_cut_of_two_bars_at_once_may_not():
+def test_a_cut_through_two_bars_at_once_is_refused():
     inside = ring()
     assert not Cuts(inside, {0: np.concatenate([slab(inside, *LEFT), slab(inside, *RIGHT)])}).take(0)
 
 
-def test_what_overlaps_a_cut_that_was_taken_holds_nothing_together():
+def test_a_cut_overlapping_a_taken_one_provides_no_connection():
     inside = ring()
     cuts = Cuts(inside, {0: slab(inside, *LEFT), 1: slab(inside, (7, 9), (2, 4)), 2: slab(inside, *RIGHT)})
     assert cuts.take(0)
     assert not cuts.take(2)
 
 
-def test_a_hollow_may_not_be_made():
+def test_cuts_that_make_a_hollow_are_refused():
     solid = np.zeros((9, 9, 9), bool)
     solid[1:8, 1:8, 1:8] = True
     assert not Cuts(solid, {0: np.array([[4, 4, 4]])}).take(0)
     assert Cuts(solid, {0: np.array([[1, 4, 4]])}).take(0)
 
 
-def test_cuts_that_are_not_known_are_not_taken():
+def test_unclassified_cuts_are_refused():
     assert not Cuts(ring(), {}).take(0)

@@ -18,7 +18,7 @@ from tests.shapes import ball, box, torus
 
 
 def side_lengths(mesh):
-    """Lengths of the sides that start from every corner, (m, 3)."""
+    """Lengths of the sides that start at every corner, (m, 3)."""
     corners = mesh.corners
     return np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
 
@@ -28,14 +28,14 @@ def surface_of(mesh):
 
 
 def sheet(seed, waves=3.0):
-    """A crumpled open sheet, none of whose triangles has been made with its shape in mind."""
+    """A crumpled open sheet whose triangulation ignores its shape."""
     plane = np.random.default_rng(seed).random((150, 2))
     points = np.column_stack([plane, 0.3 * np.sin(waves * plane[:, 0] * 6)])
     return TriangleMesh.from_arrays(points, Delaunay(plane).simplices)
 
 
 def moebius(count=40, rows=5):
-    """A strip that closes on itself after half a turn."""
+    """A Möbius strip."""
     angles, across = np.linspace(0, 2 * np.pi, count, endpoint=False), np.linspace(-0.4, 0.4, rows)
     a, b = (axis.ravel() for axis in np.meshgrid(angles, across, indexing="ij"))
     radius = 1 + b * np.cos(a / 2)
@@ -71,13 +71,13 @@ MESHES = {
 
 
 @pytest.mark.parametrize("name", MESHES)
-def test_the_laplacian_is_that_of_another_implementation(name, monkeypatch):
-    """Both make the one Delaunay triangulation of the tufted cover."""
+def test_the_laplacian_agrees_with_another_implementation(name, monkeypatch):
+    """Both use the unique Delaunay triangulation of the tufted cover."""
     other = pytest.importorskip("robust_laplacian")
     used, faces = np.unique(MESHES[name].faces, return_inverse=True)
     mesh = TriangleMesh(MESHES[name].vertices[used], faces.reshape(-1, 3))
     stiffness, masses = other.mesh_laplacian(mesh.vertices, mesh.faces, mollify_factor=1e-5)
-    # Which takes no part in ours here.
+    # The other implementation must not be used by ours.
     monkeypatch.setitem(sys.modules, "robust_laplacian", None)
     own = tufted_laplacian(mesh)
     np.testing.assert_allclose(own.matrix.toarray(), stiffness.toarray(), atol=1e-5)
@@ -86,8 +86,8 @@ def test_the_laplacian_is_that_of_another_implementation(name, monkeypatch):
 
 
 @given(st.integers(0, 10_000), st.floats(0.1, 20.0))
-def test_flips_keep_the_area_of_what_is_flat(seed, stretch):
-    """And no triangle is turned over: with the back of the sheet it is all there twice."""
+def test_flips_keep_the_area_of_a_flat_sheet(seed, stretch):
+    """No triangle is turned over: with the back side, the sheet has twice its area."""
     plane = np.random.default_rng(seed).random((40, 2))
     mesh = TriangleMesh.from_arrays(np.column_stack([plane * (1, stretch), np.zeros(40)]), Delaunay(plane).simplices)
     found = flipped_to_delaunay(surface_of(mesh))
@@ -96,7 +96,7 @@ def test_flips_keep_the_area_of_what_is_flat(seed, stretch):
 
 
 def test_a_square_with_the_wrong_diagonal_is_flipped():
-    """Four points of a kite: the short diagonal is the Delaunay one. Its closed double has two such edges."""
+    """Four points of a kite, for which the short diagonal is Delaunay. Its closed double has two such edges."""
     points = [(-3, 0, 0), (0, -1, 0), (3, 0, 0), (0, 1, 0)]
     mesh = TriangleMesh.from_arrays(points, [(0, 1, 2), (0, 2, 3)])
     found = flipped_to_delaunay(surface_of(mesh))
@@ -106,14 +106,14 @@ def test_a_square_with_the_wrong_diagonal_is_flipped():
     assert frozenset({1, 3}) in sides and frozenset({0, 2}) not in sides
 
 
-def test_what_is_closed_is_one_sheet_and_all_else_two():
+def test_closed_meshes_have_one_sheet_and_others_two():
     sheets = {name: surface_of(mesh).sheets for name, mesh in MESHES.items()}
     assert {name for name, count in sheets.items() if count == 1} == {"ball", "box", "torus", "stretched"}
 
 
 @pytest.mark.parametrize("name", MESHES)
 def test_twins_are_twins(name):
-    """Two sides of one edge, of the same length, that run against each other."""
+    """Twins are the two sides of an edge, with equal lengths and opposite directions."""
     surface = surface_of(MESHES[name])
     sides = np.arange(len(surface.tails))
     np.testing.assert_array_equal(surface.twins[surface.twins], sides)
@@ -123,13 +123,13 @@ def test_twins_are_twins(name):
     np.testing.assert_allclose(surface.lengths[surface.twins], surface.lengths)
 
 
-def test_three_triangles_at_an_edge_are_left_to_others():
+def test_meshes_with_nonmanifold_edges_give_no_surface():
     points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1)]
     mesh = TriangleMesh.from_arrays(points, [(0, 1, 2), (0, 1, 3), (0, 1, 4)])
     assert surface_of(mesh) is None
 
 
-def test_flips_can_be_stopped():
+def test_flips_can_be_cancelled():
     stop = Control()
     stop.cancel()
     with pytest.raises(Cancelled):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distortion by deformations whose stretches are known."""
+"""Distortion by deformations with known stretches."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def test_stretching_along_the_axes(stretches, expected):
     np.testing.assert_allclose(vertex_distortions(SHEET, moved)[:4], expected)
 
 
-def test_turning_does_not_distort():
+def test_rotations_do_not_distort():
     turned = SHEET.vertices[:, [1, 2, 0]] + 5.0
     np.testing.assert_allclose(vertex_distortions(SHEET, turned), 1.0)
 
 
-def test_a_triangle_that_is_flattened_to_a_line_is_distorted_most():
+def test_flattening_a_triangle_to_a_line_is_the_largest_distortion():
     moved = SHEET.vertices * (1.0, 0.0, 1.0)
     assert (vertex_distortions(SHEET, moved)[:4] == 10.0).all()

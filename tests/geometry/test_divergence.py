@@ -34,17 +34,17 @@ def volume_after(mass, field):
     ],
     ids=["translation", "rotation", "shear"],
 )
-def test_what_keeps_volume_comes_back(flow):
+def test_divergence_free_fields_are_unchanged(flow):
     solid = SolidCells.of(ball(), 0.1)
     displacements = solid.gathered(flow(CENTERS))
     np.testing.assert_allclose(divergence_free(solid, displacements, Control()), displacements, atol=1e-12)
 
 
-def test_pressing_alone_is_taken_away():
+def test_gradient_fields_are_removed():
     solid = SolidCells.of(ball(), 0.1)
     pressed = solid.gathered(-0.1 * CENTERS)
     left = divergence_free(solid, pressed, Control())
-    # A pressure that rises as the squared distance does it all; the surface is only as smooth as the cells are.
+    # The pressure is the squared distance; the remainder is due to the rough surface of the cells.
     assert np.linalg.norm(left, axis=1).mean() < 0.1 * np.linalg.norm(pressed, axis=1).mean()
 
 

@@ -12,8 +12,8 @@ from tests.shapes import ball, box, torus
 
 
 @pytest.mark.parametrize("mesh", [box((1, 2, 3)), ball(points=200), torus(segments=(12, 8))])
-def test_one_matrix_for_all_triangles_is_kept_to_exactly(mesh):
-    """L x = pulls for x = G v, whatever the triangles' weights."""
+def test_a_global_linear_map_is_exact(mesh):
+    """L x = pulls for x = G v, with any weights of the triangles."""
     matrix = np.diag([1.0, 2.0, 0.5]) @ turn()
     energy = EdgeEnergy.of(mesh)
     pulls = energy.pulls(np.broadcast_to(matrix, (len(mesh.faces), 3, 3)))
@@ -37,11 +37,11 @@ def test_the_matrix_is_that_of_the_energy():
 
     slope = 2.0 * (energy.stiffness @ x - energy.pulls(gradients))
     step = rng.normal(size=x.shape)
-    # The energy is quadratic: the middle difference is exact.
+    # The energy is quadratic, so the central difference is exact.
     assert (total(x + step) - total(x - step)) / 2.0 == pytest.approx((slope * step).sum(), rel=1e-9)
 
 
-def test_no_weight_conducts_the_wrong_way():
+def test_all_weights_are_positive():
     needle = TriangleMesh.from_arrays([(0, 0, 0), (1, 0, 0), (0.5, 1e-9, 0), (2, 2, 2)], [(0, 1, 2), (0, 0, 1)])
     energy = EdgeEnergy.of(needle)
     assert (energy.weights > 0).all() and np.isfinite(energy.weights).all()

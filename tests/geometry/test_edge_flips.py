@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edges are flipped where angles become larger and nothing else changes."""
+"""Edges are flipped where this increases angles, and nothing else changes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tests.shapes import ball
 
 
 def kite(height=0.0):
-    """Two narrow triangles along the long diagonal of a rhombus; the other diagonal lies `height` above it."""
+    """Two narrow triangles at the long diagonal of a rhombus; the other diagonal lies `height` above it."""
     points = [(-1, 0, 0), (1, 0, 0), (0, 0.3, height), (0, -0.3, height)]
     return TriangleMesh.from_arrays(points, [(0, 1, 2), (1, 0, 3)])
 
@@ -32,7 +32,7 @@ def test_the_long_diagonal_of_a_rhombus_is_flipped():
     assert (np.cross(*np.moveaxis(found.corners[:, 1:] - found.corners[:, :1], 1, 0))[:, 2] > 0).all()
 
 
-def test_creases_stay():
+def test_creases_are_kept():
     mesh = kite(height=0.1)
     assert with_flipped_edges(mesh, 0.05).faces is mesh.faces
     assert with_flipped_edges(mesh, 0.11).faces is not mesh.faces
@@ -48,8 +48,8 @@ def test_a_closed_surface_stays_closed_and_nearly_where_it_is():
     assert (smallest_angles(found) < 20).sum() < 0.8 * (smallest_angles(mesh) < 20).sum()
 
 
-def test_no_edge_is_made_twice():
-    """Every pair of a tetrahedron's vertices is joined already."""
+def test_no_duplicate_edge_is_made():
+    """All pairs of a tetrahedron's vertices already have an edge."""
     points = [(0, 0, 0), (1, 0, 0), (0.5, 0.9, 0), (0.5, 0.3, 0.05)]
     flat = TriangleMesh.from_arrays(points, [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
     np.testing.assert_array_equal(with_flipped_edges(flat, 10.0).faces, flat.faces)

@@ -14,7 +14,7 @@ RANDOM = np.random.default_rng(3)
 
 
 def blob():
-    """A crooked solid, and the centers of its cells."""
+    """An irregular solid, and the centers of its cells."""
     cells = np.moveaxis(np.indices((9, 8, 7)), 0, -1) + 0.5
     mass = np.clip(4.0 - np.linalg.norm((cells - (4.0, 4.0, 3.5)) * (0.8, 1.0, 1.4), axis=-1), 0.0, 1.0)
     mass[4:6, 4:6, :] = 0.6
@@ -39,11 +39,11 @@ def test_rigid_motions_cost_nothing(kind, known):
         trust = np.zeros(len(solid))
         trust[[0, 17, 60, -1]] = 1e4
         start = np.where(trust[:, None] > 0, aims, 0.0)
-    # What is not trusted at all counts a little, so that pieces nothing is known of have a place.
+    # Even without trust, cells have a small weight, so that components without data have a place.
     np.testing.assert_allclose(solved(solid, start, trust), aims, atol=1e-8 if known == "everywhere" else 0.02)
 
 
-def test_the_energy_is_least():
+def test_the_energy_is_minimal():
     solid, points = blob()
     aims = RANDOM.normal(size=points.shape)
     width = 1.7
@@ -64,7 +64,7 @@ def test_the_energy_is_least():
         assert energy(best + 1e-3 * nudge) > energy(best)
 
 
-def test_parts_that_do_not_touch_move_on_their_own():
+def test_separate_parts_move_independently():
     mass = np.zeros((9, 5, 5))
     mass[1:4, 1:4, 1:4] = mass[5:8, 1:4, 1:4] = 1.0
     solid = SolidCells.of(mass, 0.1)
@@ -73,7 +73,7 @@ def test_parts_that_do_not_touch_move_on_their_own():
     np.testing.assert_allclose(solved(solid, aims, solid.filled), aims, atol=1e-9)
 
 
-def test_it_can_be_stopped():
+def test_it_can_be_cancelled():
     solid, points = blob()
     control = Control()
     control.cancel()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces that resist being bent and sheared, spreading strain or leaving it in joints."""
+"""Surfaces that resist bending and shearing, and either spread strain or concentrate it in joints."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def strip():
     return shape, ElasticSurface(shape)
 
 
-def test_without_give_it_relaxes_as_it_does_with_equal_springs():
+def test_without_give_it_equals_uniform_springs():
     shape = UnitShape.of(figure()[0])
     surface = ElasticSurface(shape)
     rng = np.random.default_rng(0)
@@ -35,8 +35,8 @@ def test_without_give_it_relaxes_as_it_does_with_equal_springs():
     np.testing.assert_allclose(found, expected, atol=1e-3 * np.linalg.norm(expected, axis=1).max())
 
 
-def test_strain_stays_where_it_is_large(strip):
-    """A strip whose middle is drawn apart, held at both ends: its halves keep their lengths or become longer."""
+def test_large_strain_stays_concentrated(strip):
+    """A strip with a stretched middle, held at both ends: its halves keep their lengths or get longer."""
     shape, surface = strip
     x = shape.vertices[:, 0]
     apart = 0.1 * np.clip(x / 0.2, -1.0, 1.0)
@@ -52,13 +52,13 @@ def test_strain_stays_where_it_is_large(strip):
         quarter, end = (np.abs(x - share * x.max()) < 0.02 * x.max() for share in (0.4, 1.0))
         return (points[end, 0].mean() - points[quarter, 0].mean()) / (0.6 * x.max()) - 1.0
 
-    # Spread evenly, every part becomes longer by this share; after twelve rounds, more than half of it.
+    # With even strain, every part would get longer by this fraction; after twelve rounds, by more than half of it.
     evenly = 0.1 / x.max()
     assert stretched(1e6) > 0.5 * evenly
     assert stretched(0.03) < 0.2 * evenly
 
 
-def test_springs_across_a_surface_let_it_slide(strip):
+def test_normal_springs_allow_sliding(strip):
     shape, surface = strip
     start = shape.vertices + np.array([0.1, 0.0, 0.05])
     springs = 100.0 * shape.areas[:, None, None] * np.diag([0.0, 0.0, 1.0])

@@ -22,19 +22,19 @@ def heights(normals):
     return places
 
 
-def test_the_side_of_a_wing_that_faces_as_it_should_is_found():
+def test_the_side_of_a_wing_with_the_right_normals_is_found():
     for normal, height in ((UP, 0.01), (DOWN, -0.01)):
         places = heights(normal)
-        # The last point is so far above that it cannot belong below.
+        # The last point is too far above to belong to the lower side.
         np.testing.assert_allclose(places[:2, 2], height)
         np.testing.assert_allclose(places[:2, :2], POINTS[:2, :2], atol=1e-9)
 
 
-def test_without_a_word_on_where_it_faces_the_closest_is_found():
+def test_without_normals_the_closest_point_is_found():
     np.testing.assert_allclose(heights(np.zeros(3))[:, 2], [0.01, -0.01, 0.01])
 
 
-def test_oriented_samples_lie_on_the_side_that_faces_the_same_way():
+def test_oriented_samples_lie_on_the_side_with_similar_normals():
     thin = box((1.0, 1.0, 0.01))
     top = thin.vertices[:, 2].max()
     above = np.tile([[0.1, 0.05, top + 0.01]], (2, 1))

@@ -20,7 +20,7 @@ MODULES = {"CHOLMOD simplicial (cholespy)": "cholespy", "CHOLMOD supernodal": "s
 
 @pytest.fixture(params=LIBRARIES)
 def only(request, monkeypatch):
-    """Leave one factorization to choose from."""
+    """Leave only one factorization available."""
     if find_spec(LIBRARIES[request.param]) is None:
         pytest.skip(f"{LIBRARIES[request.param]} is not installed")
     monkeypatch.setattr(
@@ -36,7 +36,7 @@ def heat_equation(mesh, time):
 
 
 def exact(matrix, column):
-    """A^-1 column by elimination in 60 digits, whose range has no end."""
+    """A^-1 column by elimination with 60 digits and unlimited range."""
     with localcontext(prec=60):
         rows = [[Decimal(x) for x in row] for row in matrix.toarray()]
         right = [Decimal(x) for x in column]
@@ -58,7 +58,7 @@ def test_order_of_preference():
 
 
 @pytest.mark.parametrize("absent", [0, 1, 2])
-def test_the_first_that_imports_is_taken(monkeypatch, absent):
+def test_the_first_available_one_is_used(monkeypatch, absent):
     for name in list(MODULES)[:absent]:
         monkeypatch.setitem(sys.modules, MODULES[name], None)
     there = [name for name in list(LIBRARIES)[absent:] if find_spec(LIBRARIES[name]) is not None]
@@ -68,13 +68,13 @@ def test_the_first_that_imports_is_taken(monkeypatch, absent):
 
 
 @pytest.mark.parametrize("missing", MODULES)
-def test_what_is_missing_says_so(monkeypatch, missing):
+def test_missing_libraries_are_named(monkeypatch, missing):
     monkeypatch.setitem(sys.modules, MODULES[missing], None)
     with pytest.raises(ImportError):
         FACTORIZATIONS[missing](csc_matrix(np.eye(3)))
 
 
-def test_solutions_fulfill_the_equation(only):
+def test_solutions_satisfy_the_equation(only):
     matrix = heat_equation(torus(), 1e-3)
     columns = np.random.default_rng(0).standard_normal((3, 48 * 24))
     kept = columns.copy()
@@ -88,7 +88,7 @@ def test_solutions_fulfill_the_equation(only):
 
 
 @pytest.mark.parametrize("time", [1e-2, 1e-5, 1e-20, 1e-28])
-def test_the_tail_is_right_to_many_digits(only, time):
+def test_the_tail_is_accurate_to_many_digits(only, time):
     mesh = ball(points=150)
     matrix = heat_equation(mesh, time)
     source = np.eye(1, 150)
@@ -110,7 +110,7 @@ def test_all_agree_on_many_columns(only):
 
 
 @pytest.mark.parametrize("count", [1, 2, 64, 130])
-def test_many_columns_are_as_one_by_one(only, count):
+def test_many_columns_equal_single_columns(only, count):
     factor = factorize(heat_equation(torus(segments=(12, 8)), 1e-3))
     columns = np.random.default_rng(count).random((count, 96))
     together = factor.solve(columns)
@@ -120,7 +120,7 @@ def test_many_columns_are_as_one_by_one(only, count):
 
 
 def in_halves(matrix, index_dtype):
-    """The same matrix with every entry stored as two, in no order."""
+    """The same matrix with every entry stored as two summands, in random order."""
     data, indices = np.repeat(matrix.data / 2, 2), np.repeat(matrix.indices, 2)
     for start, stop in np.lib.stride_tricks.sliding_window_view(2 * matrix.indptr, 2):
         shuffled = start + np.random.default_rng(start).permutation(stop - start)
@@ -131,7 +131,7 @@ def in_halves(matrix, index_dtype):
 
 
 @pytest.mark.parametrize("index_dtype", [np.int32, np.int64])
-def test_any_storage_of_the_matrix_will_do(only, index_dtype):
+def test_any_storage_of_the_matrix_is_accepted(only, index_dtype):
     matrix = heat_equation(torus(segments=(12, 8)), 1e-3)
     right = np.ones((1, 96))
     stored = in_halves(matrix, index_dtype)
@@ -152,7 +152,7 @@ def test_matrices_that_are_not_positive_definite_are_refused(only, matrix):
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_numbers_that_are_none_are_refused(only, value):
+def test_nonfinite_numbers_are_refused(only, value):
     with pytest.raises(FactorizationError, match="not numbers"):
         factorize(csc_array([(value, 0.0), (0.0, 1.0)]))
 
@@ -162,6 +162,6 @@ def test_only_square_matrices_are_factorized():
         factorize(csc_array(np.eye(2, 3)))
 
 
-def test_superlu_tells_its_size():
-    # A diagonal matrix fills in nothing: L and U keep one number per row each.
+def test_superlu_reports_its_size():
+    # A diagonal matrix has no fill-in: L and U have one number per row each.
     assert SuperLU(csc_matrix(np.eye(10))).factor_bytes == 160

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Moments of plane shapes against closed forms."""
+"""Moments of plane shapes compared with closed forms."""
 
 from __future__ import annotations
 
@@ -30,23 +30,23 @@ def test_a_rectangle(width, height, x, angle):
     assert abs(np.sin(found.axis - angle)) < 1e-6
 
 
-def test_the_long_axis_leads_to_the_heavy_end():
-    # Both sides of a wedge: the heavy end is on the left.
+def test_the_long_axis_points_to_the_heavy_end():
+    # Both sides of a wedge with its heavy end on the left.
     wedge = np.array([(0.0, -1.0), (6.0, 0.0), (0.0, 1.0)])
     assert np.cos(moments(wedge).axis) == pytest.approx(-1.0)
     assert np.cos(moments(-wedge).axis) == pytest.approx(1.0)
 
 
-def test_what_is_round_has_no_axis():
+def test_round_shapes_have_no_axis():
     assert moments(rectangle(2.0, 2.0)).axis is None
     assert moments(rectangle(2.0, 2.0)).angle_from(moments(rectangle(3.0, 1.0))) == 0.0
 
 
-def test_nothing_has_no_area():
+def test_empty_shapes_have_no_area():
     assert FlatMoments.of(np.zeros((0, 2)), np.zeros((0, 2))).area == 0.0
 
 
-def test_rings_are_directed_by_how_they_lie_in_their_group():
+def test_rings_are_oriented_by_their_nesting():
     rings = [rectangle(8, 8)[::-1], rectangle(4, 4), rectangle(2, 2), rectangle(4, 4)]
     found = directed(rings, [0, 0, 0, 1])
     np.testing.assert_allclose([ring_area(ring) for ring in found], [64, -16, 4, 16])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Displacements that would turn triangles over are reduced, others are not."""
+"""Displacements that would turn triangles over are reduced, others are unchanged."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CENTER = SIDE * SIDE // 2
 
 @pytest.fixture(scope="module")
 def sheet() -> TriangleMesh:
-    """A flat sheet of squares of side one, each cut in two."""
+    """A flat sheet of unit squares, each split in two."""
     x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE), indexing="ij")
     corner = (np.arange(SIDE - 1)[:, None] * SIDE + np.arange(SIDE - 1)).ravel()
     faces = [(corner, corner + SIDE, corner + SIDE + 1), (corner, corner + SIDE + 1, corner + 1)]
@@ -31,12 +31,12 @@ def reduced(sheet, offsets):
     return without_folds(sheet, normals, offsets, EdgeMeans.of(sheet))
 
 
-def test_offsets_that_fold_nothing_stay(sheet):
+def test_offsets_without_folds_are_unchanged(sheet):
     offsets = 0.2 * np.random.default_rng(1).standard_normal((len(sheet.vertices), 3)) * [0, 0, 1]
     np.testing.assert_array_equal(reduced(sheet, offsets), offsets)
 
 
-def test_a_vertex_that_would_leave_its_neighbors_goes_between_them(sheet):
+def test_a_vertex_that_would_leave_its_neighbors_moves_between_them(sheet):
     offsets = np.tile([0.0, 0.0, 0.3], (len(sheet.vertices), 1))
     offsets[CENTER] += (2.4, 0.0, 0.0)
     found = reduced(sheet, offsets)
@@ -44,8 +44,8 @@ def test_a_vertex_that_would_leave_its_neighbors_goes_between_them(sheet):
     np.testing.assert_allclose(found[CENTER], [0.0, 0.0, 0.3], atol=0.1)
 
 
-def test_where_all_neighbors_are_folded_offsets_are_smaller(sheet):
-    """A sheet that is folded over along a line cannot be put right between neighbors."""
+def test_offsets_are_reduced_where_all_neighbors_are_folded(sheet):
+    """Averaging neighbors cannot repair a sheet folded over along a line."""
     offsets = np.zeros_like(sheet.vertices)
     offsets[sheet.vertices[:, 0] > 5.5, 0] = -8.0
     found = reduced(sheet, offsets)
@@ -53,7 +53,7 @@ def test_where_all_neighbors_are_folded_offsets_are_smaller(sheet):
     assert np.abs(found).max() < 8.0
 
 
-def test_what_was_folded_before_is_left_alone(sheet):
+def test_existing_folds_are_ignored(sheet):
     folded = sheet.vertices.copy()
     folded[CENTER, 0] += 1.5
     offsets = np.tile([0.1, 0.2, 0.3], (len(folded), 1))

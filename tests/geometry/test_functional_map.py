@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spectral maps between surfaces of which it is known what belongs to what."""
+"""Spectral maps between surfaces with known correspondence."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from convwass_addon.geometry.spectrum import spectrum
 from tests.grids import figure
 
 
-def test_a_reordered_surface_is_found_again():
+def test_a_reordered_surface_is_matched():
     mesh = TriangleMesh.from_arrays(*blob(500))
     order = np.random.default_rng(0).permutation(500)
     other = TriangleMesh(mesh.vertices[order], np.argsort(order)[mesh.faces])
@@ -27,7 +27,7 @@ def test_a_reordered_surface_is_found_again():
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
-def test_descriptors_decide_between_left_and_right(is_mirrored):
+def test_descriptors_distinguish_left_and_right(is_mirrored):
     mesh, mirror = figure()
     modes = spectrum(laplacian(mesh), 60)
     side = np.tanh(4.0 * mesh.vertices[:, 0])[:, None]
@@ -44,7 +44,7 @@ def test_upsampling_keeps_an_exact_map():
     np.testing.assert_array_equal(found.backward, np.arange(300))
 
 
-def test_tiny_surfaces_get_some_match():
+def test_tiny_surfaces_get_a_map():
     triangle = TriangleMesh.from_arrays([(0, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     modes = spectrum(laplacian(triangle), 120)
     other = spectrum(laplacian(TriangleMesh.from_arrays(*blob(40))), 120)
@@ -54,7 +54,7 @@ def test_tiny_surfaces_get_some_match():
     assert found.backward.max() < 3
 
 
-def test_descriptors_must_be_as_many():
+def test_both_surfaces_need_the_same_number_of_descriptors():
     modes = spectrum(laplacian(TriangleMesh.from_arrays(*blob(40))), 10)
     with pytest.raises(ValueError, match="same number"):
         spectral_match(modes, modes, np.ones((40, 2)), np.ones((40, 3)))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Choices between two proposals, against trying all of them."""
+"""Choices between two proposals, compared with brute force."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def test_no_other_choice_is_cheaper(seed):
     assert total(fused_choice(costs, edges, seams), costs, edges, seams) == pytest.approx(least, abs=1e-4)
 
 
-def test_a_region_that_does_not_care_follows_its_neighbors():
-    """Of a chain one end wants the first and the other the second; the seam is where it is cheapest."""
+def test_an_indifferent_region_follows_its_neighbors():
+    """One end of a chain prefers the first proposal, the other the second; the seam is where it is cheapest."""
     count = 20
     costs = np.zeros((2, count))
     costs[1, 0] = costs[0, -1] = 5.0
@@ -38,5 +38,5 @@ def test_a_region_that_does_not_care_follows_its_neighbors():
     np.testing.assert_array_equal(fused_choice(costs, edges, seams), np.arange(count) > 12)
 
 
-def test_without_any_cost_the_first_is_taken():
+def test_without_costs_the_first_is_chosen():
     assert not fused_choice(np.zeros((2, 4)), np.array([[0, 1]]), np.zeros(1)).any()

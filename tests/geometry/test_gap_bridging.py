@@ -12,7 +12,7 @@ GAP = Gap((12, 10, 4), 8.0, 0.6, (1, 2))
 
 
 def two_blocks():
-    """Two blocks, a straight thin corridor between them, and a denser one that makes a detour."""
+    """Two blocks connected by a straight thin corridor and by a denser detour."""
     density = np.full((24, 16, 9), 0.02)
     density[2:8, 4:12, 2:7] = density[16:22, 4:12, 2:7] = 1.0
     density[8:16, 5, 4] = 0.3
@@ -20,7 +20,7 @@ def two_blocks():
     return density, label(density > 0.9)[0]
 
 
-def test_a_way_goes_from_one_piece_to_the_other_where_it_is_dense():
+def test_a_path_between_components_prefers_dense_cells():
     density, labels = two_blocks()
     way = way_across(density, labels, ([1], [2]), GAP)
     assert labels[tuple(way[0])] == 1
@@ -30,7 +30,7 @@ def test_a_way_goes_from_one_piece_to_the_other_where_it_is_dense():
     assert (between[:, 1:] == [10, 4]).all()
 
 
-def test_raising_makes_a_bridge_and_nothing_else():
+def test_raising_makes_only_a_bridge():
     density, labels = two_blocks()
     way = way_across(density, labels, ([1], [2]), GAP)
     box, raised = raised_along(density, way, 0.9, 1.0)

@@ -11,13 +11,13 @@ RANDOM = np.random.default_rng(6)
 
 
 @pytest.mark.parametrize("shape", [(8, 6, 4), (7, 5, 3, 2), (1, 1, 1)])
-def test_sums_stay(shape):
+def test_sums_are_kept(shape):
     field = RANDOM.uniform(size=shape)
     np.testing.assert_allclose(halved(field).sum() * 8.0, field.sum())
     assert halved(field).shape[:3] == tuple((size + 1) // 2 for size in shape[:3])
 
 
-def test_linear_fields_stay_linear_within():
+def test_linear_fields_stay_linear_inside():
     centers = np.moveaxis(np.indices((10, 8, 12)), 0, -1) + 0.5
     field = centers @ (1.0, -2.0, 0.5)
     np.testing.assert_allclose(
@@ -27,5 +27,5 @@ def test_linear_fields_stay_linear_within():
     np.testing.assert_allclose(found[1:-1, 1:-1, 1:-1], field[1:-1, 1:-1, 1:-1])
 
 
-def test_odd_sides_come_back():
+def test_odd_sides_are_restored():
     assert doubled(np.ones((4, 3, 2, 5)), (7, 5, 3)).shape == (7, 5, 3, 5)

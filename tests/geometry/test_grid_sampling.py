@@ -25,7 +25,7 @@ def test_linear_fields_are_sampled_exactly():
 
 
 @pytest.mark.parametrize("spread", [1.0, 3.0])
-def test_as_scipy_samples_inside_and_beyond(spread):
+def test_agrees_with_scipy_inside_and_outside(spread):
     field = RANDOM.normal(size=(4, 3, 2, 3))
     points = (RANDOM.uniform(-0.5, 0.5, (20_000, 3)) * spread + 0.5) * (4, 3, 2)
     expected = [map_coordinates(field[..., c], points.T - 0.5, order=1, mode="nearest") for c in range(3)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that turn against each other, and the samples that stand for them."""
+"""Parts that rotate relative to each other, and the samples that represent them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def fine_box(size, center, edge):
 
 @pytest.fixture(scope="module")
 def hinge():
-    """A large box and a small one beside it, two components, and which vertices are the small one's."""
+    """A large box and a small one next to it, two components, and the mask of the small one's vertices."""
     mesh = joined(fine_box((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.15), fine_box((0.3, 0.2, 0.2), (0.8, 0.0, 0.2), 0.08))
     return mesh, mesh.vertices[:, 0] > 0.55
 
@@ -34,8 +34,8 @@ def swung(points, angle):
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 1.0])
-def test_a_part_turns_about_the_joint_that_its_ends_tell(hinge, share):
-    """The two parts touch nowhere, and only where the small one ends up says what it turns about."""
+def test_a_part_rotates_about_the_joint_inferred_from_its_poses(hinge, share):
+    """The two parts do not touch; only the end pose of the small one determines its joint."""
     mesh, small = hinge
     angle = np.radians(100.0)
     moved = np.where(small[:, None], swung(mesh.vertices, angle), mesh.vertices)
@@ -47,7 +47,7 @@ def test_a_part_turns_about_the_joint_that_its_ends_tell(hinge, share):
     np.testing.assert_allclose(found, expected, atol=5e-3)
 
 
-def test_what_stands_still_at_both_ends_stands_still(hinge):
+def test_parts_at_rest_in_both_poses_stay_at_rest(hinge):
     mesh, small = hinge
     moved = np.where(small[:, None], swung(mesh.vertices, 2.0), mesh.vertices)
     samples = SurfaceSamples.of(mesh, 120, 0.4)
@@ -58,8 +58,8 @@ def test_what_stands_still_at_both_ends_stands_still(hinge):
     assert apart[small].min() > 0.04
 
 
-def test_samples_see_each_other_through_the_solid():
-    """Of a bar that is bent to three quarters of a circle, the ends do not."""
+def test_samples_see_each_other_only_through_the_solid():
+    """The ends of a bar bent to three quarters of a circle do not."""
     bar = fine_box((0.1, 0.1, 1.0), (0.0, 0.0, 0.0), 0.05)
     turn, radius = 1.5 * np.pi * bar.vertices[:, 2], 1.0 / (1.5 * np.pi) + bar.vertices[:, 0]
     bent = TriangleMesh(np.stack([radius * np.cos(turn), bar.vertices[:, 1], radius * np.sin(turn)], axis=1), bar.faces)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Balls inside bodies: where they lie, and the ways through them."""
+"""Balls inside bodies: their positions, and paths through them."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from convwass_addon.geometry.solid_angles import winding_numbers
 from tests.shapes import ball, torus
 
 
-def test_a_ball_holds_one_ball():
+def test_a_ball_contains_one_ball():
     found = inner_balls(ball(2.0, (1.0, 0.0, 0.0)))
     assert np.abs(found.centers - [1.0, 0.0, 0.0]).max() < 0.15
     np.testing.assert_allclose(found.radii, 2.0, rtol=0.07)
 
 
-def test_the_balls_of_a_torus_lie_on_its_circle():
+def test_the_balls_of_a_torus_lie_on_its_center_circle():
     found = inner_balls(torus(1.0, 0.3))
     away = np.hypot(np.hypot(found.centers[:, 0], found.centers[:, 1]) - 1.0, found.centers[:, 2])
     assert away.max() < 0.05
     np.testing.assert_allclose(found.radii, 0.3, rtol=0.1)
 
 
-def test_ways_go_around_the_hole():
+def test_paths_go_around_the_hole():
     mesh = torus(1.0, 0.3)
     found = inner_balls(mesh)
     first, last = (int(np.argmin(np.linalg.norm(found.centers - [x, 0.0, 0.0], axis=1))) for x in (1.0, -1.0))
@@ -42,14 +42,14 @@ def test_links_stay_inside():
     assert (winding_numbers(middles, mesh) > 0.5).all()
 
 
-def test_points_enter_by_the_balls_that_hold_them():
+def test_points_start_at_the_balls_that_contain_them():
     found = InnerBalls(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0]]), np.ones(2), np.ones(2), np.empty((0, 2), np.int64))
     assert found.entrances(np.array([0.5, 0.0, 0.0])).tolist() == [0]
     assert found.entrances(np.array([9.0, 0.0, 0.0])).tolist() == [1]
     assert found.links.nnz == 0
 
 
-def test_thin_limbs_hang_together_on_long_triangles():
+def test_thin_limbs_with_long_triangles_are_connected():
     found = inner_balls(torus(1.0, 0.02, segments=(40, 6)))
     assert len(found.centers) == 240
     assert np.abs(np.hypot(found.centers[:, 0], found.centers[:, 1]) - 1.0).max() < 0.02

@@ -14,12 +14,12 @@ from tests.shapes import piece_count
 
 
 def cone(shape, center):
-    """A density that falls off linearly from its center, so that its level sets are spheres of known radius."""
+    """A density that decreases linearly from its center, so that its level sets are spheres of known radius."""
     cells = np.stack(np.meshgrid(*[np.arange(n) + 0.5 for n in shape], indexing="ij"), axis=-1)
     return np.maximum(20.0 - np.linalg.norm(cells - center, axis=-1), 0.0)
 
 
-def test_a_sphere_is_where_it_should_be():
+def test_a_sphere_has_the_correct_place_and_size():
     center = np.array([14.2, 16.9, 18.4])
     mesh = surface_at_level(cone((30, 34, 38), center), 10.0).mesh
     np.testing.assert_allclose(np.linalg.norm(mesh.vertices - center, axis=1), 10.0, atol=0.03)
@@ -29,26 +29,26 @@ def test_a_sphere_is_where_it_should_be():
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.02, 0.5), st.floats(1.0, 3.0))
-def test_any_surface_is_closed_outward_and_encloses_what_was_asked_for(seed, share, blur):
+def test_any_surface_is_closed_outward_and_has_the_requested_volume(seed, share, blur):
     density = gaussian_filter(np.random.default_rng(seed).random((18, 20, 16)) ** 4, blur, mode="constant")
     mesh = surface_enclosing(density, share * density.size).mesh
     assert topology(mesh).open_edges == 0
     assert mesh.volume == pytest.approx(share * density.size, rel=0.01)
 
 
-def test_a_solid_at_the_wall_is_closed():
+def test_a_solid_at_the_boundary_is_closed():
     mesh = surface_at_level(cone((20, 20, 20), np.array([0.0, 10.0, 10.0])), 8.0).mesh
     assert topology(mesh).closed
     assert mesh.volume > 0
 
 
 def blocks(shape, cells, values, seed):
-    """Cubes of `cells` cells a side that each have one of the values, as blocky occupancies do."""
+    """Cubes of `cells` cells per side with constant values, like blocky occupancies."""
     return np.kron(np.random.default_rng(seed).choice(values, shape), np.ones((cells, cells, cells)))
 
 
 def stepped():
-    """A cube of two values, 22 and 14 cells a side."""
+    """Nested cubes with two values, 22 and 14 cells per side."""
     density = np.zeros((30, 30, 30))
     density[4:26, 4:26, 4:26] = 0.5
     density[8:22, 8:22, 8:22] = 1.0
@@ -61,7 +61,7 @@ def has_double_points(mesh):
 
 @pytest.mark.parametrize("level", [0.5, 0.5 * (1 - 1e-9), 0.5 * (1 + 1e-9)])
 @pytest.mark.parametrize("offset", [0, 290])
-def test_a_plateau_at_the_level_makes_no_double_points(level, offset):
+def test_a_plateau_at_the_level_makes_no_duplicate_points(level, offset):
     density = np.zeros((offset + 30, 30, 30))
     density[offset:] = stepped()
     mesh = surface_at_level(density, level).mesh
@@ -72,25 +72,25 @@ def test_a_plateau_at_the_level_makes_no_double_points(level, offset):
 
 
 def test_a_plateau_counts_as_outside_at_its_own_level_and_as_inside_below():
-    """Vertices on the edges between samples: a cube of n samples reaches from n - 1 cells to nearly n + 1."""
+    """Vertices lie on edges between samples: a cube of n samples extends from n - 1 cells to nearly n + 1."""
     at, below = (surface_at_level(stepped(), level).mesh for level in (0.5, 0.5 * (1 - 1e-9)))
     np.testing.assert_allclose(np.ptp(at.bounds, axis=0), 15.0, atol=2e-3)
     np.testing.assert_allclose(np.ptp(below.bounds, axis=0), 21.0, atol=2e-3)
-    # A box, with a slab of almost a cell on each face but not at its edges; and a box of which hardly anything is cut.
+    # First a box with a slab of almost one cell on each face but not at its edges, then a nearly complete box.
     assert at.volume == pytest.approx(13**3 + 6 * 13**2 + 12 * 13 / 2 + 8 / 6, rel=1e-3)
     assert below.volume == pytest.approx(21**3, rel=1e-3)
 
 
 @pytest.mark.parametrize("level", [0.5, 1.0, 1.5])
-def test_cells_that_mirror_each_other_about_the_level_close_up(level):
-    """Ambiguous faces: where values inside and outside are alike, neighboring cubes must still agree."""
+def test_cells_symmetric_about_the_level_give_a_closed_surface(level):
+    """Ambiguous faces: with equal values inside and outside, neighboring cubes must still agree."""
     mesh = surface_at_level(blocks((24, 24, 24), 1, [0.0, 1.0, 2.0], seed=1), level).mesh
     assert topology(mesh).closed
     assert not has_double_points(mesh)
 
 
 @pytest.mark.parametrize("scale", [1e-30, 1e30])
-def test_the_unit_of_the_density_is_of_no_consequence(scale):
+def test_the_unit_of_the_density_does_not_matter(scale):
     density = gaussian_filter(np.random.default_rng(3).random((16, 16, 16)), 1.5)
     expected = surface_at_level(density, 0.5).mesh
     mesh = surface_at_level(density * scale, 0.5 * scale).mesh
@@ -98,8 +98,8 @@ def test_the_unit_of_the_density_is_of_no_consequence(scale):
     np.testing.assert_allclose(mesh.vertices, expected.vertices, atol=1e-4)
 
 
-def test_cells_that_dwarf_the_level_get_vertices_of_their_own():
-    """Next to such a cell all vertices lie close to the sample outside, which float32 must still tell apart."""
+def test_cells_far_above_the_level_get_distinct_vertices():
+    """Next to such a cell, all vertices are close to the outside sample, which float32 must still resolve."""
     density = 10.0 ** -blocks((20, 20, 20), 1, np.linspace(0.0, 8.0, 50), seed=2)
     mesh = surface_at_level(density, 1e-6).mesh
     assert topology(mesh).open_edges == 0
@@ -116,7 +116,7 @@ def test_volume_of_a_density_of_two_values(volume):
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.7, 0.95))
 def test_volume_of_blocks_of_one_value(seed, share):
-    """Between the only value and the zero around it there is nothing to count."""
+    """Between the only value and the surrounding zero, there is nothing to count."""
     density = blocks((4, 5, 4), 4, [0.0, 2.5], seed)
     volume = share * np.count_nonzero(density)
     assert surface_enclosing(density, volume).mesh.volume == pytest.approx(volume, rel=2e-3)
@@ -125,14 +125,14 @@ def test_volume_of_blocks_of_one_value(seed, share):
 @pytest.mark.parametrize(
     ("volume", "nearest"), [(2.0, 13**3), (4000.0, 3290.0), (6000.0, 3290.0), (7000.0, 9261.0), (9000.0, 9261.0)]
 )
-def test_where_the_volume_jumps_the_nearest_is_returned(volume, nearest):
-    """From the inner cube's samples on, 13 cells a side, it grows to 3290; then the outer cube's 21 cells a side."""
+def test_the_nearest_possible_volume_is_returned_at_jumps(volume, nearest):
+    """Beyond the inner cube, 13 cells per side, it grows to 3290; then to the outer cube with 21 cells per side."""
     surface = surface_enclosing(stepped(), volume)
     assert surface.mesh.volume == pytest.approx(nearest, rel=1e-3)
     assert topology(surface.mesh).closed
 
 
-def test_single_precision_is_taken_as_it_is():
+def test_single_precision_is_accepted_unchanged():
     density = stepped().astype(np.float32)
     assert surface_enclosing(density, 2.0).mesh.volume == pytest.approx(13**3, rel=1e-3)
 

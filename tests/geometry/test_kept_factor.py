@@ -22,7 +22,7 @@ def stiffness():
 
 @pytest.fixture
 def factorizations(monkeypatch):
-    """Count them."""
+    """Count the factorizations."""
     counted = []
     original = kept_factor.factorize
     monkeypatch.setattr(kept_factor, "factorize", lambda matrix: (counted.append(matrix), original(matrix))[1])
@@ -33,7 +33,7 @@ def with_diagonal(stiffness, values):
     return csc_array(stiffness + diags_array(values))
 
 
-def test_systems_that_change_little_are_solved_with_one_factorization(stiffness, factorizations):
+def test_slightly_changed_systems_reuse_the_factorization(stiffness, factorizations):
     count = stiffness.shape[0]
     solver, held, right = KeptFactor(), RANDOM.uniform(0.5, 1.0, count), RANDOM.normal(size=(count, 3))
     for _ in range(4):
@@ -45,7 +45,7 @@ def test_systems_that_change_little_are_solved_with_one_factorization(stiffness,
     assert len(factorizations) == 1
 
 
-def test_systems_that_change_much_are_factorized_anew(stiffness, factorizations):
+def test_strongly_changed_systems_are_factorized_again(stiffness, factorizations):
     count = stiffness.shape[0]
     solver, right = KeptFactor(), RANDOM.normal(size=(count, 2))
     for held in (np.full(count, 1e-3), 10.0 ** RANDOM.uniform(-3.0, 5.0, count)):
@@ -55,7 +55,7 @@ def test_systems_that_change_much_are_factorized_anew(stiffness, factorizations)
     assert len(factorizations) == 2
 
 
-def test_a_solution_that_is_known_already_is_kept(stiffness, factorizations):
+def test_an_exact_start_is_returned_unchanged(stiffness, factorizations):
     count = stiffness.shape[0]
     matrix, exact = with_diagonal(stiffness, np.ones(count)), RANDOM.normal(size=(count, 3))
     solver = KeptFactor()

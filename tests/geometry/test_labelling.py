@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pieces of sets of cells, against SciPy's."""
+"""Connected components of sets of cells, compared with SciPy."""
 
 import numpy as np
 from hypothesis import given, strategies as st
@@ -13,7 +13,7 @@ _SETS = arrays(bool, st.tuples(*[st.integers(1, 6)] * 3))
 
 
 @given(_SETS)
-def test_the_pieces_are_those_of_scipy(inside):
+def test_components_agree_with_scipy(inside):
     labels, count = label(inside)
     pieces = Pieces.of(inside)
     assert pieces.count == count
@@ -21,13 +21,13 @@ def test_the_pieces_are_those_of_scipy(inside):
 
 
 @given(_SETS)
-def test_single_cells_can_be_asked_for(inside):
+def test_labels_of_single_cells(inside):
     pieces = Pieces.of(inside)
     np.testing.assert_array_equal(pieces.at(np.arange(inside.size)), pieces.labels.ravel())
 
 
 @given(_SETS)
-def test_pieces_that_reach_no_wall_are_numbered_anew(inside):
+def test_components_away_from_the_boundary_are_renumbered(inside):
     pieces = Pieces.of(inside)
     enclosed = pieces.within()
     at_wall = np.ones(inside.shape, bool)
@@ -38,7 +38,7 @@ def test_pieces_that_reach_no_wall_are_numbered_anew(inside):
     np.testing.assert_array_equal(enclosed.labels, labels)
 
 
-def test_pairs_of_pieces_are_joined():
+def test_pairs_of_components_are_joined():
     inside = np.zeros((1, 1, 9), bool)
     inside[..., ::2] = True
     joined = Pieces.of(inside).joined(np.array([1, 4]), np.array([3, 2]))
@@ -47,7 +47,7 @@ def test_pairs_of_pieces_are_joined():
 
 
 @given(_SETS)
-def test_cells_of_some_pieces_can_be_asked_for(inside):
+def test_cells_of_selected_components(inside):
     pieces = Pieces.of(inside)
     np.testing.assert_array_equal(pieces.sizes[1:], np.bincount(pieces.labels.ravel(), minlength=pieces.count + 1)[1:])
     wanted = np.arange(pieces.count + 1) % 2 == 1

@@ -27,7 +27,7 @@ FINS = TriangleMesh.from_arrays(
 """Four triangles on one edge."""
 
 LINE = TriangleMesh.from_arrays(np.outer([0.1, 0.2, 0.7, 1.3], (0.1, 0.3, 0.7)), [(0, 1, 2), (1, 2, 3)])
-"""Triangles without area but for rounding."""
+"""Triangles without area except for rounding errors."""
 
 
 @pytest.fixture(params=["tufted", "cotangent"])
@@ -39,7 +39,7 @@ def build(request):
 
 
 def flat(size=12, seed=0):
-    """A tilted flat sheet of Delaunay triangles with acute ones along its border; and which vertices lie inside."""
+    """A tilted flat sheet of Delaunay triangles, acute along its boundary; and the mask of inner vertices."""
     grid = np.stack(np.meshgrid(np.arange(size), np.arange(size), indexing="ij"), -1).reshape(-1, 2).astype(float)
     inside = ((grid > 0) & (grid < size - 1)).all(axis=1)
     grid[inside] += np.random.default_rng(seed).uniform(-0.2, 0.2, (inside.sum(), 2))
@@ -52,7 +52,7 @@ def stretched(mesh, factor):
 
 
 def assert_sound(found, mesh):
-    """Hold what every Laplacian promises, of whatever mesh."""
+    """Check the properties that every Laplacian has for any mesh."""
     matrix = found.matrix.tocoo()
     assert np.isfinite(matrix.data).all()
     assert np.isfinite(found.areas).all()
@@ -87,7 +87,7 @@ def test_an_acute_triangle_by_hand(build, lengths):
     assert found.clamped == 0
 
 
-def test_a_square_is_its_border(build):
+def test_the_diagonal_of_a_square_has_weight_zero(build):
     found = build(square(3.0))
     expected = [(1, -0.5, 0, -0.5), (-0.5, 1, -0.5, 0), (0, -0.5, 1, -0.5), (-0.5, 0, -0.5, 1)]
     np.testing.assert_allclose(found.matrix.toarray(), expected, atol=1e-12)
@@ -132,25 +132,25 @@ def test_needles_keep_their_area():
     [ball(points=300), torus(), box((1, 2, 3)), flat()[0], stretched(ball(), 10), stretched(ball(), 100), FINS],
     ids=["ball", "torus", "box", "flat", "stretched", "needles", "fins"],
 )
-def test_all_area_is_accounted_for(build, mesh):
+def test_areas_sum_to_the_total_area(build, mesh):
     found = build(mesh)
     assert_sound(found, mesh)
     assert found.areas.sum() == pytest.approx(mesh.area, rel=1e-9)
 
 
-def test_the_tufted_cover_conducts_across_every_triangle_of_an_edge():
+def test_the_tufted_cover_connects_all_triangles_of_an_edge():
     pytest.importorskip("robust_laplacian")
     found = tufted_laplacian(FINS)
     assert found.clamped == 0
-    # Around an edge the cover glues each triangle to the next, so that every tip has a neighbor across the edge or
-    # at its ends: heat from one tip reaches all others.
+    # Around an edge, the cover glues each triangle to the next, so every tip has a neighbor across the edge or at its
+    # ends, and heat from one tip reaches all others.
     assert connected_components(found.matrix)[0] == 1
     heat = diffused(found, 2)
     assert heat[[3, 4, 5]].min() > 0.01 * heat[2]
 
 
 def diffused(found, source, time=0.2, steps=10):
-    """Heat of a unit mass after implicit Euler steps."""
+    """Heat of a unit mass after several implicit Euler steps."""
     system = factorize((diags_array(found.areas) + time / steps * found.matrix).tocsc())
     heat = np.zeros((1, len(found.areas)))
     heat[0, source] = 1 / found.areas[source]
@@ -160,7 +160,7 @@ def diffused(found, source, time=0.2, steps=10):
 
 
 def unclamped(mesh):
-    """The plain cotangent stiffness, by dot products of the edges."""
+    """The unclamped cotangent stiffness, from dot products of the edges."""
     stiffness = np.zeros((len(mesh.vertices),) * 2)
     for corner in range(3):
         k, i, j = np.roll(mesh.faces, -corner, axis=1).T
@@ -171,7 +171,7 @@ def unclamped(mesh):
     return stiffness
 
 
-def test_heat_is_never_negative_on_a_stretched_sphere(build):
+def test_heat_is_nonnegative_on_a_stretched_sphere(build):
     mesh = stretched(ball(points=500), 10)
     found = build(mesh)
     heat = diffused(found, 250)
@@ -179,7 +179,7 @@ def test_heat_is_never_negative_on_a_stretched_sphere(build):
     assert heat @ found.areas == pytest.approx(1)
     plain = SimpleNamespace(areas=found.areas, matrix=unclamped(mesh))
     system = np.linalg.inv(np.diag(plain.areas) + 0.02 * plain.matrix)
-    assert system.min() < -1e-4 * system.max()  # so the mesh is one that needs care
+    assert system.min() < -1e-4 * system.max()  # so the mesh is a hard case
 
 
 def test_only_the_fallback_clamps():
@@ -208,7 +208,7 @@ def test_far_from_the_origin(build):
     np.testing.assert_allclose(far.matrix.toarray(), near.matrix.toarray(), atol=1e-6)
 
 
-def test_unused_vertices_and_improper_triangles_change_nothing(build):
+def test_unused_vertices_and_degenerate_triangles_change_nothing(build):
     mesh = ball(points=100)
     vertices = np.concatenate([[(9, 9, 9)], mesh.vertices, [(7, 7, 7), (8, 8, 8)]])
     faces = np.concatenate([[(0, 0, 3), (4, 0, 4)], mesh.faces + 1, [(101, 101, 101)]])
@@ -217,14 +217,14 @@ def test_unused_vertices_and_improper_triangles_change_nothing(build):
     np.testing.assert_allclose(padded.matrix.toarray(), np.pad(plain.matrix.toarray(), (1, 2)), atol=1e-12)
 
 
-def test_a_triangle_named_twice_counts_twice(build):
+def test_duplicate_triangles_count_twice(build):
     mesh = TriangleMesh.from_arrays(np.eye(3), [(0, 1, 2)])
     once, twice = build(mesh), build(TriangleMesh.from_arrays(np.eye(3), [(0, 1, 2), (2, 1, 0)]))
     np.testing.assert_allclose(twice.areas, 2 * once.areas, rtol=1e-12)
     np.testing.assert_allclose(twice.matrix.toarray(), 2 * once.matrix.toarray(), rtol=1e-12)
 
 
-def test_collapsed_triangles_hardly_disturb_the_others(build):
+def test_collapsed_triangles_have_little_effect(build):
     mesh = torus()
     vertices = mesh.vertices.copy()
     vertices[5] = vertices[6]  # an edge of no length, two triangles without area
@@ -232,15 +232,15 @@ def test_collapsed_triangles_hardly_disturb_the_others(build):
     found = build(collapsed)
     assert_sound(found, collapsed)
     assert found.areas.sum() == pytest.approx(collapsed.area, rel=1e-4)
-    # The two vertices at one place are as good as one: heat passes freely between them.
+    # The two coincident vertices act as one, because heat passes freely between them.
     assert found.matrix[5, 6] < -100
 
 
-def test_heat_stays_within_its_piece(build):
+def test_heat_stays_within_its_component(build):
     one = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)])
     tip_to_tip = TriangleMesh.from_arrays(one, [(0, 1, 2), (2, 3, 4)])
     mesh = joined(square(), tip_to_tip, ball(points=50, center=(5, 0, 0)), FINS)
-    bridge = np.array([(0, 0, 4)])  # names a vertex twice, so it holds nothing together
+    bridge = np.array([(0, 0, 4)])  # repeats a vertex, so it connects nothing
     mesh = TriangleMesh.from_arrays(np.concatenate([mesh.vertices, [(0, 0, 9)]]), np.concatenate([mesh.faces, bridge]))
     labels = vertex_components(mesh)
     np.testing.assert_array_equal(labels, [*[0] * 4, *[1] * 5, *[2] * 50, *[3] * 6, -1])
@@ -251,14 +251,14 @@ def test_heat_stays_within_its_piece(build):
     assert len(np.unique(flow)) == 5  # the unused vertex is alone
 
 
-def test_vertices_without_triangles_belong_to_no_piece():
+def test_vertices_without_triangles_belong_to_no_component():
     empty = TriangleMesh.from_arrays(np.zeros((2, 3)), np.empty((0, 3)))
     np.testing.assert_array_equal(vertex_components(empty), [-1, -1])
 
 
 @st.composite
 def messy_meshes(draw):
-    """Coincident points, slivers, collapsed and repeated triangles, edges with many, and lengths that differ wildly."""
+    """Coincident points, slivers, collapsed, duplicate and nonmanifold triangles, and very different lengths."""
     count = draw(st.integers(3, 12))
     places = st.tuples(*[st.integers(-2, 2)] * 3)
     vertices = np.array(draw(st.lists(places, min_size=count, max_size=count)), dtype=float)
@@ -273,7 +273,7 @@ def messy_meshes(draw):
 
 @pytest.mark.parametrize("build", [laplacian, cotangent_laplacian])
 @given(mesh=messy_meshes())
-def test_whatever_the_mesh_all_is_sound_or_said(build, mesh):
+def test_any_mesh_gives_a_valid_laplacian_or_an_error(build, mesh):
     try:
         found = build(mesh)
     except InputError as error:
@@ -302,7 +302,7 @@ def test_meshes_that_cannot_carry_heat_are_refused(build, mesh, message):
         build(mesh)
 
 
-def test_tufted_is_chosen_where_it_imports(monkeypatch):
+def test_tufted_is_used_if_available(monkeypatch):
     monkeypatch.setitem(sys.modules, "robust_laplacian", None)
     assert laplacian(FINS).method == "cotangent"
     with pytest.raises(ImportError):
@@ -326,7 +326,7 @@ def without_area(vertices, faces, mollify_factor):
 
 
 @pytest.mark.parametrize("broken", [failing, without_numbers, without_area])
-def test_where_tufted_fails_the_cotangent_stands_in(monkeypatch, broken):
+def test_the_cotangent_laplacian_is_the_fallback(monkeypatch, broken):
     monkeypatch.setitem(sys.modules, "robust_laplacian", SimpleNamespace(mesh_laplacian=broken))
     with pytest.raises(ArithmeticError, match="robust_laplacian"):
         tufted_laplacian(FINS)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is counted on cells is what the surface has."""
+"""Topology computed on cells agrees with that of the surface."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def euler_of_surface(density, level):
 
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**31 - 1), st.sampled_from([0.7, 1.0, 2.0]), st.floats(0.3, 0.9))
-def test_euler_number_of_noise_is_that_of_its_surface(seed, blur, share):
+def test_euler_number_of_noise_agrees_with_its_surface(seed, blur, share):
     density = gaussian_filter(np.random.default_rng(seed).random((20, 18, 16)), blur, mode="constant")
     level = float(np.quantile(density, share))
-    # Two values inside of one ambiguous cube may be closer than single precision tells.
+    # Two values inside an ambiguous cube may be too close for single precision.
     assert euler_number(density, level) == pytest.approx(euler_of_surface(density, level), abs=2)
 
 
-def test_euler_number_changes_as_that_of_a_window():
+def test_the_change_in_a_window_is_the_change_of_the_euler_number():
     density = gaussian_filter(np.random.default_rng(2).random((30, 28, 26)), 1.0, mode="constant")
     level = float(np.quantile(density, 0.7))
     changed = density.copy()
@@ -39,7 +39,7 @@ def test_euler_number_changes_as_that_of_a_window():
     assert after - before == euler_number(changed, level) - euler_number(density, level)
 
 
-def test_pieces_and_hollows_of_boxes():
+def test_components_and_hollows_of_boxes():
     density = np.zeros((20, 12, 12))
     density[2:9, 2:9, 2:9] = 1.0
     density[4:7, 4:7, 4:7] = 0.2
@@ -48,14 +48,14 @@ def test_pieces_and_hollows_of_boxes():
     assert hollows_below(density, 0.5).count == 1
     assert hollows_below(density, 0.5).labels[5, 5, 5] == 1
     assert hollows_below(density, 0.1).count == 0
-    # A box whose wall is the grid's.
+    # Cut off here, the cavity reaches the boundary of the grid.
     assert hollows_below(density[4:], 0.5).count == 0
     assert Connectivity.of(surface_at_level(density, 0.5)) == Connectivity(2, 0, 1)
 
 
 @pytest.mark.parametrize(("beside", "pieces"), [(0.45, 1), (0.05, 2)])
-def test_boxes_that_touch_along_an_edge_are_one_where_their_surface_is(beside, pieces):
-    """Whether they are depends on how much lies next to the edge."""
+def test_boxes_touching_at_an_edge_are_connected_like_their_surface(beside, pieces):
+    """This depends on the values next to the edge."""
     density = np.zeros((14, 14, 8))
     density[2:7, 2:7, 2:6] = density[7:12, 7:12, 2:6] = 0.8
     density[2:7, 7:12, 2:6] = density[7:12, 2:7, 2:6] = beside

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mean value coordinates: points come back, inside, on the surface and outside."""
+"""Mean value coordinates reproduce points inside, on the surface and outside."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _SHARES = st.lists(st.floats(0.02, 1.0), min_size=4, max_size=4)
 
 
 @given(_SHARES)
-def test_a_tetrahedron_has_its_barycentric_coordinates(numbers):
+def test_a_tetrahedron_has_barycentric_coordinates(numbers):
     shares = np.array(numbers) / np.sum(numbers)
     found = mean_value_coordinates(shares @ _TETRAHEDRON.vertices, _TETRAHEDRON)
     np.testing.assert_allclose(found[0], shares, atol=1e-7)
 
 
 @pytest.mark.parametrize("mesh", [box(angles=(0.3, 0.5, 0.1)), ball(points=300), torus()], ids=["box", "ball", "torus"])
-def test_points_come_back(mesh):
+def test_points_are_reproduced(mesh):
     low, high = mesh.bounds
     points = np.random.default_rng(1).uniform(low - 0.2, high + 0.2, (200, 3))
     weights = mean_value_coordinates(points, mesh)
@@ -63,12 +63,12 @@ def test_they_are_continuous_at_the_surface():
 
 def test_points_in_the_planes_of_triangles():
     mesh = joined(box(), box(center=(3.0, 0.0, 0.0)))
-    # The plane of the second box's faces cuts the first box, and edges run through the point.
+    # The points lie in planes of faces of either box, and on lines through edges.
     points = np.array([[0.0, 0.1, 0.5 - 1e-13], [0.2, 0.2, 0.0], [0.0, 0.0, 0.0]])
     assert np.abs(mean_value_coordinates(points, mesh) @ mesh.vertices - points).max() < 1e-7
 
 
-def test_degenerate_triangles_weigh_nothing():
+def test_degenerate_triangles_have_no_weight():
     mesh = box()
     needle = TriangleMesh(mesh.vertices, np.concatenate([mesh.faces, [[0, 0, 1], [2, 3, 2]]]))
     points = [[0.1, 0.2, -0.3]]

@@ -23,7 +23,7 @@ ONE = Connectivity(1, 0, 0)
 
 
 def ramp(distance):
-    """Density 1 inside a solid, with a soft border: about half where the signed distance is zero."""
+    """Density 1 inside a solid, with a soft border: about half at signed distance zero."""
     return 1.0 / (1.0 + np.exp(2.0 * distance))
 
 
@@ -47,7 +47,7 @@ def found(density, volume):
 
 
 def half(density):
-    """Volume of the set that is half as dense as the densest cell."""
+    """Volume of the set above half of the largest density."""
     return surface_at_level(density, density.max() / 2).mesh.volume
 
 
@@ -61,7 +61,7 @@ def test_connectivity_of_known_solids():
     assert Connectivity(2, 1, 0).or_more(Connectivity(1, 3, 1)) == Connectivity(2, 3, 1)
 
 
-def test_what_is_whole_is_left_alone():
+def test_correct_surfaces_are_unchanged():
     density = ball((20, 16, 14), 8)
     mended = mended_surface(density, 1800.0, ONE)
     plain = even_surface(surface_enclosing(density, 1800.0), density)
@@ -70,7 +70,7 @@ def test_what_is_whole_is_left_alone():
     assert mended.found == ONE
 
 
-def test_a_narrow_gap_is_bridged_and_a_deep_one_is_not():
+def test_only_shallow_gaps_are_bridged():
     near = ball((12, 16, 14), 6) + ball((25.6, 16, 14), 6)
     volume = half(near)
     assert found(near, volume).pieces == 2
@@ -78,7 +78,7 @@ def test_a_narrow_gap_is_bridged_and_a_deep_one_is_not():
     assert mended.found == ONE
     assert mended.bridged == 1
     assert mended.surface.mesh.volume == pytest.approx(volume, rel=5e-3)
-    # The neck stands between the balls, and nothing else changes by more than the volume that it takes.
+    # The neck is between the balls, and the rest changes only by the volume that the neck takes.
     assert len(mended.surface.mesh.vertices[np.abs(mended.surface.mesh.vertices[:, 0] - 18.8) < 0.5])
     far = ball((10, 16, 14), 5) + ball((30, 16, 14), 5)
     left = mended_surface(far, half(far), ONE)
@@ -86,14 +86,14 @@ def test_a_narrow_gap_is_bridged_and_a_deep_one_is_not():
     assert left.bridged == 0
 
 
-def test_pieces_that_the_shapes_have_are_kept():
+def test_components_of_the_shapes_are_kept():
     near = ball((12, 16, 14), 6) + ball((25.6, 16, 14), 6)
     mended = mended_surface(near, half(near), Connectivity(2, 0, 0))
     assert mended.found.pieces == 2
     assert mended.bridged == 0
 
 
-def test_three_pieces_in_a_row_become_one():
+def test_three_components_in_a_row_become_one():
     row = ball((8, 16, 14), 4) + ball((17.6, 16, 14), 4) + ball((27.2, 16, 14), 4)
     volume = half(row)
     assert found(row, volume).pieces == 3
@@ -112,7 +112,7 @@ def test_crumbs_are_dropped():
     assert mended.surface.mesh.volume == pytest.approx(volume, rel=5e-3)
 
 
-def test_a_shallow_hole_is_filled_and_a_real_one_kept():
+def test_a_shallow_hole_is_filled_and_a_deep_one_kept():
     disc = ramp(np.maximum(np.hypot(CELLS[..., 0] - 20, CELLS[..., 1] - 16) - 10, np.abs(CELLS[..., 2] - 14) - 3))
     shallow = disc - 0.6 * rod((20, 16, 0), (20, 16, 28), 2.0)
     volume = half(disc)
@@ -150,7 +150,7 @@ def test_bubbles_are_filled():
 
 def test_saddles_of_two_bumps_and_of_a_ring():
     bumps = ball((12, 16.5, 14.5), 6) + ball((27, 16.5, 14.5), 6)
-    # The density falls from both to the middle between them.
+    # The density decreases from both to the midpoint between them.
     there = bridges(bumps, 0.5 * bumps[19, 16, 14], 1.5 * bumps[19, 16, 14])
     assert any(np.abs(place - [19, 16, 14]).max() <= 1 for place in there)
     hole = ring((20.5, 16.5, 14.5), 7, 3)
@@ -166,7 +166,7 @@ def test_a_smooth_slope_has_no_saddles():
 
 @settings(max_examples=6, deadline=None)
 @given(st.integers(0, 2**31 - 1), st.floats(1.0, 3.0))
-def test_noise_gets_no_worse_and_keeps_its_volume(seed, width):
+def test_noise_keeps_its_volume_without_more_defects(seed, width):
     rng = np.random.default_rng(seed)
     density = gaussian_filter(rng.random((20, 18, 16)) * (rng.random((20, 18, 16)) < 0.3), width)
     volume = 0.2 * density.size
@@ -179,14 +179,14 @@ def test_noise_gets_no_worse_and_keeps_its_volume(seed, width):
     assert mended.found == Connectivity.of(mended.surface)
 
 
-def test_a_volume_that_does_not_fit_is_refused():
+def test_a_volume_larger_than_the_grid_is_refused():
     with pytest.raises(InputError, match="cannot enclose"):
         mended_surface(ball((20, 16, 14), 8), 1e9, ONE)
 
 
 @pytest.mark.parametrize("inside", [1.02, 1.3])
-def test_a_slit_between_cells_that_touch_by_an_edge_is_closed(inside):
-    # Of the two dents in a plate, the surface makes a hole: its density between them is below the level.
+def test_a_slit_between_cells_touching_at_an_edge_is_closed(inside):
+    # Between the two dents in a plate, the density is below the level, so the surface has a hole there.
     density = np.zeros((14, 14, 9), np.float32)
     density[2:-2, 2:-2, 3:5] = inside
     density[6, 6, 3] = density[7, 6, 4] = 0.55
@@ -206,7 +206,7 @@ def test_a_firm_effort_closes_holes_that_a_gentle_one_leaves():
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_handles_are_never_traded_for_pieces_or_bubbles(seed):
+def test_removing_handles_adds_no_components_or_bubbles(seed):
     noise = np.random.default_rng(seed).standard_normal((16, 16, 16))
     density = np.pad(1.0 + 0.6 * gaussian_filter(noise, 0.7), 2).astype(np.float32)
     level = 0.8
@@ -224,7 +224,7 @@ def test_handles_are_never_traded_for_pieces_or_bubbles(seed):
     assert after[2] <= handles - gone
 
 
-def test_a_sponge_is_smoothed_and_what_is_not_spongy_stays():
+def test_only_spongy_regions_are_smoothed():
     noise = gaussian_filter(np.random.default_rng(1).standard_normal(SHAPE), 0.8)
     smooth = np.maximum(ball((10, 16, 14), 7), ball((28, 16, 14), 11))
     spongy = smooth * np.maximum(1.0 + 0.8 * noise / noise.std() * (CELLS[..., 0] > 19), 0.05)

@@ -28,7 +28,7 @@ def test_areas_of_vertices_are_thirds_of_triangles():
     assert torus().vertex_areas.sum() == pytest.approx(torus().area)
 
 
-def test_the_centroid_is_that_of_the_solid_not_of_the_vertices():
+def test_the_centroid_is_that_of_the_solid():
     mesh = joined(box((1, 1, 1)), box((2, 2, 2), center=(10, 0, 0)))
     np.testing.assert_allclose(centroid(mesh), (10 * 8 / 9, 0, 0), atol=1e-12)
     np.testing.assert_allclose(centroid(square(center=(1, 2, 3))), (1, 2, 3))
@@ -55,7 +55,7 @@ def test_three_faces_on_an_edge_are_counted():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_faces_turned_at_random_are_turned_back(seed):
+def test_randomly_flipped_faces_are_reoriented(seed):
     mesh = torus()
     turned = np.random.default_rng(seed).random(len(mesh.faces)) < 0.3
     faces = mesh.faces.copy()
@@ -65,11 +65,11 @@ def test_faces_turned_at_random_are_turned_back(seed):
     assert mended.volume == pytest.approx(mesh.volume)
 
 
-def test_inside_out_solids_are_turned_over():
+def test_inside_out_solids_are_flipped():
     assert orient_outward(ball().flipped()).volume == pytest.approx(ball().volume)
 
 
-def test_one_part_inside_out_among_others():
+def test_one_inside_out_component_is_flipped():
     mesh = joined(ball(), box(center=(4, 0, 0)).flipped())
     assert orient_outward(mesh).volume == pytest.approx(ball().volume + 1)
 
@@ -79,7 +79,7 @@ def test_a_cavity_stays_a_cavity():
     assert orient_outward(hollow).volume == pytest.approx(ball(1.0).volume - ball(0.6).volume)
 
 
-def test_a_moebius_strip_is_left_alone():
+def test_a_moebius_strip_is_unchanged():
     n = 40
     angle = np.arange(n) * 2 * np.pi / n
     across = np.array([-0.3, 0.3])[:, None]
@@ -106,6 +106,6 @@ def test_winding_number_counts_solids():
         ([(0, 0)] * 3, [(0, 1, 2)], "shape"),
     ],
 )
-def test_broken_arrays_are_refused(vertices, faces, message):
+def test_invalid_arrays_are_refused(vertices, faces, message):
     with pytest.raises(InputError, match=message):
         TriangleMesh.from_arrays(vertices, faces)

@@ -18,16 +18,16 @@ from tests.shapes import ball, bent_tube, box, joined, square, torus, with_faces
         (torus(), Connectivity(1, 1, 0)),
         (joined(torus(), ball(0.3)), Connectivity(2, 1, 0)),
         (joined(ball(), ball(0.5).flipped()), Connectivity(1, 0, 1)),
-        # A gap that no grid of a bake shows.
+        # A gap too narrow for the grid of any bake.
         (joined(box(center=(-0.501, 0, 0)), box(center=(0.501, 0, 0))), Connectivity(2, 0, 0)),
         (bent_tube(np.radians(355)), Connectivity(1, 0, 0)),
     ],
 )
-def test_closed_meshes_tell(mesh, expected):
+def test_closed_meshes_determine_the_connectivity(mesh, expected):
     assert mesh_connectivity(mesh) == expected
 
 
-def test_triangles_apart_tell_as_well():
+def test_unwelded_triangles_determine_the_connectivity():
     mesh = torus()
     apart = TriangleMesh.from_arrays(mesh.corners.reshape(-1, 3), np.arange(3 * len(mesh.faces)).reshape(-1, 3))
     assert mesh_connectivity(apart) == Connectivity(1, 1, 0)
@@ -38,12 +38,12 @@ def test_triangles_apart_tell_as_well():
     [
         square(),
         with_faces(ball(), slice(1, None)),
-        # One solid of two meshes, and a solid ring whose mesh is none.
+        # One solid made of two meshes, and a solid ring whose mesh is a tube that overlaps itself.
         joined(ball(), ball(center=(1, 0, 0))),
         bent_tube(np.radians(375)),
-        # Faces that lie on each other.
+        # Coincident faces.
         joined(box(center=(-0.5, 0, 0)), box(center=(0.5, 0, 0))),
     ],
 )
-def test_others_do_not(mesh):
+def test_other_meshes_do_not_determine_the_connectivity(mesh):
     assert mesh_connectivity(mesh) is None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes laid on each other, where it is known how they lie."""
+"""Alignment of several shapes with known relative poses."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def laid(shapes, weights, pairs):
 
 
 @pytest.mark.parametrize("share", [0.001, 0.25, 0.5, 0.99])
-def test_two_shapes_meet_at_their_shares_of_the_way(share):
+def test_two_shapes_meet_at_the_weighted_pose(share):
     vector, offset = np.array([0.4, -1.0, 1.5]), np.array([1.0, 2.0, 3.0])
     shapes = [POINTS, placed(vector, offset)]
     poses, moved = laid(shapes, [1.0 - share, share], [(0, 1), (1, 0)])
@@ -36,7 +36,7 @@ def test_two_shapes_meet_at_their_shares_of_the_way(share):
     np.testing.assert_allclose(poses[0].vector, share * vector, atol=1e-9)
 
 
-def test_many_shapes_meet_whatever_pairs_are_known():
+def test_many_shapes_meet_for_any_known_pairs():
     rng = np.random.default_rng(6)
     shapes = [placed(rng.normal(size=3), rng.normal(size=3)) for _ in range(4)]
     weights = np.array([0.1, 0.2, 0.3, 0.4])
@@ -59,14 +59,14 @@ def test_the_order_of_shapes_does_not_matter():
         np.testing.assert_allclose(again[place], moved[shape], atol=1e-6)
 
 
-def test_a_shape_with_all_the_weight_stays():
+def test_a_shape_with_all_the_weight_is_unchanged():
     shapes = [placed(np.array([0.2, 0.1, 0.0]), 0.0), placed(np.zeros(3), 5.0), placed(np.array([1.0, 0, 0]), -1.0)]
     poses, moved = laid(shapes, [1.0, 0.0, 0.0], [(0, 1), (1, 2), (2, 0)])
     np.testing.assert_allclose(moved[0], shapes[0], atol=1e-12)
     np.testing.assert_allclose(poses[0].vector, 0.0, atol=1e-12)
 
 
-def test_a_share_of_a_pose_goes_a_share_of_the_way():
+def test_a_fraction_of_a_pose_interpolates_it():
     vector = np.array([0.4, -1.0, 1.5])
     shapes = [POINTS, placed(vector, 3.0)]
     poses, _ = laid(shapes, [0.5, 0.5], [(0, 1)])

@@ -11,7 +11,7 @@ from convwass_addon.geometry.near import capped_squares
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**31 - 1), st.floats(0.5, 20.0), st.floats(1e-4, 0.05))
-def test_distances_are_those_of_the_distance_transform_up_to_the_reach(seed, reach, share):
+def test_distances_up_to_the_reach_agree_with_the_distance_transform(seed, reach, share):
     inside = np.random.default_rng(seed).random((17, 6, 23)) < share
     inside[3, 2, 5] = True
     exact = np.rint(distance_transform_edt(~inside) ** 2)

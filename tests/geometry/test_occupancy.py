@@ -32,7 +32,7 @@ def test_closed_solids_keep_their_volume(mesh):
     assert filled.sum() == pytest.approx(mesh.volume, rel=5e-3)
 
 
-def test_faces_on_cell_walls_are_exact():
+def test_faces_on_cell_boundaries_are_exact():
     filled = occupancy(box((10, 12, 14), (20, 16, 18)).corners, SHAPE)
     expected = np.zeros(SHAPE)
     expected[15:25, 10:22, 11:25] = 1
@@ -46,7 +46,7 @@ def test_lattice_winding_is_exact_on_closed_meshes():
         assert found[tuple(cell)] == pytest.approx(winding_number(mesh.corners, cell + 0.5), abs=2e-3)
 
 
-def test_lattice_winding_is_close_on_open_meshes():
+def test_lattice_winding_is_approximate_on_open_meshes():
     whole = ball(11, MIDDLE)
     bowl = with_faces(whole, whole.corners[:, :, 2].mean(axis=1) < MIDDLE[2])
     found = lattice_winding(bowl.corners, SHAPE)
@@ -80,21 +80,21 @@ def test_a_plate_thinner_than_a_cell_keeps_its_volume():
     assert occupancy(plate.corners, SHAPE).sum() == pytest.approx(plate.volume, rel=0.08)
 
 
-def test_a_sheet_encloses_nothing_and_can_be_given_thickness():
+def test_a_sheet_is_empty_and_can_be_given_thickness():
     sheet = square(16, MIDDLE)
     assert occupancy(sheet.corners, SHAPE).sum() < 1
     thick = shell_occupancy(sheet.corners, SHAPE, 3.0)
-    # A rim of half the thickness comes around the edge.
+    # The border adds half the thickness around the edge.
     assert 16 * 16 * 3 < thick.sum() < 19 * 19 * 3.2
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e-5, 2e-5, 3e-5, -2e-5])
-def test_a_closed_mesh_whose_surface_passes_through_centers_has_whole_winding_numbers(offset):
-    """Lines along the three axes pass a little beside the centers, each on another side."""
+def test_winding_numbers_are_integers_even_if_the_surface_passes_through_centers(offset):
+    """Lines along the three axes pass slightly beside the centers, on different sides."""
     mesh = box((6.0, 5.0, 4.0), center=(8.5 + offset, 8.0 + offset, 7.5 + offset))
     found = winding.lattice_winding(mesh.corners, (16, 16, 16))
     assert set(np.unique(found)) == {0.0, 1.0}
     assert abs(found.sum() - 120.0) <= 60.0
-    # Half a cell away from every face there is no doubt.
+    # Half a cell away from all faces, the result is unambiguous.
     assert (found[6:11, 6:10, 6:9] == 1.0).all()
     assert found[12:].max() == found[:5].max() == 0.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes made from their deformation gradients, where these are known."""
+"""Meshes reconstructed from known deformation gradients."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ TWO = joined(ball(points=40), box(center=(3.0, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize("mesh", [ball(points=300), torus(), sheet(7, 5), TWO])
-def test_affine_maps_are_found_again(mesh):
+def test_affine_maps_are_reconstructed(mesh):
     moved = mesh.vertices @ AFFINE.T + (1.0, -2.0, 3.0)
     gradients = np.tile(AFFINE, (len(mesh.faces), 1, 1))
     found = PoissonDeformation(mesh, Links.none()).solve(gradients, NOTHING, moved)
     np.testing.assert_allclose(found, moved, atol=1e-8)
 
 
-def test_anchors_fix_the_place_and_nothing_else():
+def test_anchors_fix_only_the_translation():
     mesh = ball(points=300)
     turn = Rotation.from_rotvec((0.0, 0.0, 1.0)).as_matrix()
     gradients = np.tile(turn, (len(mesh.faces), 1, 1))
@@ -45,7 +45,7 @@ def test_gradients_of_a_turned_and_stretched_mesh():
     np.testing.assert_allclose(found, np.tile(2.0 * turn, (len(mesh.faces), 1, 1)), atol=1e-9)
 
 
-def test_any_deformation_is_found_again_from_its_gradients():
+def test_any_deformation_is_reconstructed_from_its_gradients():
     mesh = ball(points=300)
     moved = mesh.vertices + 0.2 * np.sin(3.0 * mesh.vertices[:, [1, 2, 0]])
     gradients = deformation_gradients(mesh.vertices, moved, mesh.faces)
@@ -68,14 +68,14 @@ def test_links_keep_components_together():
     turn = Rotation.from_rotvec((0.0, 0.0, np.pi / 2)).as_matrix()
     gradients = np.tile(turn, (len(mesh.faces), 1, 1))
     rest = mesh.vertices[links.ends[:, 0]] - mesh.vertices[links.ends[:, 1]]
-    # The anchors alone would leave the small ball where it is.
+    # With anchors alone, the small ball would stay in place.
     poisson = PoissonDeformation(mesh, links)
     found = poisson.solve(gradients, rest @ turn.T, mesh.vertices)
     moved = found - mesh.vertices @ turn.T
     np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=2e-3)
 
 
-def test_it_can_be_sent_to_another_process():
+def test_it_can_be_pickled():
     mesh = ball(points=60)
     poisson = PoissonDeformation(mesh, Links.none())
     gradients = np.tile(AFFINE, (len(mesh.faces), 1, 1))

@@ -8,7 +8,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.polygons import Polygons
 
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], float)
-# A cube, the first five of its faces as pairs with a common first diagonal; and a pair with another one.
+# A cube whose first five faces are pairs with a common first diagonal; the last pair has another diagonal.
 FACES = np.array(
     [
         [(0, 1, 2), (0, 2, 3)],
@@ -25,18 +25,18 @@ def listed(polygons):
     return [tuple(face) for face in np.split(polygons.corners, polygons.starts[1:])]
 
 
-def test_triangles_stay():
+def test_triangles_are_unchanged():
     assert listed(Polygons.of_triangles(FACES)) == [tuple(face) for face in FACES]
 
 
-def test_pairs_become_quads_and_the_rest_is_paired_where_that_makes_good_quads():
+def test_pairs_become_quads_and_others_only_if_well_shaped():
     mesh = TriangleMesh.from_arrays(CORNERS, FACES)
     expected = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3)]
     found = listed(Polygons.of_quads(mesh))
     assert found[:5] == expected
     assert sorted(found[5]) == [0, 3, 4, 7]
     assert listed(Polygons.of_quads(TriangleMesh(mesh.vertices, FACES[:3]))) == [(0, 1, 2, 3), (4, 7, 6)]
-    # Where pairs do not begin at even rows, the shape alone decides.
+    # If pairs do not begin at even rows, only the shape counts.
     odd = Polygons.of_quads(TriangleMesh(mesh.vertices, FACES[1:]))
     assert {tuple(sorted(face)) for face in listed(odd)[:5]} == {tuple(sorted(face)) for face in found[1:6]}
     assert listed(odd)[5] == (0, 2, 3)
@@ -49,8 +49,8 @@ def test_neither_bent_nor_skewed_triangles_are_joined():
         assert len(Polygons.of_quads(mesh).starts) == 2
 
 
-def test_most_of_a_grid_of_triangles_becomes_quads_and_none_is_used_twice():
-    """Of squares that are cut in random ways, in a random order."""
+def test_most_of_a_grid_becomes_quads_without_using_triangles_twice():
+    """Squares with random diagonals, in random order."""
     rng = np.random.default_rng(3)
     i, j = (index.ravel() for index in np.meshgrid(np.arange(20), np.arange(20), indexing="ij"))
     a, b, c, d = i * 21 + j, (i + 1) * 21 + j, (i + 1) * 21 + j + 1, i * 21 + j + 1
@@ -66,7 +66,7 @@ def test_most_of_a_grid_of_triangles_becomes_quads_and_none_is_used_twice():
     assert sizes.sum() == 3 * 800 - 2 * (sizes == 4).sum()
     faces_of = polygons.sources // 3
     assert len(np.unique(faces_of)) == 800
-    # Nearly all quads are squares of the grid; few are made of halves of two.
+    # Nearly all quads are squares of the grid; few combine halves of two squares.
     spans = np.array([np.ptp(points[list(face)], axis=0).max() for face in listed(polygons) if len(face) == 4])
     assert (spans < 1.2).mean() > 0.95
 
@@ -75,7 +75,7 @@ def test_no_faces_are_no_polygons():
     assert not len(Polygons.of_quads(TriangleMesh(CORNERS, np.empty((0, 3), np.int64))).starts)
 
 
-def test_corners_tell_which_corners_of_triangles_they_are():
+def test_corners_refer_to_corners_of_triangles():
     for polygons in (Polygons.of_triangles(FACES), Polygons.of_quads(TriangleMesh.from_arrays(CORNERS, FACES))):
         np.testing.assert_array_equal(polygons.corners, FACES.ravel()[polygons.sources])
         assert len(np.unique(polygons.sources)) == len(polygons.corners)

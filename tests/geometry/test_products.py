@@ -14,7 +14,7 @@ from convwass_addon.geometry import products
 
 @pytest.fixture(scope="module", params=["as SciPy is", "another SciPy"])
 def own(request):
-    """The module with the SciPy that there is, and with one that declares no functions of C."""
+    """The module with the installed SciPy, and with one that declares no C functions."""
     if request.param == "as SciPy is":
         return products
     with pytest.MonkeyPatch.context() as patch:
@@ -53,7 +53,7 @@ def test_multiplies_in_single_precision(own, count, size, new_size, seed):
     assert np.isnan(out[-1]).all()
 
 
-def test_what_c_would_misread_is_refused():
+def test_arrays_that_c_would_misread_are_refused():
     rows, matrix, out = (np.ones(shape, np.float32) for shape in ((3, 4), (4, 5), (3, 5)))
     for wrong in [
         (rows, np.asfortranarray(matrix), out),
@@ -67,6 +67,6 @@ def test_what_c_would_misread_is_refused():
             products.multiply(*wrong)
 
 
-def test_the_functions_of_c_are_found():
-    """With every SciPy of the project; without them threads wait for each other's products."""
+def test_the_c_functions_are_found():
+    """With every SciPy version of the project; without them, threads block each other in products."""
     assert products.LETS_OTHERS_WORK

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces laid over others that they are known to match."""
+"""Registration of surfaces with known correspondence."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def image_positions(found, target):
 @pytest.fixture(scope="module")
 def arms():
     mesh, _ = figure()
-    # Far ends: head, arms, feet.
+    # Extremal vertices: head, arms, feet.
     ends = [int(np.argmax(mesh.vertices @ way)) for way in [(0, 0, 1), (1, 0, 0.3), (-1, 0, 0.3), (0.5, 0, -1)]]
     return mesh, np.array([*ends, int(np.argmax(mesh.vertices @ (-0.5, 0, -1)))])
 
 
-def test_a_turned_copy_is_met_exactly(arms):
+def test_a_rotated_copy_is_registered_exactly(arms):
     mesh, ends = arms
     turn = Rotation.from_euler("xyz", (0.8, 2.0, -0.5))
     source = UnitShape.of(mesh)
@@ -55,7 +55,7 @@ def test_a_turned_copy_is_met_exactly(arms):
     assert found.energy() == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_bent_figure_is_followed(arms):
+def test_a_bent_figure_is_registered(arms):
     mesh, ends = arms
     source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 2.2), mesh.faces))
     found = Registration(source, target, np.stack([ends, ends], 1), source.vertices)
@@ -86,7 +86,7 @@ def test_the_order_of_vertices_does_not_matter(arms):
     np.testing.assert_allclose(other.points, one.points[order], atol=1e-3)
 
 
-def test_loose_vertices_stay_and_do_no_harm(arms):
+def test_loose_vertices_are_ignored(arms):
     mesh, ends = arms
     loose = TriangleMesh(np.concatenate([mesh.vertices, [[4.0, 4, 4]]]), mesh.faces)
     source, target = UnitShape.of(loose), UnitShape.of(mesh)
@@ -96,7 +96,7 @@ def test_loose_vertices_stay_and_do_no_harm(arms):
     np.testing.assert_array_equal(found.points[-1], source.vertices[-1])
 
 
-def test_without_pairs_a_start_close_by_is_enough(arms):
+def test_without_pairs_a_nearby_start_is_enough(arms):
     mesh, _ = arms
     source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 0.3), mesh.faces))
     found = advanced(Registration(source, target, np.empty((0, 2), np.int64), source.vertices), TO_THE_END)
@@ -105,7 +105,7 @@ def test_without_pairs_a_start_close_by_is_enough(arms):
 
 
 @pytest.mark.parametrize("shape", [sheet(8, 6), box(), ball(points=4)])
-def test_flat_and_tiny_surfaces_give_numbers(shape):
+def test_flat_and_tiny_surfaces_give_finite_numbers(shape):
     target = UnitShape.of(ball(points=50))
     found = advanced(Registration(UnitShape.of(shape), target, np.array([[0, 0]]), UnitShape.of(shape).vertices))
     assert np.isfinite(found.points).all()
@@ -130,7 +130,7 @@ def test_normals_of_a_ball_point_away_from_its_center():
     assert np.einsum("nd,nd->n", found, mesh.vertices).min() > 0.99
 
 
-def test_a_start_that_is_not_trusted_does_not_pull(arms):
+def test_a_start_without_confidence_has_no_effect(arms):
     mesh, _ = arms
     source, target = UnitShape.of(mesh), UnitShape.of(TriangleMesh(bent(mesh.vertices, 0.8), mesh.faces))
     start = target.vertices.copy()

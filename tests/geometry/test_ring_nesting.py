@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rings that are chained, nested and joined by cuts."""
+"""Assembly and nesting of rings, and cuts that connect them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from convwass_addon.geometry.ring_nesting import is_within, keyholed, outline_of
 from tests.flat_shapes import ellipse, rectangle
 
 
-def test_holes_go_to_the_smallest_region_around_them():
+def test_holes_belong_to_the_smallest_region_around_them():
     rings = [ellipse(radii=(4, 4)), ellipse(radii=(3, 3)), ellipse(radii=(2, 2)), ellipse(radii=(1, 1))]
     outline = outline_of(filled_boundary([*rings, ellipse((9, 0))], "even-odd"))
     assert [len(region.holes) for region in outline.regions] == [1, 1, 0]
@@ -28,7 +28,7 @@ def test_crossing_rings_become_one():
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
-def test_a_region_with_cuts_fills_what_it_filled_with_holes(count):
+def test_a_region_with_cuts_fills_the_same_area_as_with_holes(count):
     outer = ellipse(radii=(6, 4))
     angles = 2 * np.pi * np.arange(count) / max(count, 1)
     holes = tuple(ellipse((3 * np.cos(a), 2 * np.sin(a)), (0.7, 0.7))[::-1] for a in angles)
@@ -41,7 +41,7 @@ def test_a_region_with_cuts_fills_what_it_filled_with_holes(count):
         np.testing.assert_allclose(found.center, expected.center, atol=1e-6)
 
 
-def test_points_are_told_inside_of_a_ring():
+def test_points_inside_a_ring_are_recognized():
     ring = ellipse(radii=(2, 1))
     assert is_within(np.array([1.9, 0.1]), ring)
     assert not is_within(np.array([1.9, 0.9]), ring)

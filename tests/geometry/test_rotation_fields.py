@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields of rotations as vectors, against SciPy's and against fields that are known to be continuous."""
+"""Fields of rotation vectors, compared with SciPy and with fields known to be continuous."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def shortest(vectors):
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-12, 1e-4, 1.0, 3.1, 8.0])
-def test_matrices_are_those_of_scipy(size):
+def test_matrices_agree_with_scipy(size):
     vectors = size * Rotation.random(20, rng=np.random.default_rng(1)).as_matrix()[:, 0]
     np.testing.assert_allclose(rotation_matrices(vectors), Rotation.from_rotvec(vectors).as_matrix(), atol=1e-14)
 
@@ -39,12 +39,12 @@ def test_vectors_are_the_shortest_of_their_rotations():
     assert rotation_vectors(np.empty((0, 3, 3))).shape == (0, 3)
 
 
-def test_a_field_that_turns_beyond_half_a_circle_is_unwound():
+def test_a_field_of_more_than_half_a_turn_is_unwound():
     field = np.linspace(0.0, np.radians(250.0), 26)[:, None] * AXIS
     given = shortest(field)
     assert np.linalg.norm(np.diff(given, axis=0), axis=1).max() > np.pi
     found = unwound(given, chain(26))
-    # All of it may turn by a full circle less.
+    # The whole field may differ by full turns.
     full = np.round((found - field) @ AXIS / (2 * np.pi))
     assert len(set(full)) == 1
     np.testing.assert_allclose(found - 2 * np.pi * full[0] * AXIS, field, atol=1e-9)
@@ -62,17 +62,17 @@ def test_components_and_the_order_of_vertices_do_not_matter():
     assert np.linalg.norm(np.diff(found[26:], axis=0), axis=1).max() < 0.3
 
 
-def test_a_twist_of_nearly_a_full_circle_goes_back_the_short_way():
+def test_a_twist_of_nearly_a_full_turn_takes_the_short_way():
     field = np.concatenate([np.zeros(20), np.linspace(0.0, np.radians(340.0), 15)])[:, None] * AXIS
     np.testing.assert_allclose(unwound(shortest(field), chain(35)), shortest(field))
 
 
-def test_a_smooth_field_stays_as_it_is():
+def test_a_smooth_field_is_unchanged():
     field = np.linspace(0.0, 3.0, 10)[:, None] * AXIS
     assert unwound(field, chain(10)) is field
 
 
-def test_the_branch_nearest_to_a_guess_is_taken():
+def test_the_branch_nearest_to_a_guess_is_chosen():
     vectors = np.array([[0.5, 0, 0], [0, 3.0, 0], [0, 0, 0]])
     guesses = np.array([[6.5, 0.3, 0], [0, -3.0, 0], [0, 0, 6.0]])
     found = nearest_branches(vectors, guesses)
@@ -80,7 +80,7 @@ def test_the_branch_nearest_to_a_guess_is_taken():
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-def test_a_limb_takes_the_way_that_it_is_told():
+def test_a_limb_takes_the_branch_of_the_guess():
     limb = np.concatenate([np.zeros(5), np.full(70, np.radians(175.0))])[:, None] * AXIS
     other_way = np.concatenate([np.zeros(5), np.full(70, np.radians(-185.0))])[:, None] * AXIS
     edges = chain(75)
@@ -88,7 +88,7 @@ def test_a_limb_takes_the_way_that_it_is_told():
     np.testing.assert_allclose(unwound_towards(limb, other_way, edges), other_way, atol=1e-9)
 
 
-def test_a_guess_that_would_tear_the_field_is_not_followed():
+def test_a_guess_that_would_tear_the_field_is_ignored():
     field = np.full((10, 1), np.radians(170.0)) * AXIS
     guess = np.where(np.arange(10)[:, None] % 2, 1.0, -1.0) * field
     np.testing.assert_allclose(unwound_towards(field, guess, chain(10)), field)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rotations nearest to matrices, against singular value decompositions."""
+"""Nearest rotations to matrices, compared with singular value decompositions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def by_singular_values(matrix):
     return left @ right, sizes[0] + sizes[1] + turned * sizes[2]
 
 
-def test_a_stretched_rotation_is_told_apart():
+def test_a_stretched_rotation_is_separated_from_its_stretch():
     turns = Rotation.random(50, rng=np.random.default_rng(1)).as_matrix()
     stretches = np.random.default_rng(2).uniform(0.01, 10.0, (50, 3))
     axes = Rotation.random(50, rng=np.random.default_rng(3)).as_matrix()
@@ -33,7 +33,7 @@ def test_a_stretched_rotation_is_told_apart():
 @pytest.mark.parametrize("condition", [1.0, 1e2, 1e4, 1e8, 1e16])
 @pytest.mark.parametrize("size", [1e-300, 1e-12, 1.0, 1e12, 1e150])
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_any_condition_size_and_side_will_do(condition, size, side):
+def test_any_condition_scale_and_orientation_is_accepted(condition, size, side):
     turn, axes = Rotation.random(2, rng=np.random.default_rng(4)).as_matrix()
     matrix = size * turn @ (axes * [1.0, condition**-0.5, side / condition]) @ axes.T
     expected, trace = by_singular_values(matrix)
@@ -53,5 +53,5 @@ def test_they_are_rotations_and_no_other_is_nearer(matrix):
     assert found.traces[0] == pytest.approx(best, rel=1e-9, abs=1e-9 * (1.0 + np.abs(matrix).max()))
 
 
-def test_none_is_none():
+def test_no_matrices_give_no_rotations():
     assert nearest_rotations(np.empty((3, 3, 0))).rotations.shape == (3, 3, 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Signatures against closed forms, and that they see no more than the surface itself."""
+"""Signatures compared with closed forms, and their invariances."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from convwass_addon.geometry.spectrum import Spectrum, spectrum
 from tests.grids import figure, sheet
 from tests.shapes import ball, torus
 
-# Degrees up to 6 of spherical harmonics.
+# Number of spherical harmonics up to degree 6.
 _SHELLS = 49
 
 
 def test_the_wave_kernel_of_a_sphere_is_one():
-    # Within a degree the squares of the harmonics have an even sum (the addition theorem), and weights sum to one.
+    # The squared harmonics of a degree have a constant sum (addition theorem), and the weights sum to one.
     found = wave_kernel_signature(spectrum(laplacian(ball(points=2500)), _SHELLS))
     np.testing.assert_allclose(found, 1.0, atol=0.06)
 
@@ -29,7 +29,7 @@ def test_the_wave_kernel_of_single_levels_is_the_square_of_their_functions():
     values = np.array([0.0, 1.0, 1e3, 1e6])
     functions = np.random.default_rng(0).normal(size=(7, 4))
     found = wave_kernel_signature(Spectrum(values, functions, np.full(7, 1.0 / 7.0)), 100)
-    # Bands are 7 % of the whole range wide: the first sees nothing of the next level, half the range away.
+    # Bands are 7 % of the range wide, so the first excludes the next level, half the range away.
     np.testing.assert_allclose(found[:, 0], functions[:, 1] ** 2, rtol=1e-6)
 
 
@@ -41,7 +41,7 @@ def test_the_mean_of_wave_kernels_is_one(shape):
     np.testing.assert_allclose(modes.areas @ found, 1.0, rtol=1e-9)
 
 
-def test_signatures_stay_with_moved_scaled_and_reordered_vertices():
+def test_signatures_are_invariant_to_moving_scaling_and_reordering():
     mesh, _ = figure()
     draw = np.random.default_rng(3)
     order = draw.permutation(len(mesh.vertices))
@@ -51,12 +51,12 @@ def test_signatures_stay_with_moved_scaled_and_reordered_vertices():
     np.testing.assert_allclose(second, first[order], rtol=1e-5, atol=1e-7)
 
 
-def test_left_and_right_of_a_symmetric_figure_look_the_same():
+def test_left_and_right_of_a_symmetric_figure_have_equal_signatures():
     mesh, mirror = figure()
     found = wave_kernel_signature(spectrum(laplacian(mesh), 40), 20)
     np.testing.assert_allclose(found[mirror], found, rtol=1e-4, atol=1e-6)
     spread = found.std(axis=0) / found.mean(axis=0)
-    assert spread.max() > 0.15, "it tells other points apart"
+    assert spread.max() > 0.15, "it distinguishes other points"
 
 
 def test_loose_vertices_have_no_signature():
@@ -66,7 +66,7 @@ def test_loose_vertices_have_no_signature():
     assert not wave_kernel_signature(modes)[-1].any()
 
 
-def test_nonsense_is_refused():
+def test_invalid_input_is_refused():
     modes = spectrum(laplacian(ball(points=100)), 10)
     with pytest.raises(ValueError, match="energies"):
         wave_kernel_signature(modes, 1)

@@ -28,7 +28,7 @@ def middle(points, nodes):
 
 @pytest.mark.parametrize("degrees", [30.0, 90.0, 150.0])
 @pytest.mark.parametrize("t", [0.0, 0.25, 0.5, 1.0])
-def test_a_rotation_is_a_rotation_on_the_way(degrees, t):
+def test_interpolated_rotations_are_rotations(degrees, t):
     nodes = bar()
     turn = np.radians(degrees) * np.array([2.0, -1.0, 2.0]) / 3.0
     shift = np.array([3.0, -2.0, 1.0])
@@ -40,7 +40,7 @@ def test_a_rotation_is_a_rotation_on_the_way(degrees, t):
     np.testing.assert_allclose(found, expected, atol=1e-4)
 
 
-def test_a_deformation_comes_back_at_its_weight():
+def test_weight_one_returns_the_deformation():
     nodes = bar()
     ends = [nodes.positions + RANDOM.normal(scale=0.1, size=nodes.positions.shape) for _ in range(3)]
     blend = SolidBlend(nodes, ends)
@@ -58,7 +58,7 @@ def test_stretches_are_blended_evenly():
 
 def test_a_bent_bar_keeps_its_length():
     nodes = bar()
-    # Bent to a quarter of a circle, whose middle line is as long as the bar.
+    # Bent to a quarter of a circle, with its center line as long as the bar.
     along, radius = nodes.positions[:, 0] - 7.0, 12.0 / (np.pi / 2)
     angle = along / radius
     out = radius + nodes.positions[:, 1] - 3.0
@@ -76,7 +76,7 @@ def test_nodes_are_interpolated():
     np.testing.assert_allclose(nodes.interpolation(points) @ nodes.positions, points, atol=1e-12)
 
 
-def test_it_is_the_same_in_another_process():
+def test_it_can_be_pickled():
     nodes = bar()
     blend = SolidBlend(nodes, [nodes.positions + RANDOM.normal(scale=0.1, size=nodes.positions.shape)])
     before = blend.at([0.4])

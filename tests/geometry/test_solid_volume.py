@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes of closed, open and overlapping shapes against closed forms."""
+"""Volumes of closed, open and overlapping shapes compared with closed forms."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def without_cap(mesh, height):
     [ball(), torus(), box((4, 0.03, 0.03), angles=(0.3, 0.2, 0.4)), turned(tube_with_caps())],
     ids=["ball", "ring", "rod", "tube"],
 )
-def test_a_closed_shape_has_its_signed_volume_exactly(shape):
+def test_a_closed_shape_has_exactly_its_signed_volume(shape):
     assert solid_volume(shape) == pytest.approx(shape.volume, rel=1e-12)
 
 
 def test_a_tube_that_is_open_at_one_end_has_the_volume_of_the_closed_one():
-    """The signed volume lacks a sixth."""
+    """Its signed volume would be a sixth too small."""
     tube = tube_with_caps()
     opened = turned(without_cap(tube, 1.99))
     assert opened.volume < 0.85 * tube.volume
@@ -42,7 +42,7 @@ def test_a_tube_that_is_open_at_one_end_has_the_volume_of_the_closed_one():
 
 
 def test_a_ball_with_a_hole_has_the_volume_under_the_plane_of_the_hole():
-    """A cap of height h takes away pi h² (1 - h / 3)."""
+    """A cap of height h has the volume pi h² (1 - h / 3)."""
     opened = without_cap(ball(points=6000), 0.8)
     height = 1.0 - opened.bounds[1, 2]
     below = 4 * np.pi / 3 - np.pi * height**2 * (1 - height / 3)
@@ -50,11 +50,11 @@ def test_a_ball_with_a_hole_has_the_volume_under_the_plane_of_the_hole():
     assert solid_volume(opened) == pytest.approx(below, rel=0.02)
 
 
-def test_what_overlaps_counts_once():
+def test_overlapping_parts_count_once():
     assert solid_volume(joined(box((2, 2, 2)), box((2, 2, 2), (1, 0, 0)))) == pytest.approx(12.0, rel=0.01)
 
 
-def test_volumes_grow_with_the_cube_of_the_size():
+def test_volumes_scale_with_the_cube_of_the_size():
     opened = without_cap(tube_with_caps(), 1.99)
     large = TriangleMesh(100.0 * opened.vertices + 7.0, opened.faces)
     assert solid_volume(large) == pytest.approx(1e6 * solid_volume(opened), rel=1e-4)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Eigenvalues and functions of surfaces whose vibrations are known."""
+"""Eigenvalues and eigenfunctions of surfaces with known spectra."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.shapes import ball, joined, torus
 
 @pytest.fixture(params=["dense", "Lanczos"])
 def solved(request):
-    """Give the spectrum of a surface, solved in either way: more than a quarter of all values are solved densely."""
+    """Return the spectrum of a surface by either solver; over a quarter of all values are solved densely."""
 
     def first(stiffness, count):
         most = stiffness.matrix.shape[0] // 3 if request.param == "dense" else count
@@ -28,23 +28,23 @@ def solved(request):
     return first
 
 
-def test_a_sphere_has_those_of_spherical_harmonics(solved):
+def test_a_sphere_has_the_spectrum_of_spherical_harmonics(solved):
     found = solved(laplacian(ball(radius=3.0, points=1500)), 25).eigenvalues
     degrees = np.repeat(np.arange(5), 2 * np.arange(5) + 1)
     np.testing.assert_allclose(found, 4.0 * np.pi * degrees * (degrees + 1), rtol=0.02, atol=1e-9)
 
 
-def test_a_square_has_those_of_free_cosines(solved):
+def test_a_square_has_the_spectrum_of_cosines(solved):
     found = solved(laplacian(sheet(33, 33)), 12).eigenvalues
     squares = np.add.outer(np.arange(6) ** 2, np.arange(6) ** 2).ravel()
     np.testing.assert_allclose(found, np.pi**2 * np.sort(squares)[:12], rtol=0.01, atol=1e-9)
 
 
 def torus_eigenvalues(major, minor, count, nodes=2000):
-    """Those of a torus of revolution, from one ordinary differential equation per wave number around the axis."""
+    """Eigenvalues of a torus of revolution, from an ordinary differential equation per wave number around the axis."""
     step = 2.0 * np.pi / nodes
     angles = (np.arange(nodes) + 0.5) * step
-    # Functions are even or odd in the angle about the tube: half of it, free or held at both ends.
+    # Functions are even or odd in the angle around the tube: half of it with Neumann or Dirichlet conditions.
     half = nodes // 2
     ring = lambda angle: major + minor * np.cos(angle)  # noqa: E731
     values = []
@@ -64,7 +64,7 @@ def torus_eigenvalues(major, minor, count, nodes=2000):
     return np.sort(values)[:count] * 4.0 * np.pi**2 * major * minor
 
 
-def test_a_torus_has_those_of_its_differential_equation(solved):
+def test_a_torus_has_the_spectrum_of_its_differential_equation(solved):
     found = solved(laplacian(torus(1.0, 0.35, segments=(64, 32))), 20).eigenvalues
     np.testing.assert_allclose(found, torus_eigenvalues(1.0, 0.35, 20), rtol=0.02, atol=1e-6)
 
@@ -92,22 +92,22 @@ def test_moving_scaling_and_reordering_change_nothing(seed, factor):
     second = spectrum(laplacian(other), 12)
     np.testing.assert_allclose(second.eigenvalues, first.eigenvalues, rtol=1e-6, atol=1e-8)
     agreement = first.functions[order].T @ (second.areas[:, None] * second.functions)
-    # The same functions but for signs.
+    # The same functions except for signs.
     np.testing.assert_allclose(np.abs(np.diag(agreement)), 1.0, atol=1e-4)
 
 
-def test_every_piece_adds_a_zero_and_shares_its_eigenvalues(solved):
+def test_every_component_adds_a_zero_and_its_eigenvalues(solved):
     one = ball(points=200)
     two = joined(one, ball(points=200, center=(5, 0, 0)))
     alone, found = solved(laplacian(one), 6).eigenvalues, solved(laplacian(two), 12)
-    # On unit area, each of two pieces is half as large.
+    # With unit area in total, each of the two components has half of it.
     np.testing.assert_allclose(found.eigenvalues, np.repeat(2.0 * alone, 2), rtol=1e-9, atol=1e-9)
     assert (np.abs(found.functions).max(axis=0) > 0).all()
     for column in found.functions.T:
         assert not column[:200].any() or not column[200:].any()
 
 
-def test_loose_vertices_have_nothing():
+def test_eigenfunctions_vanish_at_loose_vertices():
     mesh = ball(points=150)
     loose = TriangleMesh(np.concatenate([[[9.0, 9, 9]], mesh.vertices]), mesh.faces + 1)
     found, without = spectrum(laplacian(loose), 10), spectrum(laplacian(mesh), 10)
@@ -116,12 +116,12 @@ def test_loose_vertices_have_nothing():
     np.testing.assert_allclose(found.eigenvalues, without.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-def test_a_triangle_has_three_and_no_more():
+def test_a_triangle_has_three_eigenvalues():
     triangle = TriangleMesh.from_arrays([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
     assert len(spectrum(laplacian(triangle), 50).eigenvalues) == 3
 
 
-def test_the_first_are_those_of_a_smaller_count():
+def test_the_first_eigenvalues_do_not_depend_on_the_count():
     found = spectrum(laplacian(torus()), 20)
     np.testing.assert_array_equal(found.first(5).functions, found.functions[:, :5])
     np.testing.assert_array_equal(found.first(5).eigenvalues, found.eigenvalues[:5])

@@ -16,7 +16,7 @@ SHAPE = (24, 20, 22)
 
 
 def wild_flow(rounds=6):
-    """Steps that turn, press and fold as much as a step may."""
+    """Steps that rotate, compress and fold as much as a step may."""
     flow = StepFlow(SHAPE)
     for _ in range(rounds):
         noise = np.stack([gaussian_filter(RANDOM.normal(size=SHAPE), 2.0) for _ in range(3)], axis=-1)
@@ -38,7 +38,7 @@ def test_the_inverse_undoes_the_flow():
     assert np.abs(flow.moved(flow.moved_back(points)) - points).max() < 1e-3
 
 
-def test_even_steps_are_translations():
+def test_uniform_steps_are_translations():
     flow = StepFlow(SHAPE)
     for step in ((1.0, 0.5, -0.25), (0.5, 1.0, 0.0)):
         flow.add(np.broadcast_to(step, (*SHAPE, 3)))
@@ -63,13 +63,13 @@ def test_carried_fields_agree_with_the_inverse():
     assert np.abs(found - exact).max() < 0.15 * np.abs(field).max()
 
 
-def test_steps_are_made_small_enough_to_be_undone():
+def test_steps_are_limited_to_be_invertible():
     flow = StepFlow(SHAPE)
     flow.add(RANDOM.normal(size=(*SHAPE, 3)) * 50.0)
     assert max(np.linalg.norm(np.diff(flow.steps[0], axis=a), axis=-1).max() for a in range(3)) <= 0.5 + 1e-12
 
 
-def test_it_can_be_stopped():
+def test_it_can_be_cancelled():
     control = Control()
     control.cancel()
     with pytest.raises(Cancelled):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles cut where edges are long: the same surface, closed where it was."""
+"""Triangles split at long edges: the same surface, closed where it was."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def edge_lengths(mesh):
 
 
 @pytest.mark.parametrize("longest", [2.0, 1.2, 0.7, 0.11])
-def test_the_surface_stays_what_it_is(longest):
+def test_the_surface_is_unchanged(longest):
     mesh = box((1.0, 2.0, 0.3))
     found = with_short_edges(mesh, longest, 100_000)
     assert edge_lengths(found.mesh).max() <= longest
@@ -28,7 +28,7 @@ def test_the_surface_stays_what_it_is(longest):
     np.testing.assert_array_equal(found.mesh.vertices[: len(mesh.vertices)], mesh.vertices)
 
 
-def test_parts_lie_in_the_triangles_that_they_are_said_to_be_of():
+def test_parts_lie_in_their_parent_triangles():
     mesh = box((1.0, 2.0, 0.3))
     found = with_short_edges(mesh, 0.25, 100_000)
     normals = np.cross(mesh.corners[:, 1] - mesh.corners[:, 0], mesh.corners[:, 2] - mesh.corners[:, 0])
@@ -39,30 +39,30 @@ def test_parts_lie_in_the_triangles_that_they_are_said_to_be_of():
     np.testing.assert_allclose(np.bincount(found.parents, areas), np.linalg.norm(normals, axis=1))
 
 
-def test_short_edges_are_left_alone():
+def test_short_edges_are_unchanged():
     mesh = ball(points=200)
     found = with_short_edges(mesh, 3.0, 1000)
     assert found.mesh is mesh
     assert found.parents is None
 
 
-def test_there_are_never_more_vertices_than_wanted():
+def test_the_number_of_vertices_is_limited():
     found = with_short_edges(box(), 0.01, 60)
     assert 8 < len(found.mesh.vertices) <= 60
 
 
-def test_edges_of_three_triangles_and_of_one_are_cut_alike():
+def test_nonmanifold_and_boundary_edges_are_split():
     fan = TriangleMesh.from_arrays(
         [(0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, -1, 0), (0.5, 0, 1)], [(0, 1, 2), (1, 0, 3), (0, 1, 4)]
     )
     found = with_short_edges(fan, 0.6, 1000).mesh
     assert found.area == pytest.approx(fan.area)
-    # The shared edge has one middle.
+    # The shared edge gets one midpoint.
     on_axis = np.abs(found.vertices[:, 1:]).max(axis=1) < 1e-12
     np.testing.assert_allclose(np.sort(found.vertices[on_axis, 0]), [0.0, 0.5, 1.0])
 
 
-def test_only_the_chosen_edges_are_halved():
+def test_only_the_chosen_edges_are_split():
     mesh = ball(points=200)
     use = edge_use(mesh.faces)
     chosen = np.zeros(len(use.start), bool)
@@ -73,7 +73,7 @@ def test_only_the_chosen_edges_are_halved():
     np.testing.assert_array_equal(found.ends, edge_ends(mesh.faces, use)[chosen])
     np.testing.assert_allclose(found.mesh.vertices[len(mesh.vertices) :], mesh.vertices[found.ends].mean(axis=1))
     assert found.mesh.volume == pytest.approx(mesh.volume)
-    # Pairs of triangles at even rows, which may be quads, stay pairs at even rows.
+    # Pairs of triangles at even rows, which may be quads, remain pairs at even rows.
     counts = np.bincount(found.parents)
     paired = np.flatnonzero((counts[0::2] == 1) & (counts[1::2] == 1))
     rows = np.stack([2 * paired, 2 * paired + 1], axis=1).ravel()
