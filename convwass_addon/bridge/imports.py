@@ -122,6 +122,32 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
     return kept
 
 
+def live_shape(text: str) -> list[bpy.types.Object]:
+    """Append an object or a collection of a .blend file to the current scene with its animation.
+
+    Parameters
+    ----------
+    text : str
+        ``file.blend:NAME``.
+
+    Raises
+    ------
+    InputError
+        Anything else, or the file cannot be used.
+    """
+    source = parse_source(text)
+    if source.path.suffix.lower() != BLEND or source.object_name is None:
+        raise InputError(
+            "{text}: animation is followed of objects and collections in .blend files, as file.blend:NAME.", text=text
+        )
+    names = [source.object_name]
+    file = checked_file(source.path, names, (BLEND,))
+    found = appended_instances(file, names) or appended_objects(file, names)
+    (obj,) = found.values()
+    bpy.context.scene.collection.objects.link(obj)
+    return [obj]
+
+
 def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) -> Path:
     """Return the absolute path of a file; raises InputError if it cannot be imported."""
     file = whole_path(path)

@@ -57,6 +57,30 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
         bpy.data.batch_remove([obj, mesh])
 
 
+def shown_live(tree: bpy.types.NodeTree, source: ShapeSource) -> bpy.types.NodeSocket | None:
+    """Return the geometry of a shape as it is in every frame, in world space, for a node group on an object there.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Where the nodes go.
+    source : ShapeSource
+        The shape.
+
+    Returns
+    -------
+    bpy.types.NodeSocket or None
+        None where a part has no mesh that nodes could show.
+    """
+    if any(part.type not in ("MESH", "META") and not shows_collection(part) for part in source.parts):
+        return None
+    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    # What is linked last comes first.
+    for part in reversed(source.parts):
+        tree.links.new(_realized(tree, part), join.inputs["Geometry"])
+    return join.outputs["Geometry"]
+
+
 def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Tell whether an object is more, or something else, than the mesh or the flat shape that it is read as."""
     if obj.type in ("SURFACE", "META", *_WITH_RADIUS) or shows_collection(obj):

@@ -17,10 +17,12 @@ from ..applications.morphs.morph_problem import MorphFrame
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
-from ..bridge.flat.choosing import asks_for_flat
+from ..bridge.flat.choosing import asks_for_flat, refuse_following
 from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.flat.picture_bake import pictures_of
+from ..bridge.imports import live_shape
 from ..bridge.morphs.exports import export_frames
+from ..bridge.morphs.followed_inputs import FOLLOW
 from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
 from ..progress import Progress
@@ -64,8 +66,9 @@ def run_morph(options: Namespace) -> Answer:
     computing = computing_of(options, blends, between)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = []
+    follows = request.follow == FOLLOW
     for text in options.shapes:
-        inputs += imported_shape(text)
+        inputs += live_shape(text) if follows else imported_shape(text)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     if options.output == SHAPE_KEYS:
         return with_shape_keys(inputs, options, request, settings, target)
@@ -74,6 +77,7 @@ def run_morph(options: Namespace) -> Answer:
         request = replace(request, guides=[guide.as_dict() for guide in guides])
     else:
         settings = flat_settings_of(options)
+        refuse_following(follows)
         if options.guides:
             note("flat shapes do not support guides; --guides is ignored")
     stored = request.as_dict()

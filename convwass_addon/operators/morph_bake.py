@@ -102,7 +102,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _begin(self, context: bpy.types.Context) -> MorphJob | FlatJob | PictureJob:
         """Read the inputs. Invalid input is refused here or before the first frame."""
-        from ..bridge.flat.choosing import asks_for_flat, refuse_volumes
+        from ..bridge.flat.choosing import asks_for_flat, refuse_following, refuse_volumes
         from ..bridge.flat.flat_job import FlatJob
         from ..bridge.flat.picture_job import PictureJob
         from ..bridge.morphs.job import MorphJob
@@ -117,6 +117,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         are_plain = all(is_plain(shape_source(obj, self.grouping)) for obj in chosen.objects)
         are_flat = are_plain and asks_for_flat(chosen.objects, depsgraph, self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
+        refuse_following(are_flat and self.follow == "FOLLOW")
         if self.output in ("VOLUME", "CACHE"):
             absolute_folder(self.folder)
         if self.output == "SHAPE_KEYS":

@@ -232,6 +232,7 @@ class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
         return context.scene.convwass_morph.layout == "PATH"
 
     def draw_settings(self, layout, settings):
+        layout.prop(settings, "follow")
         layout.prop(settings, "start")
         if settings.start == "CUSTOM":
             layout.prop(settings, "frame_start", text="Frame")

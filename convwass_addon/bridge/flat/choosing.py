@@ -49,6 +49,12 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
     return False
 
 
+def refuse_following(wanted: bool) -> None:
+    """Raise InputError if a flat morph is to follow animated shapes."""
+    if wanted:
+        raise InputError("Flat shapes cannot be followed: set Inputs to At Bake Frame.")
+
+
 def refuse_volumes(wanted: bool) -> None:
     """Raise InputError if volumes are requested for a flat morph."""
     if wanted:

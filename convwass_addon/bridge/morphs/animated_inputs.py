@@ -26,12 +26,12 @@ def animation_notices(inputs: Sequence[bpy.types.Object], frame: int) -> list[Se
 
 def is_animated(obj: bpy.types.Object) -> bool:
     """Return whether an object moves or deforms over time, as far as its settings show."""
-    return any(_has_keys(block) for block in _blocks(obj)) or any(
+    return any(_has_keys(block) for block in data_of(obj)) or any(
         one.type in (*_SIMULATED, *_FROM_FILES) for one in obj.modifiers
     )
 
 
-def _blocks(obj: bpy.types.Object) -> Iterator[bpy.types.ID]:
+def data_of(obj: bpy.types.Object) -> Iterator[bpy.types.ID]:
     """Yield the data-blocks that determine shape and position of an object: its data, parents and modifier objects."""
     seen: set[bpy.types.ID] = set()
     waiting: list[bpy.types.ID | None] = [obj]

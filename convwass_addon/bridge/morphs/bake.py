@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import bpy
@@ -110,10 +110,16 @@ class MorphBake:
             scene, collection, shapes, blends, StoredMorph([obj.name for obj in inputs], settings, first_frame, [])
         )
         store(collection, bake._stored)
-        store_signatures(
-            collection, [signature(shape_source(obj, settings.get("grouping", OBJECTS))) for obj in inputs]
-        )
+        # Inputs that are followed are others in every frame.
+        followed = settings.get("follow") == "FOLLOW"
+        grouping = settings.get("grouping", OBJECTS)
+        store_signatures(collection, [] if followed else [signature(shape_source(obj, grouping)) for obj in inputs])
         return bake
+
+    def show_copies(self, meshes: Sequence[bpy.types.Mesh]) -> None:
+        """Show these copies of the inputs, one each, where frames are inputs."""
+        copies = zip(self._inputs, meshes, strict=True)
+        self._inputs = [replace(own, shown=Handle.of("meshes", mesh)) for own, mesh in copies]
 
     def __init__(
         self,
@@ -237,7 +243,8 @@ class MorphBake:
     def _made(self, frame: MorphFrame, name: str) -> bpy.types.Object:
         """Create the object of a frame with a material."""
         if frame.mesh is None:
-            data = self._living(self._inputs[frame.blend.source].mesh)
+            own = self._inputs[frame.blend.source]
+            data = self._living(own.shown or own.mesh)
         else:
             data = bpy.data.meshes.new(name)
             self._write(data, frame.mesh)
@@ -356,7 +363,8 @@ class MorphBake:
 
     def _drop_unused(self) -> None:
         """Remove prepared data that no frame uses."""
-        spare = found([shape.mesh for shape in self._inputs] + ([self._action] if self._action else []))
+        copies = [copy for shape in self._inputs for copy in (shape.mesh, shape.shown) if copy is not None]
+        spare = found(copies + ([self._action] if self._action else []))
         if self._brings_material and MATERIAL_NAME in bpy.data.materials:
             spare.append(bpy.data.materials[MATERIAL_NAME])
         bpy.data.batch_remove([block for block in spare if block.users == 0])

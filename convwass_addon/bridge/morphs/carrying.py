@@ -17,7 +17,7 @@ from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.origins import velocities
 from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...progress import Work
-from ..handles import Handle
+from ..handles import Handle, found
 from .appearance import (
     COLOR,
     SOURCE_WEIGHT,
@@ -83,6 +83,7 @@ class Carrying:
         )
         per_second = scene.render.fps / scene.render.fps_base
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
+        self._shown = [own.shown for own in inputs]
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]
         self._beside = _beside_shapes(blends)
         self._passing: dict[Blend, list[_Passing]] = {}
@@ -90,7 +91,8 @@ class Carrying:
         slots = [list(mesh.materials) or [None] for mesh in frozen]
         self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots)
         material = self._materials.of([0] * len(slots))
-        for index, mesh in enumerate(frozen):
+        shown = found([own.shown for own in inputs if own.shown is not None])
+        for index, mesh in [*enumerate(frozen), *enumerate(shown)]:
             if write_own_appearance(mesh, index, len(frozen)):
                 mesh.materials.clear()
                 mesh.materials.append(material)
@@ -137,7 +139,10 @@ class Carrying:
         if len(both) == 2 and mesh is not None:
             points = np.empty(3 * len(mesh.vertices), np.float32)
             mesh.vertices.foreach_get("co", points)
-            write_velocity(mesh, np.mean([side.at(points.reshape(-1, 3)) for side in both], axis=0))
+            velocity = np.mean([side.at(points.reshape(-1, 3)) for side in both], axis=0)
+            shown = self._shown[shape.source].find() if self._shown[shape.source] else mesh
+            if shown is not None and len(shown.vertices) == len(velocity):
+                write_velocity(shown, velocity)
             both.clear()
 
     def drop_unused(self) -> None:

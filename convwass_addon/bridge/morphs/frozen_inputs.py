@@ -38,6 +38,8 @@ class FrozenInput:
     """Color of the object, used for parts without a material."""
     groups: tuple[str, ...] = ()
     """Names of the vertex groups in order."""
+    shown: Handle | None = None
+    """The copy to show as a frame, if it is another one."""
 
     @property
     def objects(self) -> tuple[Handle, ...]:

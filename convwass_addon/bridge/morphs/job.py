@@ -25,6 +25,7 @@ from ..shape_sources import OBJECTS, shape_source
 from .animated_inputs import animation_notices
 from .bake import MorphBake
 from .carrying import Carrying
+from .followed_inputs import FOLLOW, followed_inputs, keep_animated
 from .shape_reading import read_shapes
 
 
@@ -70,13 +71,21 @@ class MorphJob:
             raise InputError("A morph needs at least two shapes; select or name another one.")
         self._records: dict[Blend, dict[str, object]] = {}
         sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
-        self._animated = animation_notices([part for one in sources for part in one.parts], scene.frame_current)
+        self._follows = options.get("follow") == FOLLOW
+        self._animated = []
+        if not self._follows:
+            self._animated = animation_notices([part for one in sources for part in one.parts], scene.frame_current)
         read = read_shapes(inputs, depsgraph, settings, options)
         self._names, self._shapes, self._labels, self._guides = read.names, read.meshes, read.labels, read.guides
         self._blends = blends
         self._settings = settings
         self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
+        followed = followed_inputs(scene, sources, blends, read.moves, first_frame) if self._follows else None
+        self._animation = None if followed is None else followed.animation
+        self._sources, self._moves = sources, read.moves
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
+        if followed is not None:
+            self._bake.show_copies(followed.stations)
         self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends) if settings.carry else None
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
@@ -96,6 +105,7 @@ class MorphJob:
             wanted=how.wanted,
             previews=how.previews,
             looked_at=self._looked_at,
+            animation=self._animation,
         )
         return work if self._carrying is None else self._carrying.looked_up(work)
 
@@ -112,7 +122,14 @@ class MorphJob:
         """Return the computation of blends between the frames of a path.
 
         See :func:`.between_frames.between_frames`.
+
+        Raises
+        ------
+        InputError
+            The inputs are to be followed.
         """
+        if self._follows:
+            raise InputError("--at makes blends of still inputs; leave out --follow.")
         work = between_frames(
             self._shapes,
             self._names,
@@ -148,6 +165,9 @@ class MorphJob:
             self._bake.preview(found.frame)
         elif found is not None:
             obj = self._bake.add(found)
+            if self._follows and found.blend in (self._blends[0], self._blends[-1]):
+                index = found.blend.source
+                keep_animated(obj, self._sources[index], None if self._moves is None else self._moves[index])
             if self._carrying is not None:
                 self._carrying.write(obj.data, found)
             self._records[found.blend] = found.record

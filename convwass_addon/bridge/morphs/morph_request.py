@@ -67,6 +67,20 @@ class MorphRequest(Settings):
         option=None,
     )
     reverse: bool = setting(False, "Reverse", "Reverse the order", option=None)
+    follow: str = setting(
+        "BAKE_FRAME",
+        "Inputs",
+        "How animated shapes are used",
+        choices=(
+            Choice("BAKE_FRAME", "At Bake Frame", "As they are in the current frame"),
+            Choice(
+                "FOLLOW", "Follow Animation", "Every blend uses the shapes of its own frame; the ends stay animated"
+            ),
+        ),
+        flag="FOLLOW",
+        help="every blend uses animated shapes as they are in its own frame, and the ends stay animated; for shapes of "
+        ".blend files",
+    )
     alignment: str = setting(
         "PLACED",
         "Alignment",

@@ -39,5 +39,7 @@ def remove_objects(objects: list[bpy.types.Object]) -> None:
     """Remove frame objects, with meshes and actions that nothing else uses."""
     data = {obj.data for obj in objects if obj.data}
     data |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
+    modifiers = [modifier for obj in objects for modifier in obj.modifiers if modifier.type == "NODES"]
+    data |= {modifier.node_group for modifier in modifiers if modifier.node_group}
     bpy.data.batch_remove(objects)
     bpy.data.batch_remove([block for block in data if block.users == 0])

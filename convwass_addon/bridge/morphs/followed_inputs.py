@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Read animated inputs at every frame of a morph, and keep the ends of the morph animated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...applications.morphs.animation import Animation, ShapeAnimation
+from ...applications.morphs.layouts import Blend
+from ...errors import InputError
+from ...geometry.alignment import RigidMove
+from ...geometry.mesh import TriangleMesh
+from ..joined_shapes import joined_shape, shown_live
+from ..objects import MESHED, frozen_copy, triangle_mesh
+from ..sequence import MODIFIER, frame_group
+from ..shape_sources import ShapeSource
+from .animated_inputs import data_of
+
+FOLLOW = "FOLLOW"
+"""Value of the setting `follow` with which every blend reads the inputs at its own frame."""
+
+
+@dataclass(frozen=True)
+class FollowedInputs:
+    """Animated inputs.
+
+    Attributes
+    ----------
+    animation : Animation
+        The inputs at every frame of the morph that they take part in.
+    stations : list of bpy.types.Mesh
+        Copies of the inputs in the frames in which they are shown as they are; without users.
+    """
+
+    animation: Animation
+    stations: list[bpy.types.Mesh]
+
+
+@dataclass
+class _Reading:
+    """What has been read of one input."""
+
+    times: list[float] = field(default_factory=list)
+    meshes: list[TriangleMesh] = field(default_factory=list)
+
+    def add(self, time: float, mesh: TriangleMesh) -> None:
+        if self.meshes and np.array_equal(mesh.faces, self.meshes[-1].faces):
+            # One array for all frames.
+            mesh = TriangleMesh(mesh.vertices, self.meshes[-1].faces)
+        self.times.append(time)
+        self.meshes.append(mesh)
+
+
+def followed_inputs(
+    scene: bpy.types.Scene,
+    sources: Sequence[ShapeSource],
+    blends: Sequence[Blend],
+    moves: Sequence[RigidMove] | None,
+    first_frame: int,
+) -> FollowedInputs:
+    """Read the inputs at every frame at which they have weight; the scene returns to its current frame.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        The current scene.
+    sources : sequence of ShapeSource
+        The inputs.
+    blends : sequence of Blend
+        A path.
+    moves : sequence of RigidMove, optional
+        Transforms of the inputs, one per input.
+    first_frame : int
+        Scene frame of the blend with frame 0.
+
+    Raises
+    ------
+    InputError
+        No path, a driver that fails, or an input that cannot be read in some frame. Nothing is created then.
+    """
+    if blends[0].frame is None:
+        raise InputError(
+            "Only an animation can follow its inputs: set Layout to Animation, or Inputs to At Bake Frame."
+        )
+    _refuse_failing_drivers(sources)
+    readings = [_Reading() for _ in sources]
+    stations: dict[int, bpy.types.Mesh] = {}
+    try:
+        with _returning(scene):
+            for blend in blends:
+                scene.frame_set(first_frame + blend.frame)
+                depsgraph = bpy.context.evaluated_depsgraph_get()
+                for index, source in enumerate(sources):
+                    if blend.weights[index] > 0:
+                        move = None if moves is None else moves[index]
+                        with _naming_frame(source, first_frame + blend.frame), joined_shape(source, depsgraph) as obj:
+                            mesh = triangle_mesh(obj, depsgraph, MESHED)
+                            readings[index].add(blend.frame, mesh if move is None else move.moved(mesh))
+                            if blend.source == index:
+                                stations[index] = frozen_copy(obj, depsgraph, MESHED)
+                                stations[index].transform(Matrix.Identity(4) if move is None else Matrix(move.matrix))
+    except InputError:
+        bpy.data.batch_remove(list(stations.values()))
+        raise
+    times = {blend.source: float(blend.frame) for blend in blends if blend.source is not None}
+    shapes = [ShapeAnimation(tuple(map(float, own.times)), tuple(own.meshes)) for own in readings]
+    everything = range(len(sources))
+    animation = Animation(tuple(shapes), tuple(times[index] for index in everything))
+    return FollowedInputs(animation, [stations[index] for index in everything])
+
+
+def keep_animated(obj: bpy.types.Object, source: ShapeSource, move: RigidMove | None) -> None:
+    """Let an end of a morph, which is a copy of an input, show the input itself as it is in every frame.
+
+    The copy is what is exported. Inputs with parts that are no meshes as they are, such as texts, stay as they are.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The frame object, in world space.
+    source : ShapeSource
+        The input.
+    move : RigidMove, optional
+        Its transform.
+    """
+    tree = frame_group(f"{source.name} Live")
+    geometry = shown_live(tree, source)
+    if geometry is None:
+        bpy.data.node_groups.remove(tree)
+        return
+    if move is not None:
+        place = tree.nodes.new("GeometryNodeTransform")
+        if "Mode" in place.inputs:
+            place.inputs["Mode"].default_value = "Matrix"
+        else:  # Blender 4.5
+            place.mode = "MATRIX"
+        matrix = tree.nodes.new("FunctionNodeCombineMatrix")
+        for column in range(4):
+            for row in range(4):
+                matrix.inputs[4 * column + row].default_value = float(move.matrix[row][column])
+        tree.links.new(matrix.outputs["Matrix"], place.inputs["Transform"])
+        tree.links.new(geometry, place.inputs["Geometry"])
+        geometry = place.outputs["Geometry"]
+    tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    obj.modifiers.new(MODIFIER, "NODES").node_group = tree
+
+
+@contextmanager
+def _returning(scene: bpy.types.Scene) -> Iterator[None]:
+    frame, subframe = scene.frame_current, scene.frame_subframe
+    try:
+        yield
+    finally:
+        scene.frame_set(frame, subframe=subframe)
+
+
+@contextmanager
+def _naming_frame(source: ShapeSource, frame: int) -> Iterator[None]:
+    """Say in which frame an input cannot be read."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError("In frame {frame}: {reason}", frame=frame, reason=error.sentence) from error
+    except ReferenceError as error:
+        raise InputError("{name} was deleted in frame {frame}.", name=source.name, frame=frame) from error
+
+
+def _refuse_failing_drivers(sources: Sequence[ShapeSource]) -> None:
+    """Raise InputError for drivers that Blender could not evaluate: the shapes would not be what they seem to be."""
+    for part in [part for source in sources for part in source.parts]:
+        for block in data_of(part):
+            data = getattr(block, "animation_data", None)
+            for curve in data.drivers if data is not None else ():
+                if not curve.driver.is_valid:
+                    raise InputError(
+                        "The driver of {path} on {name} has an error: mend or delete it in the Drivers editor.",
+                        path=curve.data_path,
+                        name=block.name,
+                    )
