@@ -18,6 +18,7 @@ from . import (
     correspondences,
     flat,
     live,
+    mesh,
     meshing,
     midpoints,
     morph,
@@ -37,6 +38,7 @@ ALL = (
     "flat",
     "quality",
     "coherence",
+    "mesh",
     "rivals",
     "table1",
     "surface",
@@ -62,6 +64,7 @@ def main(arguments: list[str] | None = None) -> int:
     _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_coherence(names.add_parser("coherence", help=coherence.__doc__))
+    _add_mesh(names.add_parser("mesh", help=mesh.__doc__))
     _add_rivals(names.add_parser("rivals", help=side_by_side.__doc__))
     _add_table1(names.add_parser("table1", help=table1.__doc__))
     _add_surface(names.add_parser("surface", help=surface.__doc__))
@@ -151,6 +154,16 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
             maps=options.maps,
             guides=options.guides,
         )
+    )
+
+
+def _add_mesh(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--pairs", type=_names, help="names of pairs of coherence, separated by commas")
+    parser.add_argument("--error", type=float, default=0.5, help="key error in percent (%(default)s)")
+    parser.add_argument("--json", action="store_true", help="a line of JSON per pair instead of the table")
+    parser.add_argument("--keep", type=Path, help="a folder to write the keys to")
+    parser.set_defaults(
+        run=lambda options: mesh.main(options.pairs, options.error, as_json=options.json, keep=options.keep)
     )
 
 

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One pair of the benchmark of shape keys per process: ``python -m benchmarks.mesh_cases CASE OPTIONS``."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.one_mesh.key_paths import key_paths
+from convwass_addon.errors import ConvwassError
+from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.facing_points import FacingPointFinder
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.normals import vertex_normals
+from convwass_addon.progress import UNINTERRUPTED, drained
+
+from .clock import Clock
+from .coherence_pairs import pairs_named
+from .mesh_measures import MeshFigures, PlayedKeys
+
+
+def keys(pair: str, error: float, keep: str | None = None) -> dict[str, object]:
+    """Make shape keys of a pair in every way; return their figures by way.
+
+    Parameters
+    ----------
+    pair : str
+        Its name.
+    error : float
+        How far vertices may leave their path between keys, as a share of the diagonal.
+    keep : str, optional
+        A file (.npz) for the keys.
+    """
+    (chosen,) = pairs_named([pair], None)
+    ends = chosen.ends()
+    clock = Clock()
+    try:
+        steps = key_paths([ends.first, ends.second], ["first", "second"], error, GuidedSettings(), (), UNINTERRUPTED)
+        (path,) = drained(steps)
+    except ConvwassError as refusal:
+        return {"error": str(refusal)}
+    seconds = clock.read()
+    found = {"shape keys": (PlayedKeys(ends.first, path.times, path.positions), seconds)}
+    found["linear"] = (_straight(ends.first, path.positions[-1]), seconds)
+    for name, wrapped in (("Shrinkwrap", shrinkwrapped), ("facing point", facing)):
+        clock = Clock()
+        points = wrapped(ends.first, ends.second)
+        found[name] = (_straight(ends.first, points), clock.read())
+    if keep is not None:
+        _write(Path(keep), path.times, path.positions, ends.first, ends.second)
+    figures = {name: {**asdict(MeshFigures.of(own, ends.second)), **took} for name, (own, took) in found.items()}
+    return {"vertices": len(ends.first.vertices), "score": path.score, "ways": figures}
+
+
+def shrinkwrapped(mesh: TriangleMesh, target: TriangleMesh) -> np.ndarray:
+    """Return the nearest point of the target's surface for each vertex, (n, 3).
+
+    Blender's Shrinkwrap modifier does that with its default settings.
+    """
+    return ClosestPointFinder(target.corners).find(mesh.vertices).interpolated(target.corners)
+
+
+def facing(mesh: TriangleMesh, target: TriangleMesh) -> np.ndarray:
+    """Return the nearest point that faces the same way for each vertex, (n, 3)."""
+    normals = vertex_normals(mesh.vertices, mesh.faces)
+    return FacingPointFinder(target).find(mesh.vertices, normals).interpolated(target.corners)
+
+
+def _straight(mesh: TriangleMesh, points: np.ndarray) -> PlayedKeys:
+    return PlayedKeys(mesh, (1.0,), points[None])
+
+
+def _write(
+    path: Path, times: tuple[float, ...], positions: np.ndarray, first: TriangleMesh, second: TriangleMesh
+) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    meshes = {f"{kind}{i}": getattr(mesh, kind) for i, mesh in enumerate((first, second)) for kind in _ARRAYS}
+    np.savez_compressed(path, times=times, positions=positions, **meshes)
+
+
+_ARRAYS = ("vertices", "faces")
+
+CASES = {"keys": keys}
+
+if __name__ == "__main__":
+    case, options = sys.argv[1:]
+    print(json.dumps(CASES[case](**json.loads(options)), default=str), flush=True)
+    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    os._exit(0)
