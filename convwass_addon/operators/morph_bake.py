@@ -243,8 +243,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         count = sum(len(path.times) for path in job.paths)
         farthest = max(path.distance_95 for path in job.paths)
         text = rpt_("{:s}: {:d} shape keys; 95 % of the mesh ends within {:.2%} of the other shape")
-        turned = [path for path in job.paths if path.turned]
-        warnings = [*job.notices, *(_turned_notice(path) for path in turned)]
+        warnings = [*job.notices, *(_poor_notice(path) for path in job.paths if len(path.poor))]
         tell(self, text.format(obj.name, count, farthest), (), warnings)
         return {"FINISHED"}
 
@@ -290,10 +289,10 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             self.report({"WARNING"}, str(reason(error)))
 
 
-def _turned_notice(path: KeyPath) -> Sentence:
+def _poor_notice(path: KeyPath) -> Sentence:
     return Sentence(
-        "{count} triangles are folded where {name} has no space for them; add guides there",
-        {"count": path.turned, "name": path.name},
+        "{count} vertices are folded or do not arrive at {name}; an attribute marks them: add guides there",
+        {"count": len(path.poor), "name": path.name},
     )
 
 

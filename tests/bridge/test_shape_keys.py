@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-import json
-
 import bpy
 import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh import shape_key_job
-from convwass_addon.bridge.one_mesh.shape_keys import RECORD_KEY, animate_sliders, key_expressions, object_with_keys
+from convwass_addon.bridge.one_mesh.records import has_key_record, key_records
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, key_expressions, object_with_keys
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 
@@ -72,7 +71,16 @@ def test_a_slider_leads_through_the_keys_and_two_add_up(cube):
     assert slide(obj, **{"Up": 1.0, 'Wide "one"': 0.5}) == pytest.approx(up + 0.5 * (wide - rest), abs=1e-5)
     assert all(curve.driver.is_simple_expression for curve in obj.data.shape_keys.animation_data.drivers)
     assert [group.name for group in obj.vertex_groups] == ["Paint"]
-    assert [entry["name"] for entry in json.loads(obj[RECORD_KEY])] == ["Up", 'Wide "one"']
+    assert [entry["name"] for entry in key_records(obj)] == ["Up", 'Wide "one"']
+    assert has_key_record(obj) and not has_key_record(cube)
+
+
+def test_vertices_that_do_not_arrive_are_marked(cube):
+    rest = evaluated(cube).astype(float)
+    path = KeyPath("Up", (1.0,), moved(rest, 0, 0, 2)[None], 0.95, 0.001, 0.0, 0.0, 1, np.array([2, 5]))
+    obj = object_with_keys(cube, cube.data.copy(), [path], bpy.context.scene)
+    assert [entry.value for entry in obj.data.attributes["Up poor"].data] == [n in (2, 5) for n in range(8)]
+    assert key_records(obj)[0]["poor"] == 2
 
 
 def test_shapes_follow_each_other_in_time(cube):

@@ -9,17 +9,17 @@ Straight pieces, as few as leave no vertex farther from its path than is allowed
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import triangle_normals, vertex_normals
+from ...geometry.normals import vertex_normals
 from ...geometry.orientation import orient_outward
 from ...geometry.surface_projection import drawn_along_normals
+from ...geometry.unfolding import FoldFinder, unfolded
 from ...geometry.weighted_quantile import weighted_quantile
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
@@ -28,6 +28,7 @@ from ..motions.guided_motion import GuidedMotion, guided_motion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
 from .straight_pieces import fitted_pieces
+from .turned_offsets import TurnedOffsets
 
 # A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and a mesh
 # that follows it would be mangled.
@@ -36,6 +37,8 @@ _LEAST_SCORE = 0.6
 _SAMPLES = 65
 # Share of the work that the motion is.
 _GUIDED = 0.8
+# Vertices farther from the other surface than this share of its diagonal have not arrived.
+_FAR = 0.01
 # Shapes are only moved where they have weight; so near to the end nothing is left to see.
 _CLOSE = 1e-6
 
@@ -61,6 +64,9 @@ class KeyPath:
         the area stay below.
     turned : int
         Triangles that face away from the surface on which they end.
+    poor : (p,) int64
+        Vertices that are not where they should be: those of triangles that are turned over or have collapsed, and those
+        farther than a hundredth of the diagonal from the surface.
     """
 
     name: str
@@ -71,13 +77,14 @@ class KeyPath:
     distance: float
     distance_95: float
     turned: int
+    poor: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
 
     __repr__ = one_line("name", "times", "positions")
 
     def record(self) -> dict[str, object]:
         """Return all figures, ready for JSON."""
         names = ("name", "score", "deviation", "distance", "distance_95", "turned")
-        return {**{name: getattr(self, name) for name in names}, "times": list(self.times)}
+        return {**{name: getattr(self, name) for name in names}, "poor": len(self.poor), "times": list(self.times)}
 
 
 def key_paths(
@@ -155,7 +162,8 @@ def paths_along(
 class _Way:
     """The mesh on its way to one of the shapes.
 
-    `heights`, (n,), is how far along its normals the guided mesh is from the other surface at the end.
+    `heights`, (n,), is how far along its normals the guided mesh is from the other surface at the end; `mended` is what
+    vertices near folds move besides.
     """
 
     motion: GuidedMotion
@@ -163,14 +171,19 @@ class _Way:
     mesh: TriangleMesh
     target: TriangleMesh
     heights: NDArray[np.float64]
+    mended: TurnedOffsets
 
     @classmethod
     def of(cls, motion: GuidedMotion, index: int, mesh: TriangleMesh, target: TriangleMesh, control: Control) -> _Way:
-        way = cls(motion, index, mesh, target, np.zeros(len(mesh.vertices)))
+        nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
+        way = cls(motion, index, mesh, target, np.zeros(len(mesh.vertices)), nothing)
         guided = way.guided(1.0)
-        drawn = drawn_along_normals(guided, target, control)
         normals = vertex_normals(guided.vertices, mesh.faces)
-        return cls(motion, index, mesh, target, np.einsum("nd,nd->n", drawn - guided.vertices, normals))
+        drawn = drawn_along_normals(guided, target, control)
+        heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
+        laid = guided.vertices + heights[:, None] * normals
+        offsets = unfolded(mesh, laid, target, control) - laid
+        return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
 
     def guided(self, t: float) -> TriangleMesh:
         """Return the mesh as it is guided; at the end, the limit from before, since there it has no weight."""
@@ -185,7 +198,8 @@ class _Way:
         if t == 0.0:
             return self.mesh.vertices
         guided = self.guided(t)
-        return guided.vertices + (t * self.heights)[:, None] * vertex_normals(guided.vertices, self.mesh.faces)
+        drawn = guided.vertices + (t * self.heights)[:, None] * vertex_normals(guided.vertices, self.mesh.faces)
+        return self.mended.added(drawn, guided.vertices, t)
 
 
 def _path(way: _Way, name: str, score: float, accuracy: float, control: Control) -> KeyPath:
@@ -198,8 +212,11 @@ def _path(way: _Way, name: str, score: float, accuracy: float, control: Control)
     pieces = fitted_pieces(samples, accuracy * diagonal)
     times = tuple(end / (_SAMPLES - 1) for end in pieces.ends)
     final = TriangleMesh(samples[-1], way.mesh.faces)
-    finder = ClosestPointFinder(way.target.corners)
-    distances = finder.find(final.vertices, control).distances / diagonal
+    folds = FoldFinder.of(way.mesh, way.target)
+    distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
+    turned = folds.agreements(final.vertices, control) < 0.0
+    poor = distances > _FAR
+    poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
     areas = final.vertex_areas
     return KeyPath(
         name,
@@ -209,12 +226,6 @@ def _path(way: _Way, name: str, score: float, accuracy: float, control: Control)
         pieces.deviation / diagonal,
         float(areas @ distances / areas.sum()),
         weighted_quantile(distances, areas, 0.95),
-        _turned(final, way.target, finder, control),
+        int(turned.sum()),
+        np.flatnonzero(poor),
     )
-
-
-def _turned(mesh: TriangleMesh, target: TriangleMesh, finder: ClosestPointFinder, control: Control) -> int:
-    """Count triangles that face away from the target's surface, which `finder` knows, below their middle."""
-    below = finder.find(mesh.corners.mean(axis=1), control).triangles
-    own, there = triangle_normals(mesh.corners), triangle_normals(target.corners)[below]
-    return int((np.einsum("nd,nd->n", own, there) < 0).sum())

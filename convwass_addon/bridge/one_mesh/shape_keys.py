@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import bpy
@@ -12,9 +11,10 @@ import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
 from ..morphs.bake import wear_material
+from .records import key_names, store_records
 
-RECORD_KEY = "convwass_shape_keys"
-"""Custom property of the object: JSON of the records of all paths."""
+POOR = "{name} poor"
+"""Name of the attribute that marks vertices which are not where they should be in a shape."""
 
 
 def object_with_keys(
@@ -45,13 +45,13 @@ def object_with_keys(
     for path in paths:
         _add_slider(obj, path.name)
         keys = []
-        for number, positions in enumerate(path.positions, start=1):
-            name = path.name if len(path.times) == 1 else f"{path.name} {number}"
+        for name, positions in zip(key_names(path.name, len(path.times)), path.positions, strict=True):
             keys.append(obj.shape_key_add(name=name, from_mix=False))
             keys[-1].data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
         for key, expression in zip(keys, key_expressions(path.times), strict=True):
             _drive(obj, key, path.name, expression)
-    obj[RECORD_KEY] = json.dumps([path.record() for path in paths])
+        _mark(mesh, POOR.format(name=path.name), path.poor)
+    store_records(obj, [path.record() for path in paths])
     return obj
 
 
@@ -83,6 +83,14 @@ def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, fra
             obj[name] = value
             obj.keyframe_insert(_path_of(name), frame=frame)
         obj[name] = 0.0
+
+
+def _mark(mesh: bpy.types.Mesh, name: str, vertices: np.ndarray) -> None:
+    """Mark some vertices by an attribute, if there are any."""
+    if len(vertices):
+        marked = np.zeros(len(mesh.vertices), dtype=bool)
+        marked[vertices] = True
+        mesh.attributes.new(name, "BOOLEAN", "POINT").data.foreach_set("value", marked)
 
 
 def _add_slider(obj: bpy.types.Object, name: str) -> None:

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is kept on an object whose shape keys lead to other shapes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import bpy
+
+from ...errors import InputError
+
+RECORD_KEY = "convwass_shape_keys"
+"""Custom property of the object: JSON of the records of all paths."""
+
+
+def has_key_record(obj: bpy.types.Object | None) -> bool:
+    """Tell whether an object has shape keys that lead to other shapes."""
+    return obj is not None and RECORD_KEY in obj and obj.type == "MESH" and obj.data.shape_keys is not None
+
+
+def key_records(obj: bpy.types.Object) -> list[dict[str, object]]:
+    """Return what is known of every path of an object.
+
+    Raises
+    ------
+    InputError
+        There is nothing, or it has been damaged.
+    """
+    try:
+        records = json.loads(obj[RECORD_KEY])
+        if all(isinstance(record["name"], str) and len(record["times"]) > 0 for record in records):
+            return records
+    except (KeyError, TypeError, ValueError):
+        pass
+    raise InputError("{name} has no shape keys of this add-on; make them again.", name=obj.name)
+
+
+def key_names(name: str, count: int) -> list[str]:
+    """Return what the shape keys of a path are called."""
+    return [name] if count == 1 else [f"{name} {number}" for number in range(1, count + 1)]
+
+
+def store_records(obj: bpy.types.Object, records: Sequence[dict[str, object]]) -> None:
+    """Keep what is known of the paths on the object."""
+    obj[RECORD_KEY] = json.dumps(list(records))
