@@ -62,7 +62,8 @@ def run_morph(options: Namespace) -> Answer:
         blends = [place.blend for place in places_at(between.path, between.numbers)]
     # Check everything before the work begins.
     refuse_still_cache(options, blends)
-    exported = export_format(options.export) if options.export else None
+    has_frames = options.output != SHAPE_KEYS
+    exported = export_format(options.export) if options.export and has_frames else None
     computing = computing_of(options, blends, between)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     inputs = []
@@ -70,7 +71,7 @@ def run_morph(options: Namespace) -> Answer:
     for text in options.shapes:
         inputs += live_shape(text) if follows else imported_shape(text)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    if options.output == SHAPE_KEYS:
+    if not has_frames:
         return with_shape_keys(inputs, options, request, settings, target)
     if not asks_for_flat(inputs, depsgraph, settings.thickness):
         guides = guides_asked_for(options.guides, inputs, depsgraph)

@@ -120,6 +120,8 @@ def _add_output_options(parser: ArgumentParser) -> None:
         "--export",
         type=Path,
         metavar="FILE",
-        help="also export the meshes; the extension sets the format: " + ", ".join(suffixes()),
+        help="also export the meshes; the extension sets the format: "
+        + ", ".join(suffixes())
+        + "; with --output shape-keys also .fbx, but no .obj, .ply and .stl",
     )
     group.add_argument("--json", action="store_true", help="print the solver's records as JSON")

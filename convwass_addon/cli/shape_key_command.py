@@ -15,6 +15,7 @@ from ..bridge.files import save_blend
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
+from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys
 from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
 from ..console import ProgressBar
 from ..errors import InputError
@@ -22,7 +23,7 @@ from .answer import Answer
 from .reports import note
 
 # Options that only apply to frames.
-_OF_FRAMES = ("render", "export", "at", "frames_range", "cache", "scheduler")
+_OF_FRAMES = ("render", "at", "frames_range", "cache", "scheduler")
 
 
 def with_shape_keys(
@@ -42,6 +43,7 @@ def with_shape_keys(
             option=given[0].replace("_", "-"),
         )
     refuse_one_mesh(inputs)
+    exported = checked_key_target(options.export) if options.export else None
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     guides = guides_asked_for(options.guides, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
@@ -57,4 +59,5 @@ def with_shape_keys(
         note(notice)
     play_whole(scene, *job.span)
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
-    return Answer.of_files(record, [save_blend(target)])
+    besides = export_shape_keys(obj, exported) if exported else []
+    return Answer.of_files(record, [save_blend(target), *besides])

@@ -6,9 +6,22 @@ from __future__ import annotations
 
 import bpy
 
-from . import armatures, baked, densities, light, live, menus, morph, morph_guides, progress, recolor, soft_maps
+from . import (
+    armatures,
+    baked,
+    densities,
+    light,
+    live,
+    menus,
+    morph,
+    morph_guides,
+    one_mesh,
+    progress,
+    recolor,
+    soft_maps,
+)
 
-MODULES = (progress, morph, morph_guides, live, baked, densities, soft_maps, armatures, recolor, light)
+MODULES = (progress, morph, morph_guides, live, baked, one_mesh, densities, soft_maps, armatures, recolor, light)
 """In drawing order, from the top."""
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(

@@ -17,7 +17,11 @@ from .sidebar import Sidebar, draw_wrapped
 
 _ICONS = {"INFO": "INFO", "WARNING": "ERROR", "ERROR": "CANCEL"}
 
-_WRITING = (("convwass.make_volume", "OUTLINER_OB_VOLUME"), ("convwass.make_cache", "FILE_CACHE"))
+_WRITING = (
+    ("convwass.make_volume", "OUTLINER_OB_VOLUME"),
+    ("convwass.make_cache", "FILE_CACHE"),
+    ("convwass.export_morph", "EXPORT"),
+)
 _MANAGING = (
     ("convwass.select_morph_inputs", "RESTRICT_SELECT_OFF"),
     ("convwass.delete_morph", "TRASH"),

@@ -20,6 +20,8 @@ from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
+from ..one_mesh.moving_meshes import triangles_of_frames
+from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
@@ -41,12 +43,14 @@ class _Format:
     """Accepted extensions; the first one is the default."""
     animated: bool
     """Whether one file holds the whole animation, rather than one file per frame."""
-    write: Callable[[str], set[str]]
+    write: Callable[[str], set[str]] | None
     """Writes the current scene."""
     write_colors: Callable[[bpy.types.Mesh, np.ndarray], None] | None = None
     """Writes one color per vertex to a mesh, as the format requires; for animated formats."""
     write_steps: Callable[[str], set[str]] | None = None
     """Writes the current scene when its meshes are shown one after another; for formats that store paths this way."""
+    write_frames: Callable[[Sequence[bpy.types.Object], Path, float], list[Path]] | None = None
+    """Writes frame objects at some frames per second to a target and to files next to it, in place of `write`."""
 
 
 def export_frames(collection: bpy.types.Collection, path: Path, file_format: str) -> list[Path]:
@@ -57,6 +61,8 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     single .glb, in which every frame is a node that an animation scales to 1 while it is shown and to 0 otherwise; a
     sheet is exported to glTF as one file per blend. USD and Alembic get a single file with one mesh of changing
     topology; its displayColor is the color of the frames, with velocities. A sheet is exported to them as a still.
+    Vertex animation textures are a .json file, a mesh and textures, which contain the triangles of all frames, padded
+    to the same number; see :mod:`..one_mesh.vertex_animation_files`.
 
     Parameters
     ----------
@@ -91,6 +97,8 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     if not frames:
         raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
     bpy.context.view_layer.update()
+    if chosen.write_frames is not None:
+        return chosen.write_frames(frames, target, _frames_per_second(frames, shown_frames(collection)))
     if chosen.animated:
         _export_animation(frames, shown_frames(collection), target, chosen)
         return [target]
@@ -101,6 +109,20 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     for obj, file in zip(frames, files, strict=True):
         _export_still(obj, file, chosen)
     return files
+
+
+def format_of(path: Path) -> str:
+    """Return the format of a file by its extension; raises InputError if there is none."""
+    found = {suffix: name for name, chosen in FORMATS.items() for suffix in chosen.suffixes}
+    if path.suffix.lower() not in found:
+        raise InputError("{name}: the extension must be one of {endings}.", name=path.name, endings=", ".join(found))
+    return found[path.suffix.lower()]
+
+
+def _frames_per_second(frames: Sequence[bpy.types.Object], span: range) -> float:
+    """Return how many frame objects are shown per second; each is assumed to be shown equally long."""
+    render = bpy.context.scene.render
+    return render.fps / render.fps_base * (len(frames) / len(span) if span else 1.0)
 
 
 def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
@@ -273,6 +295,10 @@ def _write_gltf(file: str) -> set[str]:
     )
 
 
+def _write_textures(frames: Sequence[bpy.types.Object], target: Path, fps: float) -> list[Path]:
+    return write_changing_mesh(triangles_of_frames(frames), target, fps)
+
+
 def _write_usd(file: str) -> set[str]:
     return bpy.ops.wm.usd_export(
         filepath=file, export_animation=True, evaluation_mode="RENDER", convert_world_material=False
@@ -294,6 +320,7 @@ FORMATS: dict[str, _Format] = {
     "usd": _Format(
         (".usdc", ".usd", ".usda", ".usdz"), animated=True, write=_write_usd, write_colors=_write_point_colors
     ),
+    "vat": _Format((".json",), animated=False, write=None, write_frames=_write_textures),
     "alembic": _Format((".abc",), animated=True, write=_write_alembic, write_colors=_write_corner_colors),
 }
 """The formats of `export_frames`."""

@@ -1,0 +1,246 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a mesh with shape keys in the formats of other programs.
+
+glTF and FBX get the keys themselves, as morph targets, with an animation of their weights. USD and Alembic get the
+positions of the vertices in every frame with their velocities, and vertex animation textures positions and normals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...disk_space import require_whole
+from ...drafts import written_whole
+from ...errors import ConvwassError, InputError
+from ..files import checked_target
+from ..keyframes import make_linear
+from ..morphs.appearance import write_velocity
+from ..scratch_scene import scratch_scene
+from ..sequence import mesh_sequence, remove_sequence
+from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
+from .vertex_animation_files import write_moving_mesh
+
+
+def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
+    """Write an object whose shape keys are animated.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh with shape keys, and keys on what drives them, such as sliders.
+    path : Path
+        Its ending, a key of `KEY_FORMATS`, tells the format.
+
+    Returns
+    -------
+    list of Path
+        The files, absolute. Existing ones have been replaced.
+
+    Raises
+    ------
+    InputError
+        An unknown ending, a folder that does not exist, or an object without shape keys or animation.
+    ConvwassError
+        Blender could not write a file.
+    """
+    target = checked_key_target(path)
+    if obj.type != "MESH" or obj.data.shape_keys is None:
+        raise InputError("{name} has no shape keys.", name=obj.name)
+    return KEY_FORMATS[target.suffix.lower()](obj, keyed_span(obj), target)
+
+
+def checked_key_target(path: Path) -> Path:
+    """Return the absolute path of a file to be written; raises InputError as `export_shape_keys`."""
+    target = checked_target(path)
+    if target.suffix.lower() not in KEY_FORMATS:
+        raise InputError(
+            "{name}: a mesh with shape keys is written to files that end in {endings}.",
+            name=target.name,
+            endings=", ".join(KEY_FORMATS),
+        )
+    return target
+
+
+@dataclass(frozen=True)
+class _Sampled:
+    """Values of all shape keys but the first in every frame, (f, k), and their names."""
+
+    names: list[str]
+    values: NDArray[np.float64]
+
+
+def _sampled_keys(obj: bpy.types.Object, frames: range) -> _Sampled:
+    """Read the shape keys as drivers and animation leave them; the scene returns to its own frame."""
+    scene, found = bpy.context.scene, []
+    own = scene.frame_current
+    try:
+        for frame in frames:
+            scene.frame_set(frame)
+            keys = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.shape_keys
+            found.append([key.value for key in list(keys.key_blocks)[1:]])
+    finally:
+        scene.frame_set(own)
+    return _Sampled([key.name for key in list(obj.data.shape_keys.key_blocks)[1:]], np.array(found, dtype=np.float64))
+
+
+@contextmanager
+def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
+    """Show a copy of an object in a scene of its own, its shape keys keyed in every frame from 0 on."""
+    sampled, render = _sampled_keys(obj, frames), bpy.context.scene.render
+    with scratch_scene() as scene:
+        scene.frame_start, scene.frame_end = 0, len(frames) - 1
+        scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
+        mesh = obj.data.copy()
+        copy = bpy.data.objects.new(obj.name, mesh)
+        copy.matrix_world = obj.matrix_world
+        scene.collection.objects.link(copy)
+        keys = mesh.shape_keys
+        keys.animation_data_clear()
+        keys.name = f"{obj.name} Keys"
+        made = []
+        try:
+            for name, values in zip(sampled.names, sampled.values.T, strict=True):
+                for number, value in enumerate(values):
+                    keys.key_blocks[name].value = value
+                    keys.key_blocks[name].keyframe_insert("value", frame=number)
+            make_linear(keys)
+            made.append(keys.animation_data.action)
+            scene.frame_set(0)
+            yield
+        finally:
+            bpy.data.objects.remove(copy)
+            bpy.data.meshes.remove(mesh)
+            bpy.data.batch_remove(made)
+
+
+def _write_targets(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Object, range, Path], list[Path]]:
+    """Return what writes the keys themselves by one of Blender's exporters."""
+
+    def written(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
+        with _keyed_copy(obj, frames), written_whole(target) as draft:
+            _require(write(str(draft)), draft, target)
+        return [target]
+
+    return written
+
+
+def _write_points(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Object, range, Path], list[Path]]:
+    """Return what writes the vertices of every frame, with velocities, by one of Blender's exporters."""
+
+    def written(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
+        render = bpy.context.scene.render
+        moving = sampled_vertices(obj, bpy.context.scene, frames)
+        meshes = _frame_meshes(obj, moving, render.fps / render.fps_base)
+        shown = [bpy.data.objects.new(mesh.name, mesh) for mesh in meshes]
+        try:
+            with scratch_scene() as scene, written_whole(target) as draft:
+                scene.frame_start, scene.frame_end = frames[0], frames[-1]
+                scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
+                sequence = mesh_sequence(bpy.path.clean_name(target.stem), [(one,) for one in shown], frames[0])
+                try:
+                    scene.collection.objects.link(sequence)
+                    scene.frame_set(frames[0])
+                    _require(write(str(draft)), draft, target)
+                finally:
+                    remove_sequence(sequence)
+        finally:
+            bpy.data.batch_remove([*shown, *meshes])
+        return [target]
+
+    return written
+
+
+def _frame_meshes(obj: bpy.types.Object, moving: MovingVertices, fps: float) -> list[bpy.types.Mesh]:
+    """Make a mesh for every frame, in world space, with the velocities of its vertices."""
+    velocities = np.gradient(moving.points, axis=0) * fps if len(moving.points) > 1 else np.zeros_like(moving.points)
+    meshes = []
+    for points, velocity in zip(moving.points, velocities, strict=True):
+        mesh = _without_keys(obj)
+        mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+        write_velocity(mesh, velocity)
+        mesh.update()
+        meshes.append(mesh)
+    return meshes
+
+
+def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
+    """Write vertex animation textures."""
+    render = bpy.context.scene.render
+    moving = sampled_vertices(obj, bpy.context.scene, frames)
+    mesh = _without_keys(obj)
+    try:
+        return write_moving_mesh(mesh, moving, target, render.fps / render.fps_base)
+    finally:
+        bpy.data.meshes.remove(mesh)
+
+
+def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """Return a copy of an object's mesh, modifiers applied, without shape keys."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return bpy.data.meshes.new_from_object(
+        obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
+    )
+
+
+def _require(finished: set[str], draft: Path, target: Path) -> None:
+    if "FINISHED" not in finished or not draft.is_file():
+        raise ConvwassError("{file} could not be written.", file=str(target))
+    require_whole(draft, target)
+
+
+def _gltf(file: str) -> set[str]:
+    return bpy.ops.export_scene.gltf(
+        filepath=file,
+        export_format="GLB",
+        use_active_scene=True,
+        export_animation_mode="ACTIONS",
+        export_force_sampling=False,
+        export_optimize_animation_size=False,
+        export_extras=False,
+        export_morph=True,
+        export_morph_normal=True,
+        export_morph_tangent=False,
+    )
+
+
+def _fbx(file: str) -> set[str]:
+    return bpy.ops.export_scene.fbx(
+        filepath=file,
+        object_types={"MESH"},
+        bake_anim_use_all_actions=False,
+        bake_anim_use_nla_strips=False,
+        bake_anim_simplify_factor=0.0,
+    )
+
+
+def _usd(file: str) -> set[str]:
+    return bpy.ops.wm.usd_export(
+        filepath=file, export_animation=True, evaluation_mode="RENDER", convert_world_material=False
+    )
+
+
+def _alembic(file: str) -> set[str]:
+    scene = bpy.context.scene
+    return bpy.ops.wm.alembic_export(
+        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER"
+    )
+
+
+KEY_FORMATS: dict[str, Callable[[bpy.types.Object, range, Path], list[Path]]] = {
+    ".glb": _write_targets(_gltf),
+    ".fbx": _write_targets(_fbx),
+    ".usdc": _write_points(_usd),
+    ".usd": _write_points(_usd),
+    ".usda": _write_points(_usd),
+    ".abc": _write_points(_alembic),
+    ".json": _write_textures,
+}
+"""What writes a mesh with shape keys, by the ending of the file."""

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Animated objects and baked morphs as the vertices of all their frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
+from ...errors import InputError
+from ..keyframes import curves_of
+from ..morphs.appearance import seen_colors
+
+# From here on, sRGB is a power law; below, it is linear (IEC 61966-2-1).
+_SRGB_KNEE = 0.0031308
+
+
+@dataclass(frozen=True)
+class MovingVertices:
+    """What vertices of constant number do over scene frames.
+
+    Attributes
+    ----------
+    points, normals : (f, n, 3) float64
+        World space.
+    frames : range
+        The scene frames.
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    frames: range
+
+
+def keyed_span(obj: bpy.types.Object) -> range:
+    """Return the scene frames from the first to the last key of an object.
+
+    Raises
+    ------
+    InputError
+        It has no keys.
+    """
+    spans = [curve.range() for curve in curves_of(obj) if len(curve.keyframe_points)]
+    if not spans:
+        raise InputError("{name} is not animated; key its sliders first.", name=obj.name)
+    return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
+
+
+def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: range) -> MovingVertices:
+    """Read the vertices of an object, modifiers applied, in every frame; the scene returns to its own frame.
+
+    Raises
+    ------
+    InputError
+        A modifier changes the number of vertices on the way.
+    """
+    own, points, normals = scene.frame_current, [], []
+    try:
+        for frame in frames:
+            scene.frame_set(frame)
+            evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            mesh = evaluated.to_mesh()
+            matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+            points.append(_placed(_read(mesh.vertices, "co"), matrix))
+            normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
+            evaluated.to_mesh_clear()
+    finally:
+        scene.frame_set(own)
+    if len({len(one) for one in points}) > 1:
+        raise InputError("{name}: the number of its vertices changes with time; remove that modifier.", name=obj.name)
+    return MovingVertices(np.stack(points), np.stack(normals), frames)
+
+
+def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
+    """Read the triangles of frame objects, one after the other, with their normals and colors, in world space."""
+    corners, normals, colors = [], [], []
+    for obj in objects:
+        mesh, matrix = obj.data, np.array(obj.matrix_world, dtype=np.float64)
+        mesh.calc_loop_triangles()
+        loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("loops", loops)
+        vertices = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("vertices", vertices)
+        corners.append(_placed(_read(mesh.vertices, "co"), matrix)[vertices].reshape(-1, 3, 3))
+        normals.append(_turned(_read(mesh.corner_normals, "vector"), matrix)[loops].reshape(-1, 3, 3))
+        seen = srgb(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
+        colors.append(seen[vertices].reshape(-1, 3, 3))
+    return padded_triangles(corners, normals, colors)
+
+
+def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encode scene-linear values for images of 8 bits; those beyond 0 and 1 are clipped."""
+    values = np.clip(linear, 0.0, 1.0)
+    curved = 1.055 * np.power(np.maximum(values, _SRGB_KNEE), 1.0 / 2.4) - 0.055
+    return np.where(values <= _SRGB_KNEE, 12.92 * values, curved)
+
+
+def _read(items: bpy.types.bpy_prop_collection, name: str) -> NDArray[np.float64]:
+    values = np.empty(3 * len(items), np.float32)
+    items.foreach_get(name, values)
+    return values.reshape(-1, 3).astype(np.float64)
+
+
+def _placed(points: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _turned(normals: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    turned = normals @ np.linalg.inv(matrix[:3, :3])
+    lengths = np.linalg.norm(turned, axis=1, keepdims=True)
+    return np.where(lengths > 0.0, turned / np.maximum(lengths, 1e-30), [0.0, 0.0, 1.0])

@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertex animation textures with the mesh that wears them, for game engines and browsers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_normals, split_steps, y_up
+from ...applications.palettes.png_bytes import png_bytes
+from ...drafts import written_whole
+from ...errors import ConvwassError
+from ..image_files import ImageFormat, drawn_image, write_image
+from ..scratch_scene import scratch_scene
+from .moving_meshes import MovingVertices
+
+UV_MAP = "VAT"
+"""Name of the UV map that says where a vertex is in the textures."""
+
+_EXR = ImageFormat("OPEN_EXR", "RGB", "32")
+
+
+def write_moving_mesh(mesh: bpy.types.Mesh, moving: MovingVertices, target: Path, fps: float) -> list[Path]:
+    """Write a mesh of constant topology with textures of its vertices.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        With as many vertices as are moving; it becomes the file's, in its first frame, and gets another UV map.
+    moving : MovingVertices
+        What they do.
+    target : Path
+        The .json file, beside which the others go under names that begin like it.
+    fps : float
+        Frames per second.
+
+    Returns
+    -------
+    list of Path
+        All files: the description, the mesh (.glb) and the textures.
+
+    Raises
+    ------
+    InputError
+        Too many vertices and frames for a texture.
+    ConvwassError
+        A file could not be written.
+    """
+    animation = VertexAnimation(y_up(moving.points), y_up(moving.normals))
+    mesh.vertices.foreach_set("co", moving.points[0].astype(np.float32).ravel())
+    mesh.update()
+    vertices = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    _add_coordinates(mesh, animation.grid.coordinates()[vertices])
+    return _written(animation, mesh, target, fps)
+
+
+def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) -> list[Path]:
+    """Write triangles of changing topology, padded to the same number in all frames, with textures of their corners.
+
+    Parameters
+    ----------
+    animation : VertexAnimation
+        World space, corners of triangles.
+    target, fps
+        As for `write_moving_mesh`, which says what is returned and raised.
+    """
+    corners = animation.points[0].astype(np.float32)
+    mesh = bpy.data.meshes.new(target.stem)
+    try:
+        mesh.vertices.add(len(corners))
+        mesh.loops.add(len(corners))
+        mesh.polygons.add(len(corners) // 3)
+        mesh.vertices.foreach_set("co", corners.ravel())
+        mesh.loops.foreach_set("vertex_index", np.arange(len(corners), dtype=np.int32))
+        mesh.polygons.foreach_set("loop_start", np.arange(0, len(corners), 3, dtype=np.int32))
+        mesh.update(calc_edges=True)
+        upright = VertexAnimation(
+            y_up(animation.points), y_up(animation.normals), animation.colors, changing=animation.changing
+        )
+        _add_coordinates(mesh, upright.grid.coordinates())
+        return _written(upright, mesh, target, fps)
+    finally:
+        bpy.data.meshes.remove(mesh)
+
+
+def _add_coordinates(mesh: bpy.types.Mesh, coordinates: NDArray[np.float64]) -> None:
+    """Add the UV map to the corners, (k, 2); Blender's V goes up, that of glTF down."""
+    layer = mesh.uv_layers.new(name=UV_MAP, do_init=False)
+    upward = np.stack([coordinates[:, 0], 1.0 - coordinates[:, 1]], axis=1)
+    layer.uv.foreach_set("vector", np.ascontiguousarray(upward, dtype=np.float32).ravel())
+
+
+def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps: float) -> list[Path]:
+    """Write the textures, the mesh and the description, in glTF's axes."""
+    grid, bounds = animation.grid, animation.bounds
+    files = {name: target.with_name(f"{target.stem}_{name}") for name in ("positions.png", "positions.exr")}
+    files |= {name: target.with_name(f"{target.stem}_{name}") for name in ("normals.png", "mesh.glb")}
+    split = split_steps(animation.points, bounds)
+    _write_png(np.concatenate([grid.arranged(half) for half in split]), files["positions.png"])
+    _write_png(grid.arranged(packed_normals(animation.normals)), files["normals.png"])
+    _write_exr(grid.arranged(animation.points.astype(np.float32)), files["positions.exr"])
+    if animation.colors is not None:
+        files["colors.png"] = target.with_name(f"{target.stem}_colors.png")
+        _write_png(grid.arranged(np.rint(255.0 * animation.colors).astype(np.uint8)), files["colors.png"])
+    _write_glb(mesh, files["mesh.glb"])
+    record = {
+        "format": "convwass vertex animation texture",
+        "version": 1,
+        "topology": "changing" if animation.changing else "constant",
+        "vertices": grid.points,
+        "frames": grid.frames,
+        "frames_per_second": fps,
+        "texture": {"width": grid.width, "height": grid.height, "rows_per_frame": grid.rows},
+        "texture_coordinates": {"name": UV_MAP, "index": mesh.uv_layers.find(UV_MAP)},
+        "bounds": {"low": bounds[0].tolist(), "high": bounds[1].tolist()},
+        "axes": "right-handed, Y up, as in glTF",
+        "files": {name.replace(".", "_"): file.name for name, file in files.items()},
+    }
+    with written_whole(target) as draft:
+        draft.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+    return [target, *files.values()]
+
+
+def _write_png(pixels: NDArray[np.uint8], path: Path) -> None:
+    """Write an image of 8 bits, (height, width, 3), top row first."""
+    opaque = np.ones((*pixels.shape[:2], 4), np.float32)
+    opaque[..., :3] = pixels / np.float32(255.0)
+    with written_whole(path) as draft:
+        draft.write_bytes(png_bytes(opaque[::-1]))
+
+
+def _write_exr(pixels: NDArray[np.float32], path: Path) -> None:
+    """Write an image of floats, (height, width, 3), top row first."""
+    opaque = np.ones((*pixels.shape[:2], 4), np.float32)
+    opaque[..., :3] = pixels
+    with drawn_image(opaque[::-1], "Non-Color") as image:
+        write_image(image, path, _EXR)
+
+
+def _write_glb(mesh: bpy.types.Mesh, path: Path) -> None:
+    """Write a mesh as it is, with its materials and UV maps."""
+    with _alone(mesh, path.stem), written_whole(path) as draft:
+        finished = bpy.ops.export_scene.gltf(
+            filepath=str(draft),
+            export_format="GLB",
+            use_active_scene=True,
+            export_animations=False,
+            export_extras=False,
+        )
+        if "FINISHED" not in finished:
+            raise ConvwassError("{file} could not be written.", file=str(path))
+
+
+@contextmanager
+def _alone(mesh: bpy.types.Mesh, name: str) -> Iterator[None]:
+    """Show a mesh in a scene of its own."""
+    with scratch_scene() as scene:
+        obj = bpy.data.objects.new(name, mesh)
+        scene.collection.objects.link(obj)
+        try:
+            yield
+        finally:
+            bpy.data.objects.remove(obj)

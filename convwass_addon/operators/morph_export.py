@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Write a baked morph, or a mesh with shape keys, for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import StringProperty
+
+from ..bridge.active import active_object
+from ..bridge.one_mesh.records import has_key_record
+from ..errors import ConvwassError, InputError
+from .morph_manage import active_morph
+from .reporting import refuse_if_known, tell
+
+
+class CONVWASS_OT_export_morph(bpy.types.Operator):
+    """Write the active morph or mesh with shape keys for other programs; the ending of the file tells the format"""
+
+    bl_idname = "convwass.export_morph"
+    bl_label = "Export"
+
+    filepath: StringProperty(
+        name="File Path",
+        description="The file to write: .glb (glTF), .usdc, .abc (Alembic), .json (vertex animation texture); with "
+        "shape keys also .fbx, and without .obj, .ply and .stl, one file per frame",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+    )
+    filter_glob: StringProperty(
+        name="File Filter",
+        default="*.glb;*.fbx;*.usd;*.usda;*.usdc;*.usdz;*.abc;*.json;*.obj;*.ply;*.stl",
+        options={"HIDDEN"},
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if not has_key_record(active_object(context)) and active_morph(context) is None:
+            cls.poll_message_set("Select an object of a baked morph or a mesh with its shape keys")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            name = bpy.path.clean_name(_subject(context).name) + ".glb"
+            self.filepath = f"//{name}" if bpy.data.filepath else name
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        try:
+            files = self._written(context)
+        except (ConvwassError, OSError, MemoryError) as error:
+            return refuse_if_known(self, error)
+        megabytes = sum(file.stat().st_size for file in files) / 1e6
+        message = rpt_("{:s}: {:d} files, {:.1f} MB in {:s}")
+        tell(self, message.format(_subject(context).name, len(files), megabytes, str(files[0].parent)))
+        return {"FINISHED"}
+
+    def _written(self, context: bpy.types.Context) -> list[Path]:
+        from ..bridge.morphs.exports import export_frames, format_of
+        from ..bridge.one_mesh.key_files import export_shape_keys
+
+        if not self.filepath:
+            raise InputError("Choose a file to write.")
+        path, subject = Path(bpy.path.abspath(self.filepath)), _subject(context)
+        if isinstance(subject, bpy.types.Object):
+            return export_shape_keys(subject, path)
+        return export_frames(subject, path, format_of(path))
+
+
+def _subject(context: bpy.types.Context) -> bpy.types.Object | bpy.types.Collection:
+    """Return the active mesh with shape keys, or else the active morph."""
+    active = active_object(context)
+    return active if has_key_record(active) else active_morph(context)
+
+
+classes = (CONVWASS_OT_export_morph,)

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of a mesh whose shape keys lead to other shapes."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from ..bridge.active import active_object
+from ..bridge.one_mesh.records import has_key_record, key_records
+from ..errors import ConvwassError
+from ..operators.morph_export import CONVWASS_OT_export_morph
+from ..translations import translated
+from .sidebar import Sidebar, draw_wrapped
+
+
+class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
+    """Sliders of a mesh that takes other shapes"""
+
+    bl_label = "Shape Keys"
+    bl_idname = "CONVWASS_PT_one_mesh"
+
+    @classmethod
+    def poll(cls, context):
+        return has_key_record(active_object(context))
+
+    def draw(self, context):
+        layout, obj = self.layout, context.object
+        try:
+            records = key_records(obj)
+        except ConvwassError as error:
+            draw_wrapped(layout, context, translated(error.sentence), "ERROR")
+            return
+        column = layout.column(align=True)
+        for record in records:
+            name = record["name"]
+            if name in obj:
+                column.prop(obj, f'["{bpy.utils.escape_identifier(name)}"]', text=name, translate=False, slider=True)
+        for record in records:
+            if record.get("poor"):
+                text = iface_("{:s}: {:d} vertices are folded or do not arrive").format(record["name"], record["poor"])
+                draw_wrapped(layout, context, text, "ERROR")
+        layout.operator(CONVWASS_OT_export_morph.bl_idname, icon="EXPORT")
+
+
+classes = (CONVWASS_PT_one_mesh,)

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh with shape keys in files for other programs."""
+
+from __future__ import annotations
+
+import json
+import struct
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, joined_steps, unpacked_normals, y_up
+from convwass_addon.bridge.image_files import opened_image
+from convwass_addon.bridge.keyframes import make_linear
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+from convwass_addon.errors import InputError
+
+# Blender's own add-ons use what newer versions of NumPy and Python advise against.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+FRAMES = 4
+UP, ASIDE = np.array([0.0, 0.0, 2.0]), np.array([1.0, 0.0, 1.0])
+
+
+@pytest.fixture
+def keyed(make_object, octahedron):
+    """Make an octahedron that goes aside and up in frames 3 to 7 by two keys, of which the first is at its half."""
+    source = make_object("Shape")
+    rest = octahedron.vertices
+    path = KeyPath("Up", (0.5, 1.0), np.stack([rest + ASIDE, rest + UP]), 0.9, 0.0, 0.0, 0.0, 0)
+    obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
+    animate_sliders(obj, ["Up"], 3, FRAMES)
+    make_linear(obj)
+    return obj
+
+
+def expected_shift(t):
+    return 2.0 * t * ASIDE if t <= 0.5 else 2.0 * (1.0 - t) * ASIDE + (2.0 * t - 1.0) * UP
+
+
+def read_glb(file):
+    data = file.read_bytes()
+    length = struct.unpack_from("<I", data, 12)[0]
+    return json.loads(data[20 : 20 + length]), data[28 + length :]
+
+
+def accessor(head, body, index):
+    found = head["accessors"][index]
+    view = head["bufferViews"][found["bufferView"]]
+    width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[found["type"]]
+    kind = {5126: np.float32, 5125: np.uint32, 5123: np.uint16}[found["componentType"]]
+    return np.frombuffer(body, kind, found["count"] * width, view.get("byteOffset", 0)).reshape(-1, width)
+
+
+def test_gltf_has_the_keys_as_morph_targets_and_an_animation_of_their_weights(keyed, tmp_path, inventory):
+    before = inventory()
+    (file,) = export_shape_keys(keyed, tmp_path / "keys.glb")
+    assert inventory() == before
+    head, body = read_glb(file)
+    (mesh,) = head["meshes"]
+    assert mesh["extras"]["targetNames"] == ["Up 1", "Up 2"]
+    targets = mesh["primitives"][0]["targets"]
+    for target, shift in zip(targets, (ASIDE, UP), strict=True):
+        moved = accessor(head, body, target["POSITION"])
+        np.testing.assert_allclose(moved, np.broadcast_to(y_up(shift), moved.shape), atol=1e-6)
+    (animation,) = head["animations"]
+    (channel,) = animation["channels"]
+    assert channel["target"]["path"] == "weights"
+    sampler = animation["samplers"][channel["sampler"]]
+    times = accessor(head, body, sampler["input"]).ravel() * bpy.context.scene.render.fps
+    weights = accessor(head, body, sampler["output"]).reshape(-1, 2)
+    np.testing.assert_allclose(times, np.arange(FRAMES + 1), atol=1e-4)
+    np.testing.assert_allclose(weights, [[0, 0], [0.5, 0], [1, 0], [0.5, 0.5], [0, 1]], atol=1e-6)
+
+
+def test_fbx_keeps_the_keys(keyed, tmp_path):
+    (file,) = export_shape_keys(keyed, tmp_path / "keys.fbx")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.import_scene.fbx(filepath=str(file))
+    (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
+    assert [key.name for key in obj.data.shape_keys.key_blocks][1:] == ["Up 1", "Up 2"]
+    assert obj.data.shape_keys.animation_data.action is not None
+
+
+@pytest.mark.parametrize("suffix", [".usdc", ".abc"])
+def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, suffix, octahedron):
+    (file,) = export_shape_keys(keyed, tmp_path / f"keys{suffix}")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    read = bpy.ops.wm.usd_import if suffix == ".usdc" else bpy.ops.wm.alembic_import
+    read(filepath=str(file))
+    (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
+    depsgraph, fps = bpy.context.evaluated_depsgraph_get(), bpy.context.scene.render.fps
+    for number in range(FRAMES + 1):
+        bpy.context.scene.frame_set(3 + number)
+        points = triangle_mesh(obj, depsgraph).vertices
+        np.testing.assert_allclose(points, octahedron.vertices + expected_shift(number / FRAMES), atol=1e-5)
+        if number in (0, FRAMES):
+            evaluated = obj.evaluated_get(depsgraph)
+            velocity = np.array(evaluated.matrix_world.to_3x3() @ evaluated.data.attributes["velocity"].data[0].vector)
+            way = ASIDE if number == 0 else UP - ASIDE
+            np.testing.assert_allclose(velocity, way / 2 * fps, atol=0.1)
+
+
+def pixels(file):
+    with opened_image(file) as image:
+        image.colorspace_settings.name = "Non-Color"
+        found = np.empty(image.size[0] * image.size[1] * 4, np.float32)
+        image.pixels.foreach_get(found)
+        return found.reshape(image.size[1], image.size[0], 4)[::-1, :, :3]
+
+
+def decoded(record, folder):
+    """Read textures as a shader does: positions by two bytes, positions as floats, and normals."""
+    grid = TextureGrid(record["vertices"], record["frames"], record["texture"]["width"])
+    bounds = np.array([record["bounds"]["low"], record["bounds"]["high"]])
+    split = np.rint(255 * pixels(folder / record["files"]["positions_png"])).reshape(2, grid.height, grid.width, 3)
+    packed = grid.gathered(255 * pixels(folder / record["files"]["normals_png"]))
+    exact = grid.gathered(pixels(folder / record["files"]["positions_exr"]))
+    return joined_steps(np.stack([grid.gathered(half) for half in split]), bounds), exact, unpacked_normals(packed)
+
+
+def glb_vertices(record, folder):
+    head, body = read_glb(folder / record["files"]["mesh_glb"])
+    attributes = head["meshes"][0]["primitives"][0]["attributes"]
+    index = record["texture_coordinates"]["index"]
+    u, v = accessor(head, body, attributes[f"TEXCOORD_{index}"]).T
+    rows, columns = (v * record["texture"]["height"]).astype(int), (u * record["texture"]["width"]).astype(int)
+    return rows * record["texture"]["width"] + columns, accessor(head, body, attributes["POSITION"])
+
+
+def test_textures_of_a_mesh_with_keys_hold_its_frames(keyed, tmp_path, octahedron, inventory):
+    before = inventory()
+    files = export_shape_keys(keyed, tmp_path / "keys.json")
+    assert inventory() == before and all(file.is_file() for file in files)
+    record = json.loads(files[0].read_text())
+    assert (record["topology"], record["frames"], record["vertices"]) == ("constant", FRAMES + 1, 6)
+    points = np.stack([octahedron.vertices + expected_shift(n / FRAMES) for n in range(FRAMES + 1)])
+    read, exact, normals = decoded(record, tmp_path)
+    quantum = np.ptp(np.array(list(record["bounds"].values())), axis=0) / 65535
+    assert (np.abs(read - y_up(points)) <= 0.5 * quantum + 1e-6).all()
+    np.testing.assert_allclose(exact, y_up(points), atol=1e-6)
+    np.testing.assert_allclose(normals, np.broadcast_to(y_up(octahedron.vertices), normals.shape), atol=1.01 / 255)
+    vertices, places = glb_vertices(record, tmp_path)
+    np.testing.assert_allclose(places, y_up(points[0])[vertices], atol=1e-6)
+
+
+def test_an_object_without_animation_or_another_ending_is_refused(keyed, make_object, tmp_path):
+    with pytest.raises(InputError, match="end in"):
+        export_shape_keys(keyed, tmp_path / "keys.stl")
+    with pytest.raises(InputError, match="has no shape keys"):
+        export_shape_keys(make_object("Plain"), tmp_path / "keys.glb")
+    keyed.animation_data_clear()
+    for suffix in KEY_FORMATS:
+        with pytest.raises(InputError, match="is not animated"):
+            export_shape_keys(keyed, tmp_path / f"keys{suffix}")

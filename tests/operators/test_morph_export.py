@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writing morphs and meshes with shape keys for other programs."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+
+# Blender's own add-ons use what newer versions of NumPy and Python advise against.
+pytestmark = [pytest.mark.usefixtures("empty_scene"), pytest.mark.filterwarnings("ignore::DeprecationWarning")]
+
+
+@pytest.fixture
+def keyed():
+    bpy.ops.mesh.primitive_cube_add()
+    source = bpy.context.object
+    rest = np.array([vertex.co for vertex in source.data.vertices])
+    path = KeyPath("Up", (1.0,), (rest + np.array([0.0, 0.0, 2.0]))[None], 0.9, 0.0, 0.0, 0.0, 0)
+    obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
+    animate_sliders(obj, ["Up"], 1, 2)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+@pytest.mark.parametrize(("name", "count"), [("keys.glb", 1), ("keys.json", 5)])
+def test_the_active_mesh_with_keys_is_written(keyed, tmp_path, name, count):
+    assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / name)) == {"FINISHED"}
+    assert (tmp_path / name).is_file()
+    assert len(list(tmp_path.iterdir())) == count
+
+
+def test_what_cannot_be_written_is_refused(keyed, tmp_path):
+    with pytest.raises(RuntimeError, match="end in"):
+        bpy.ops.convwass.export_morph(filepath=str(tmp_path / "keys.xyz"))
+    with pytest.raises(RuntimeError, match="Choose a file"):
+        bpy.ops.convwass.export_morph()
+    bpy.context.view_layer.objects.active = None
+    assert not bpy.ops.convwass.export_morph.poll()
+
+
+def test_the_active_morph_is_written(tmp_path):
+    for x in (0.0, 3.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=20)
+    assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / "morph.obj")) == {"FINISHED"}
+    assert len(list(tmp_path.glob("*.obj"))) == 3
